@@ -1,5 +1,5 @@
-//! Bodies that slide and roll over a slab, whole or cut into parts. The cuts must not be felt: the
-//! trajectory on the cut slab is compared with that on the whole one.
+//! Bodies that slide and roll over a slab, whole or cut into parts. The cuts must have no effect:
+//! the trajectory on the cut slab is compared with the one on the whole slab.
 
 use std::sync::Arc;
 

@@ -19,7 +19,7 @@ const READ_DIRECTIONS: usize = 16;
 /// Maximum regret that counts as exact.
 const EXACT: f64 = 2e-7;
 
-/// Bakes, writes, opens and queries a pack: every support point of a hull must be that of its
+/// Bakes, writes, opens and queries a pack: every support point of a hull must equal that of its
 /// source points.
 ///
 /// # Panics

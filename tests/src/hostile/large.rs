@@ -57,7 +57,7 @@ pub enum Large {
     Honest(Family, IndexKind),
     /// Tetrahedra in a row.
     Row,
-    /// Tetrahedra in one place. An honest mesh can have them too, but no useful one.
+    /// Tetrahedra in one place. An honest mesh can have them too, but would be useless.
     Heap,
     /// A sphere, all of whose leaves are one list of all vertices.
     OneList,

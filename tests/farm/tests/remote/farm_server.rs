@@ -78,7 +78,7 @@ pub struct Tls {
     pub certificate: String,
     /// Its key.
     pub key: String,
-    /// Who signs certificates of clients; `None`: clients need none.
+    /// Authority that signs client certificates; `None`: clients need none.
     pub clients: Option<String>,
 }
 

@@ -1,5 +1,5 @@
-//! `bake build --remote` against a farm that is out to harm: sizes, digests, paths, streams without
-//! end, huge messages, and text for the terminal.
+//! `bake build --remote` against a hostile farm: sizes, digests, paths, streams without end, huge
+//! messages, and text for the terminal.
 
 use std::fs;
 use std::time::Duration;
@@ -100,7 +100,7 @@ fn numbers_of_outputs_are_bounded() {
 }
 
 #[test]
-fn rows_that_are_no_rows_are_refused() {
+fn invalid_rows_are_refused() {
     let setup = warm();
     let honest = setup.server.state.lock().unwrap().results.clone();
     let nested = format!(r#"{{"source":{}"#, "[".repeat(100_000));
@@ -245,7 +245,7 @@ fn values_of_headers_are_never_printed() {
 }
 
 #[test]
-fn headers_without_encryption_to_another_machine_are_warned_of() {
+fn unencrypted_headers_to_another_machine_get_a_warning() {
     let setup = Setup::new();
     let folder = setup.folder.path().join("one");
     // No such machine, by RFC 6761.

@@ -37,7 +37,7 @@ fn the_examples_are_doctests() {
     }
 }
 
-/// The rows in the README are those that its first command prints, except for the time.
+/// The rows in the README equal the output of its first command, except for the time.
 #[test]
 fn the_table_is_what_the_command_prints() {
     let folder = tempfile::tempdir().unwrap();
