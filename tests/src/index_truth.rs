@@ -43,7 +43,7 @@ pub struct Answers {
     pub wrong: usize,
 }
 
-/// What became of indices with a candidate less.
+/// Outcomes for indices with one candidate less.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mutations {
     /// Number of damaged indices that could not be proven.

@@ -2,7 +2,7 @@
 //!
 //! It measures by other code than the bounds: winding numbers are sums of solid angles, distances
 //! are brute force over all triangles, and points are compared with all planes of a part. Only the
-//! inside of a mesh that is not watertight is that of [`Solid`], since it is a convention.
+//! inside of a mesh that is not watertight comes from [`Solid`], since it is a convention.
 
 use glam::DVec3;
 use hullmap_bake::{
@@ -22,8 +22,8 @@ const HEIGHT_ERROR: f64 = 1e-9;
 /// Rounding error of a distance from a triangle, relative to the diagonal: needles lose digits.
 const DISTANCE_ERROR: f64 = 2e-6;
 
-/// What a point among `samples` refutes: half of them on the mesh's surface, half on the parts'.
-/// `None` if no point refutes a claim.
+/// The claim that a point among `samples` refutes: half of them on the mesh's surface, half on the
+/// parts'. `None` if no point refutes a claim.
 ///
 /// # Complexity
 /// For each point, all planes of all parts, or all triangles twice.
@@ -132,7 +132,7 @@ mod tests {
 
     use super::*;
 
-    /// Claims that are right stand; each of them overstated by a tenth falls.
+    /// Correct claims pass; each of them overstated by a tenth fails.
     #[test]
     fn overstated_claims_are_refuted() {
         let mesh = concave::l();

@@ -157,7 +157,7 @@ fn folder_path(root: &Path, folder: &str, index: usize) -> std::path::PathBuf {
     root.join(folder).join(format!("{index}.hullmap"))
 }
 
-/// A source is replaced continually. Each pack is that of a complete source, and records which.
+/// A source is replaced continually. Each pack belongs to a complete source, and records which one.
 #[test]
 fn a_source_that_changes_during_a_bake_gives_the_old_or_the_new_pack() {
     let folder = tempfile::tempdir().unwrap();

@@ -617,7 +617,7 @@ fn missing_or_changed_sources_are_reported() {
 }
 
 #[test]
-fn exit_codes_are_those_of_every_command() {
+fn exit_codes_match_the_other_commands() {
     let folder = baked(&["cube", "cone"], &[]);
     for words in [
         &["report"][..],

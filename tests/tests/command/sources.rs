@@ -86,7 +86,7 @@ fn a_mixed_folder_is_baked_verified_and_found_again() {
 }
 
 #[test]
-fn recentred_hulls_keep_the_digits_of_what_is_far_away() {
+fn recentred_hulls_keep_the_digits_of_distant_points() {
     let folder = tempfile::tempdir().unwrap();
     let far = |x: &str, y: &str, z: &str| format!("v 1000000.{x} -2000000.{y} 3000000.{z}\n");
     let corners =
@@ -191,7 +191,7 @@ fn meshes_of_other_formats_are_counted_and_listed() {
 
 /// One folder without meshes stopped the build of all others.
 #[test]
-fn a_folder_without_meshes_stops_no_other() {
+fn a_folder_without_meshes_does_not_stop_the_others() {
     let folder = folder();
     fs::create_dir(folder.path().join("textures")).unwrap();
     let run = bake(folder.path(), "build textures meshes --out out --json").expect(2);

@@ -1,5 +1,5 @@
-//! Packs, meshes and names from elsewhere: what they must not make the command read, write or
-//! print.
+//! Untrusted packs, meshes and names: files that they must not make the command read or write, and
+//! text that it must not print.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -327,7 +327,7 @@ fn json_keeps_every_character() {
     }
 }
 
-/// Nothing prints around `terminal.rs`, which escapes every line.
+/// All text is printed through `terminal.rs`, which escapes every line.
 #[test]
 fn text_leaves_through_one_file() {
     fn search(folder: &Path, found: &mut Vec<std::path::PathBuf>) {

@@ -504,7 +504,7 @@ fn several_hulls_share_a_pack() {
 }
 
 #[test]
-fn grid_coordinates_are_those_of_the_runtime() {
+fn grid_coordinates_match_the_runtime() {
     let mut rng = SplitMix64::new(SEED);
     let check = |d: [f32; 3]| {
         let cell = hullmap_format::cube::locate(d);
