@@ -18,7 +18,8 @@ const LINES: [(&str, &str, &str, &str); 4] = [
     ("hullmap yes/no", "intersects", "hullmap_ns", "#5fa8dc"),
 ];
 
-/// Draws the lines of `text`, the CSV that `contact-table` writes. `source` names machine and date.
+/// Draws the lines of `text`, the CSV that `contact-table` writes. `source` names the machine and
+/// the date.
 ///
 /// # Errors
 /// If the CSV is malformed or has no value for a line.

@@ -6,9 +6,9 @@
 //! quartiles.
 //!
 //! All modes except the cold one are hot: a batch runs twice and the second pass counts, since the
-//! rivals before it have evicted its tables from the cache. The hot part of the tables is what up
-//! to [`DIRECTION_COUNT`] directions lead to. For a large index that is more than the second-level
-//! cache holds.
+//! other rivals have evicted its tables from the cache. Only the parts of the tables that up to
+//! [`DIRECTION_COUNT`] directions lead to become hot. For a large index that is more than the
+//! second-level cache holds.
 
 use std::time::Duration;
 

@@ -111,7 +111,7 @@ pub trait Start {
     /// The rival's name.
     const NAME: &'static str;
 
-    /// The first vertex; `last` is the end of the last climb.
+    /// Starts from the first vertex; `last` is the end of the last climb.
     fn start(graph: &Graph, last: u32, dir: Vec3) -> u32;
 }
 
@@ -128,7 +128,7 @@ impl Start for OneStart {
     }
 }
 
-/// From the best of up to 14 vertices: the extreme vertices along the axes and diagonals.
+/// Starts from the best of up to 14 vertices: the extreme vertices along the axes and diagonals.
 #[derive(Clone, Copy, Debug)]
 pub struct ManyStarts;
 

@@ -1,7 +1,7 @@
 //! Scenes of many different hulls: queries whose working set is larger than the caches.
 //!
-//! A benchmark that asks one hull again and again finds everything in the first-level cache. Games
-//! and robots ask another hull each time.
+//! A benchmark that queries one hull repeatedly finds everything in the first-level cache. Games
+//! and robots query a different hull each time.
 //!
 //! | module | what |
 //! |---|---|
@@ -72,7 +72,7 @@ impl Scene {
     }
 }
 
-/// Points on an ellipsoid, all of which are vertices of their hull.
+/// Points on an ellipsoid. All of them are vertices of their hull.
 fn ellipsoid(vertices: usize, number: usize) -> Vec<[f32; 3]> {
     let seed = SEED + number as u64;
     let mut rng = SplitMix64::new(seed);

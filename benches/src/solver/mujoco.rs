@@ -144,7 +144,7 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        // A program that has ended already is as good.
+        // The program may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

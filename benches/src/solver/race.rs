@@ -45,7 +45,7 @@ impl Effort {
         }
     }
 
-    /// A short table in some seconds.
+    /// A short table in a few seconds.
     pub const QUICK: Self = Self { poses: 30, paths: 4, frames: 9, pieces: [12, 4], rounds: 3 };
 }
 
