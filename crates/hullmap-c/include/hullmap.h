@@ -7,8 +7,8 @@
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
 // Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
-// of unit length. Lengths are in the unit of the shapes, which the library does not know. Numbers
-// are double precision.
+// of unit length. Lengths are in the unit of the shapes, whatever it is. Numbers are double
+// precision.
 //
 // Errors. Functions return a HullmapResult, HULLMAP_RESULT_OK on success; hullmap_last_error() has
 // the message of the last failure on the calling thread. A call that fails writes nothing to its
@@ -17,7 +17,7 @@
 // bug in the library is HULLMAP_RESULT_PANIC, after a line on stderr. If memory runs out, the
 // process is aborted.
 //
-// Numerical trouble is no error: it is in the status of an answer, and never reads as "no contact".
+// Numerical trouble is not an error: an answer's status states it, and it is never "no contact".
 // NaN and infinity in poses, points and lengths are errors.
 //
 // Memory. A handle is made by a function with HullmapX **out, and is freed once by the function
