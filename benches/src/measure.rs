@@ -98,10 +98,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Sorts `samples`, in nanoseconds.
-    ///
-    /// # Panics
-    /// Without samples.
+    /// Sorts `samples`, in nanoseconds. Panics without samples.
     pub fn new(mut samples: Vec<f64>) -> Self {
         samples.sort_unstable_by(f64::total_cmp);
         let at = |quarter: usize| samples[(samples.len() - 1) * quarter / 4];

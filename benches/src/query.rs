@@ -93,10 +93,8 @@ pub trait Contestant {
     /// on the last answer. Returns the time and the number of queries.
     ///
     /// The shuffle brings the pointers and lengths of a copy's tables back into the cache. So only
-    /// the tables miss, as for a hull whose object the broad phase has just visited.
-    ///
-    /// # Panics
-    /// Without [`stock_copies`](Self::stock_copies).
+    /// the tables miss, as for a hull whose object the broad phase has just visited. Panics without
+    /// [`stock_copies`](Self::stock_copies).
     fn run_cold(&self, dirs: &[Vec3], eviction: &mut Eviction, rng: &mut SplitMix64) -> (Duration, usize);
 
     /// The answers to `dirs`, in order.

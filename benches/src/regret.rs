@@ -51,10 +51,8 @@ impl Truth {
         &self.dirs
     }
 
-    /// Judges one answer for each direction.
-    ///
-    /// # Panics
-    /// If there are more or fewer answers than directions.
+    /// Judges one answer for each direction. Panics if there are more or fewer answers than
+    /// directions.
     pub fn judge(&self, answers: &[Vec3]) -> Verdict {
         assert_eq!(answers.len(), self.dirs.len());
         let (mut max_regret, mut wrong) = (0.0_f64, 0);

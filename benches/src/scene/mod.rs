@@ -40,10 +40,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Bakes `count` ellipsoids of `vertices` random points each.
-    ///
-    /// # Panics
-    /// If one of them cannot be baked: a bug. If parry3d rejects one.
+    /// Bakes `count` ellipsoids of `vertices` random points each. Panics if parry3d rejects a hull.
     pub fn bake(count: usize, vertices: usize, index: IndexChoice) -> Self {
         let numbers: Vec<usize> = (0..count).collect();
         let packs: Vec<Pack> = numbers

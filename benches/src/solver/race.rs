@@ -191,10 +191,7 @@ impl<'s> Heat<'s> {
     }
 }
 
-/// Measures one vertex count.
-///
-/// # Panics
-/// If parry rejects the hulls of every family.
+/// Measures one vertex count. Panics if parry rejects the hulls of every family.
 pub fn run(n: usize, effort: Effort) -> Record {
     let (mut stages, mut rejected) = (Vec::new(), Vec::new());
     for family in FAMILIES {

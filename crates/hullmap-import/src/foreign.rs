@@ -103,11 +103,8 @@ enum Foreign {
     WebPage,
 }
 
-/// Format of a file that a reader can be tried on.
-///
-/// # Errors
-/// The file is in a format that is not supported, is a Git LFS pointer, or is UTF-16 in a format
-/// other than OBJ.
+/// Format of a file that a reader can be tried on. Fails if the file is in a format that is not
+/// supported, is a Git LFS pointer, or is UTF-16 in a format other than OBJ.
 ///
 /// # Complexity
 /// O(1).

@@ -67,10 +67,7 @@ impl Placement {
         }
     }
 
-    /// Position of a vertex in the hulls' frame.
-    ///
-    /// # Errors
-    /// A coordinate is too large for `f32`.
+    /// Position of a vertex in the hulls' frame. Fails if a coordinate is too large for `f32`.
     #[expect(clippy::indexing_slicing, reason = "callers pass vertices of the mesh")]
     pub fn place(&self, positions: &Positions, vertex: u32) -> Result<[f32; 3], Fault> {
         if let (Positions::Single(singles), false) = (positions, self.is_recentred || self.scale != 1.0) {
@@ -80,10 +77,8 @@ impl Placement {
     }
 
     /// Positions of all vertices in the hulls' frame. Frees the memory of `f64` positions on the
-    /// way, since both whole lists together would be the peak of an import.
-    ///
-    /// # Errors
-    /// A coordinate is too large for `f32`.
+    /// way, since both whole lists together would be the peak of an import. Fails if a coordinate
+    /// is too large for `f32`.
     ///
     /// # Complexity
     /// O(vertices).

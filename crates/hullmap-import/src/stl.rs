@@ -30,10 +30,8 @@ const TRIANGLE: usize = 50;
 /// Number of bytes within which a text file must contain `facet` or `endsolid`.
 const TEXT_PROBE: usize = 4096;
 
-/// Reads an STL file. `is_double` selects `f64` for the positions of a text file.
-///
-/// # Errors
-/// The first fault, with its line in a text file, or with its triangle in a binary file.
+/// Reads an STL file. `is_double` selects `f64` for the positions of a text file. The error is the
+/// first fault, with its line in a text file, or with its triangle in a binary file.
 ///
 /// # Complexity
 /// O(bytes).

@@ -46,10 +46,8 @@ struct Body {
     points: Vec<DVec3>,
 }
 
-/// Builds two shapes, runs all queries in a few poses, and judges the answers.
-///
-/// # Panics
-/// If an answer is NaN, exceeds a cap, or contradicts brute force.
+/// Builds two shapes, runs all queries in a few poses, and judges the answers. Panics if an answer
+/// is NaN, exceeds a cap, or contradicts brute force.
 pub fn solver(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let (Some(a), Some(b)) = (Body::read(&mut bytes), Body::read(&mut bytes)) else { return };

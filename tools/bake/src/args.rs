@@ -690,10 +690,8 @@ pub fn command(program: &str) -> clap::Command {
     names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))
 }
 
-/// Parses the command line.
-///
-/// # Errors
-/// clap's error, which exits with 2 (or 0 for `--help` and `--version`).
+/// Parses the command line. The error is clap's, which exits with 2 (or 0 for `--help` and
+/// `--version`).
 pub fn parse<I, T>(words: I) -> Result<Cli, clap::Error>
 where
     I: IntoIterator<Item = T>,

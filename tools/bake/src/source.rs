@@ -205,10 +205,8 @@ fn refusal(project: Option<&Project>, path: &Path) -> Option<&'static str> {
 /// The path that `--source` gives for each pack.
 ///
 /// A folder counts for every pack. A single mesh counts for the packs whose own name or recorded
-/// source name it has; the other packs are left to the usual search.
-///
-/// # Errors
-/// `--source` names a mesh, there are several packs, and none of them has its name.
+/// source name it has; the other packs are left to the usual search. Fails if `--source` names a
+/// mesh, there are several packs, and none of them has its name.
 pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
     let Some(mesh) = given.filter(|path| !path.is_dir() && places.len() > 1) else {
         return Ok(vec![given; places.len()]);

@@ -69,17 +69,11 @@ impl<'a> Output<'a> {
     }
 
     /// Writes a line for people.
-    ///
-    /// # Errors
-    /// The errors of the writer.
     pub fn line(&mut self, line: impl Display) -> io::Result<()> {
         writeln!(self.writer, "{}", Escaped(line))
     }
 
     /// Writes an object as one line of JSON.
-    ///
-    /// # Errors
-    /// The errors of the writer.
     pub fn json(&mut self, object: &impl Serialize) -> io::Result<()> {
         serde_json::to_writer(&mut self.writer, object).map_err(io::Error::from)?;
         writeln!(self.writer)
@@ -87,17 +81,11 @@ impl<'a> Output<'a> {
 
     /// Writes a text of the program itself, without names from elsewhere, or a whole file, as it
     /// is.
-    ///
-    /// # Errors
-    /// The errors of the writer.
     pub fn verbatim(&mut self, text: &[u8]) -> io::Result<()> {
         self.writer.write_all(text)
     }
 
     /// Passes everything written so far on.
-    ///
-    /// # Errors
-    /// The errors of the writer.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }

@@ -25,11 +25,8 @@ pub struct Container<'a> {
     pub buffer: Option<&'a [u8]>,
 }
 
-/// Opens glTF text or a GLB file. The first bytes distinguish them.
-///
-/// # Errors
-/// The container is damaged, the text is not glTF 2.0, or the file requires an extension that is
-/// not supported.
+/// Opens glTF text or a GLB file. The first bytes distinguish them. Fails if the container is
+/// damaged, the text is not glTF 2.0, or the file requires an extension that is not supported.
 ///
 /// # Complexity
 /// O(bytes).
@@ -148,10 +145,8 @@ pub enum BufferLocation<'a> {
 }
 
 impl BufferLocation<'_> {
-    /// Location of the buffer with this URI.
-    ///
-    /// # Errors
-    /// The URI is neither data nor a relative path that stays below the file's folder.
+    /// Location of the buffer with this URI. Fails if the URI is neither data nor a relative path
+    /// that stays below the file's folder.
     pub fn of(uri: Option<&str>) -> Result<BufferLocation<'_>, String> {
         let Some(uri) = uri else {
             return Ok(BufferLocation::Chunk);

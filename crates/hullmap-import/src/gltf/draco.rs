@@ -59,10 +59,8 @@ const EDGEBREAKER: u8 = 1;
 /// for a nested entry of three bytes. Exporters of glTF write no metadata.
 const MAX_HEADER: usize = 1 << 16;
 
-/// Reads the header of compressed data.
-///
-/// # Errors
-/// It is damaged, longer than [`MAX_HEADER`], or not the header of a mesh.
+/// Reads the header of compressed data. Fails if it is damaged, longer than [`MAX_HEADER`], or not
+/// the header of a mesh.
 ///
 /// # Complexity
 /// O(metadata).
@@ -99,9 +97,7 @@ pub fn claim(bytes: &[u8]) -> Result<Claim, DracoFault> {
 }
 
 /// Decodes a primitive with this header. `position` is the id of the attribute with positions.
-///
-/// # Errors
-/// See [`DracoFault`].
+/// Errors: see [`DracoFault`].
 ///
 /// # Complexity
 /// O(bytes + vertices + triangles).

@@ -94,10 +94,8 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// Reads the scene.
-    ///
-    /// # Errors
-    /// The first fault, with its node, mesh or accessor; or more repetition than the limit.
+    /// Reads the scene. The error is the first fault, with its node, mesh or accessor; or more
+    /// repetition than the limit.
     ///
     /// # Complexity
     /// O(bytes + repetition).

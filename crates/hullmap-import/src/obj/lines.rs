@@ -115,10 +115,8 @@ pub struct Part<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Cuts `text` into parts of about `part_bytes` and counts the lines of each.
-    ///
-    /// # Errors
-    /// More vertices than `u32` can index.
+    /// Cuts `text` into parts of about `part_bytes` and counts the lines of each. Fails for more
+    /// vertices than `u32` can index.
     ///
     /// # Complexity
     /// O(bytes), in parallel.

@@ -49,11 +49,9 @@ pub const PART_BYTES: usize = 4 << 20;
 /// Reads an OBJ file. Vertices are the `v` lines. Objects are the `o` lines; the first object is
 /// what precedes them.
 ///
-/// `is_double` selects the precision of the positions: `f64` or `f32`.
-///
-/// # Errors
-/// The first fault in the file, with its line. References beyond the last vertex are reported after
-/// all other faults.
+/// `is_double` selects the precision of the positions: `f64` or `f32`. The error is the first fault
+/// in the file, with its line. References beyond the last vertex are reported after all other
+/// faults.
 ///
 /// # Complexity
 /// O(bytes), in parallel.

@@ -75,11 +75,8 @@ struct IndexDescription {
     max_dots: u32,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// An input cannot be read, or a folder holds no packs. Invalid packs are reported, and the others
-/// described.
+/// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Invalid packs
+/// are reported, and the others described.
 pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {

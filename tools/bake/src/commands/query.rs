@@ -69,11 +69,8 @@ fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
     values.map_or([None; 3], |values| values.map(Some))
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// A pose or selection is invalid, or a pack cannot be read or is invalid. All are checked before
-/// the first answer.
+/// Runs the command. Fails if a pose or selection is invalid, or a pack cannot be read or is
+/// invalid. All are checked before the first answer.
 pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));

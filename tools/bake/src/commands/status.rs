@@ -43,10 +43,7 @@ struct Row {
     shard: Option<u32>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read.
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();

@@ -44,10 +44,8 @@ pub struct Ingredients {
 }
 
 impl Ingredients {
-    /// Reads the sources of a job; `project` is the folder where `bake` was started.
-    ///
-    /// # Errors
-    /// They cannot be read, exceed the limits, or are not those that were planned.
+    /// Reads the sources of a job; `project` is the folder where `bake` was started. Fails if they
+    /// cannot be read, exceed the limits, or are not those that were planned.
     pub fn of(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
         Self::of_source(job, &read(job, limits)?, project)
     }
@@ -79,9 +77,7 @@ impl Ingredients {
 }
 
 /// Reads the sources of a job. For a planned job, reads at most one byte more than the plan states.
-///
-/// # Errors
-/// They cannot be read, exceed the limits, or are larger than planned.
+/// Fails if they cannot be read, exceed the limits, or are larger than planned.
 pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
     let file = job.source.display().to_string();
     let mut limits = *limits;
@@ -104,10 +100,8 @@ pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
     })
 }
 
-/// Compares a source, as it was read, with what was planned.
-///
-/// # Errors
-/// Its bytes differ, or the key of its pack would differ.
+/// Compares a source, as it was read, with what was planned. Fails if its bytes differ, or the key
+/// of its pack would differ.
 pub fn check_planned(job: &Job, source: &SourceFile, project: &Path) -> Result<(), Failure> {
     if job.inputs.is_empty() && job.key.is_empty() {
         return Ok(());

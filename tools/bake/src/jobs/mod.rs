@@ -63,9 +63,7 @@ pub struct Job {
 
 impl Job {
     /// The source's path, as the pack records it. `project` is the folder where `bake` was started.
-    ///
-    /// # Errors
-    /// The canonical path of the source or of the pack's folder cannot be determined.
+    /// Fails if the canonical path of the source or of the pack's folder cannot be determined.
     pub fn recorded_path(&self, project: &Path) -> io::Result<String> {
         let name = || self.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match (&self.records, self.options.record_source()) {
@@ -141,11 +139,8 @@ pub enum Talk {
 }
 
 /// The meshes to bake, each with its options and its pack in `out`. `project` is the folder where
-/// `bake` was started. Writes no file.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line has
-/// no effect on any mesh.
+/// `bake` was started. Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh
+/// is left, or an option on the command line has no effect on any mesh.
 pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<Jobs, Failure> {
     let warns = talk != Talk::Silent;
     if out.is_file() {

@@ -34,10 +34,7 @@ pub struct BuildOption {
 }
 
 impl BuildOption {
-    /// Reads a value.
-    ///
-    /// # Errors
-    /// `text` is not an accepted value. The error states what was expected.
+    /// Reads a value. Fails if `text` is not an accepted value. The error states what was expected.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         self.syntax.parse(text).map_err(|expected| match instead_of_value(self.key, text) {
             Some(instead) => instead.to_owned(),

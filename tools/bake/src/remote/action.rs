@@ -78,10 +78,7 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Reads the program that `--remote-worker` names.
-    ///
-    /// # Errors
-    /// It cannot be read.
+    /// Reads the program that `--remote-worker` names. Fails if it cannot be read.
     pub fn new(remote: &RemoteArgs, build: &Build) -> Result<Self, Failure> {
         let program = match &remote.worker {
             Some(path) => {

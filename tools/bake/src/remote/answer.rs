@@ -29,11 +29,9 @@ const MAX_AT_ONCE: u64 = 64 << 20;
 static LARGE: Mutex<()> = Mutex::new(());
 
 /// Checks the outcome of a batch and puts its packs in place; returns the results of the jobs whose
-/// packs are not fresh. With `fallback`, a job whose pack was rejected has no result.
-///
-/// # Errors
-/// The server cannot be reached, the command failed on the worker, or the outcome lacks a pack and
-/// its reason.
+/// packs are not fresh. With `fallback`, a job whose pack was rejected has no result. Fails if the
+/// server cannot be reached, the command failed on the worker, or the outcome lacks a pack and its
+/// reason.
 pub fn accept(
     client: &Client,
     batch: &Batch,

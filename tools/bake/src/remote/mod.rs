@@ -36,11 +36,9 @@ type Results = Vec<Option<(Row, Exit)>>;
 /// Results of some jobs, each with the index of its job.
 type Delivered = Vec<(usize, Row, Exit)>;
 
-/// Runs jobs on a farm and returns their results in the same order.
-///
-/// # Errors
-/// The farm cannot be reached and `--remote-fallback` is not given, it cannot do what is requested,
-/// or a file that an argument names cannot be read.
+/// Runs jobs on a farm and returns their results in the same order. Fails if the farm cannot be
+/// reached and `--remote-fallback` is not given, it cannot do what is requested, or a file that an
+/// argument names cannot be read.
 pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let worker = Worker::new(remote, build)?;
     let settings = settings(remote)?;
@@ -130,10 +128,8 @@ impl Farm<'_> {
         stale.into_par_iter().filter_map(batch).collect()
     }
 
-    /// The answers to all batches, several of which are in flight at a time.
-    ///
-    /// # Errors
-    /// The farm does not deliver a batch. Packs that have arrived are in place.
+    /// The answers to all batches, several of which are in flight at a time. Fails if the farm does
+    /// not deliver a batch. Packs that have arrived are in place.
     fn answers<'a>(&self, jobs: &[&Job], batches: &'a [Batch<'a>], args: &RunArgs) -> Result<Vec<Answer<'a>>, Failure> {
         let progress = Progress::new(args.quiet, batches.len(), batches.len() as u64);
         let (next, answers) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(batches.len())));

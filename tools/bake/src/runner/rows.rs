@@ -130,9 +130,6 @@ impl Row {
 }
 
 /// Writes one JSON object per line.
-///
-/// # Errors
-/// The errors of the writer.
 pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     for row in rows {
         out.json(row)?;
@@ -142,9 +139,6 @@ pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
 
 /// Writes the rows, then a summary of all. Rows of fresh packs and of meshes that were not read are
 /// written only if `lists_all`.
-///
-/// # Errors
-/// The errors of the writer.
 pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     let is_usual = |row: &Row| matches!(row.status, Status::Fresh | Status::Unread);
     let listed: Vec<&Row> = rows.iter().filter(|row| lists_all || !is_usual(row)).collect();

@@ -38,10 +38,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Points, at least one, all finite.
-    ///
-    /// # Panics
-    /// Without points.
+    /// Points, at least one, all finite. Panics without points.
     pub fn new(positions: &[[f32; 3]]) -> Self {
         assert!(!positions.is_empty(), "the truth needs at least one point");
         // Adding +0 turns -0 into +0, so that the two compare equal bit by bit.
