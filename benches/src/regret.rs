@@ -25,10 +25,8 @@ pub struct Verdict {
 }
 
 impl Truth {
-    /// Finds the maximum over all source points for each direction.
-    ///
-    /// # Complexity
-    /// One dot product for each point and direction.
+    /// Finds the maximum over all source points for each direction. Complexity: one dot product for
+    /// each point and direction.
     pub fn new(subject: &Subject, dirs: Vec<Vec3>) -> Self {
         let points: Vec<[f64; 3]> = subject.points.iter().map(|p| p.map(f64::from)).collect();
         let best = dirs.iter().map(|&dir| {

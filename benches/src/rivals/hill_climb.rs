@@ -79,11 +79,8 @@ impl Graph {
     }
 
     /// Climbs from vertex `from` to the best neighbour until no neighbour is better, and returns
-    /// the last vertex.
-    ///
-    /// # Complexity
-    /// One dot product for each neighbour of each vertex on the way. It ends because the dot
-    /// product grows with every step.
+    /// the last vertex. Complexity: one dot product for each neighbour of each vertex on the way.
+    /// It ends because the dot product grows with every step.
     #[inline]
     pub fn climb(&self, from: u32, dir: Vec3) -> u32 {
         let mut at = from;

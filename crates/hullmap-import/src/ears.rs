@@ -25,11 +25,9 @@ use robust::{Coord, orient2d};
 const TESTS_A_CORNER: usize = 1024;
 
 /// Appends the triangles of a polygon to `out`: two fewer than its corners, with its winding. A
-/// polygon of fewer than three corners has no triangles.
-///
-/// # Complexity
-/// O(corners) for convex polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most
-/// [`TESTS_A_CORNER`] tests per corner.
+/// polygon of fewer than three corners has no triangles. Complexity: O(corners) for convex
+/// polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most [`TESTS_A_CORNER`]
+/// tests per corner.
 #[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, and `flat` is as long as `corners`")]
 pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>) {
     if let [a, b, c] = *corners {

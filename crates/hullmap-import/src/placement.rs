@@ -26,10 +26,7 @@ pub fn requires_double(options: &ImportOptions) -> bool {
 
 impl Placement {
     /// The placement for `options`. With `recentre`, the origin is the centre of the bounds of
-    /// `vertices`; otherwise 0.
-    ///
-    /// # Complexity
-    /// O(vertices).
+    /// `vertices`; otherwise 0. Complexity: O(vertices).
     pub fn new(positions: &Positions, vertices: impl Iterator<Item = u32>, options: &ImportOptions) -> Self {
         let mut placement = Self {
             up_axis: options.up_axis,
@@ -78,10 +75,7 @@ impl Placement {
 
     /// Positions of all vertices in the hulls' frame. Frees the memory of `f64` positions on the
     /// way, since both whole lists together would be the peak of an import. Fails if a coordinate
-    /// is too large for `f32`.
-    ///
-    /// # Complexity
-    /// O(vertices).
+    /// is too large for `f32`. Complexity: O(vertices).
     #[expect(
         clippy::indexing_slicing,
         reason = "`placed` is as long as `doubles` was at first, and `vertex` is below that"

@@ -31,9 +31,7 @@ const TRIANGLE: usize = 50;
 const TEXT_PROBE: usize = 4096;
 
 /// Reads an STL file. `is_double` selects `f64` for the positions of a text file. The error is the
-/// first fault, with its line in a text file, or with its triangle in a binary file.
-///
-/// # Complexity
+/// first fault, with its line in a text file, or with its triangle in a binary file. Complexity:
 /// O(bytes).
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {

@@ -8,10 +8,7 @@ use pyo3::prelude::*;
 use crate::error::ArrayError;
 use crate::query::Found;
 
-/// Whether `device` is the GPU.
-///
-/// # Errors
-/// It is neither `cpu` nor `gpu`.
+/// Whether `device` is the GPU. Fails if it is neither `cpu` nor `gpu`.
 pub fn is_gpu(device: &str) -> PyResult<bool> {
     match device {
         "cpu" => Ok(false),
@@ -72,10 +69,7 @@ mod on_device {
         Ok(device)
     }
 
-    /// Solves all rows.
-    ///
-    /// # Errors
-    /// A shape is not a hull, a pose is rejected, or there is no device.
+    /// Solves all rows. Fails if a shape is not a hull, a pose is rejected, or there is no device.
     pub fn solve(py: Python<'_>, task: &Task<'_>, query: Query, settings: &Settings) -> PyResult<Vec<Answer>> {
         let (packs, hulls) = packs(task.pairs.shapes())?;
         let device = device()?;
@@ -145,8 +139,7 @@ mod without {
         Contact,
     }
 
-    /// # Errors
-    /// Always.
+    /// Always fails.
     pub fn solve(_: Python<'_>, _: &Task<'_>, query: Query, _: &Settings) -> PyResult<Vec<Answer>> {
         let name = match query {
             Query::Intersects => "intersects",
@@ -161,9 +154,7 @@ mod without {
 }
 
 /// Solves the rows on the GPU, if it is requested. `None` for rows that the processor solves.
-///
-/// # Errors
-/// The errors of [`is_gpu`] and [`solve`].
+/// Returns the errors of [`is_gpu`] and [`solve`].
 pub fn known<T: FromGpu>(
     py: Python<'_>,
     device: &str,

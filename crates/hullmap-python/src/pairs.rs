@@ -55,10 +55,7 @@ impl Pairs {
         &self.shapes
     }
 
-    /// The memory of each pair.
-    ///
-    /// # Errors
-    /// There is not enough memory.
+    /// The memory of each pair. Fails if there is not enough memory.
     pub fn memory(&self) -> PyResult<&[Mutex<Caches>]> {
         if let Some(memory) = self.memory.get() {
             return Ok(memory);
@@ -71,8 +68,7 @@ impl Pairs {
         Ok(self.memory.get_or_init(|| made))
     }
 
-    /// # Errors
-    /// A pair cannot be queried.
+    /// Fails if a pair cannot be queried.
     pub fn check(&self, query: &str, takes_compounds: bool) -> PyResult<()> {
         let found = (0..self.len()).find_map(|pair| {
             let [a, b] = self.sides(pair)?;

@@ -53,10 +53,8 @@ pub struct Cells {
     pub is_cut: bool,
 }
 
-/// The borders of an index's cells; empty without an index.
-///
-/// # Complexity
-/// O(words · squares of one branch that share a node), bounded by [`MAX_LINES`].
+/// The borders of an index's cells; empty without an index. Complexity: O(words · squares of one
+/// branch that share a node), bounded by [`MAX_LINES`].
 pub fn cells(index: &IndexReader) -> Cells {
     let mut drawing = Drawing { index, cells: Cells::default(), pending: VecDeque::new() };
     match index.kind {

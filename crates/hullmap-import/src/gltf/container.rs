@@ -27,9 +27,7 @@ pub struct Container<'a> {
 
 /// Opens glTF text or a GLB file. The first bytes distinguish them. Fails if the container is
 /// damaged, the text is not glTF 2.0, or the file requires an extension that is not supported.
-///
-/// # Complexity
-/// O(bytes).
+/// Complexity: O(bytes).
 pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
     let (text, buffer) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };

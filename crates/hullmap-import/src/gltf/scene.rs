@@ -95,10 +95,7 @@ impl<'a> SceneReader<'a> {
     }
 
     /// Reads the scene. The error is the first fault, with its node, mesh or accessor; or more
-    /// repetition than the limit.
-    ///
-    /// # Complexity
-    /// O(bytes + repetition).
+    /// repetition than the limit. Complexity: O(bytes + repetition).
     pub fn read(mut self) -> Result<SourceMesh, Fault> {
         if self.data.document.nodes.is_empty() {
             // A library of meshes without a scene.
@@ -497,9 +494,7 @@ fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count:
 }
 
 /// For each mesh whether the default scene shows it, as far as the references are valid.
-///
-/// # Complexity
-/// O(nodes + meshes).
+/// Complexity: O(nodes + meshes).
 pub fn shown_meshes(document: &Document) -> Vec<bool> {
     let mut is_shown = vec![document.nodes.is_empty(); document.meshes.len()];
     let mut is_visited = vec![false; document.nodes.len()];

@@ -51,10 +51,7 @@ pub const PART_BYTES: usize = 4 << 20;
 ///
 /// `is_double` selects the precision of the positions: `f64` or `f32`. The error is the first fault
 /// in the file, with its line. References beyond the last vertex are reported after all other
-/// faults.
-///
-/// # Complexity
-/// O(bytes), in parallel.
+/// faults. Complexity: O(bytes), in parallel.
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let text = encoding::from_utf16(text).map_or(Cow::Borrowed(text), Cow::Owned);

@@ -34,10 +34,7 @@ impl Default for BatchSize {
 const LARGE: u64 = 4;
 
 /// The batches of meshes at these places, of these sizes: indices in ascending order of places. The
-/// buckets come first, then the large meshes.
-///
-/// # Complexity
-/// O(n log n).
+/// buckets come first, then the large meshes. Complexity: O(n log n).
 pub fn batches(meshes: &[(&str, u64)], size: BatchSize) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..meshes.len()).collect();
     order.sort_by_key(|&index| meshes[index].0);

@@ -81,10 +81,8 @@ impl Job {
     }
 
     /// Bytes of the mesh and of its buffers, without reading buffers. 0 for files that cannot be
-    /// read: baking them fails with an error.
-    ///
-    /// # Complexity
-    /// One look at the file, unless it is planned; a glTF file is read, to find its buffers.
+    /// read: baking them fails with an error. Complexity: one look at the file, unless it is
+    /// planned; a glTF file is read, to find its buffers.
     pub fn source_bytes(&self) -> u64 {
         if let Some(planned) = self.planned_bytes() {
             return planned;

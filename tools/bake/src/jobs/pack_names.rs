@@ -27,10 +27,7 @@ pub struct PackName {
 }
 
 /// The packs of all meshes of a build. For each mesh, whether its pack keeps the extension; `None`
-/// if the other names decide.
-///
-/// # Complexity
-/// O(meshes), apart from meshes of the same stem.
+/// if the other names decide. Complexity: O(meshes), apart from meshes of the same stem.
 pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
     // The meshes with a stem, or with a name, in a folder of packs; without case.
     let mut by_stem: HashMap<(&Path, String), Vec<usize>> = HashMap::new();

@@ -90,9 +90,7 @@ impl Soup {
         self.kind != SolidKind::Sheet && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
     }
 
-    /// Whether the point is certainly outside, by the sum of all solid angles.
-    ///
-    /// # Complexity
+    /// Whether the point is certainly outside, by the sum of all solid angles. Complexity:
     /// O(triangles).
     pub fn is_outside(&self, p: DVec3) -> bool {
         if self.kind == SolidKind::Sheet {

@@ -60,9 +60,8 @@ impl Points {
     }
 
     /// For each direction, the maximum dot product with any point. Directions must be finite.
-    ///
-    /// # Complexity
-    /// O(points / 32 + points near the maximum) for each direction, on all threads of the pool.
+    /// Complexity: O(points / 32 + points near the maximum) for each direction, on all threads of
+    /// the pool.
     pub fn greatest_dots(&self, directions: &[Vec3]) -> Vec<f64> {
         let tasks = directions.par_iter().with_min_len(DIRECTIONS_A_TASK);
         let greatest = |bounds: &mut Vec<f64>, dir: &Vec3| self.greatest(dir.to_array().map(f64::from), bounds);

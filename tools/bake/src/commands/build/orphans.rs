@@ -48,10 +48,8 @@ const NAME_ALONE: &str = "it is not pruned, because it does not record its sourc
 ///
 /// An orphan may be removed if this build would write the pack of the recorded source to that very
 /// path. The recorded path of a pack that was copied, moved or renamed leads elsewhere, so its
-/// source may still exist.
-///
-/// # Complexity
-/// One walk over `out`; packs that the build writes are not opened.
+/// source may still exist. Complexity: one walk over `out`; packs that the build writes are not
+/// opened.
 pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec<Orphan> {
     let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
     let mut by_folder: HashMap<&Path, Vec<&Job>> = HashMap::new();

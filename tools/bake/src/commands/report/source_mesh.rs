@@ -6,10 +6,7 @@ use hullmap_report::DisplayMesh;
 use crate::source::Source;
 
 /// The mesh of each point set of the source: its faces if the file has any, otherwise its points
-/// alone.
-///
-/// # Complexity
-/// O(corners), except for concave polygons.
+/// alone. Complexity: O(corners), except for concave polygons.
 pub fn source_meshes(source: &Source) -> Vec<DisplayMesh> {
     let pairs = source.point_sets.iter().zip(&source.faces);
     pairs.map(|(set, faces)| display_mesh(&set.positions, faces)).collect()
