@@ -21,7 +21,6 @@ const VERTICES: usize = 32;
 /// Poses in a batch, whose median time is printed.
 const POSES: usize = 64;
 
-/// Batches.
 const BATCHES: usize = 9;
 
 /// Prediction of manifolds, in units of a part's size.

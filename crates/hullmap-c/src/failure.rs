@@ -6,7 +6,6 @@ use std::{cell::RefCell, ffi::c_char, fmt::Display};
 
 use crate::types::Result as Code;
 
-/// Result type of the modules of this crate.
 pub(crate) type Fallible<T> = std::result::Result<T, Failure>;
 
 /// Why a call failed.

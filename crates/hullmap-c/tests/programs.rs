@@ -90,7 +90,6 @@ fn headers_compile_in_each_language_version() {
     }
 }
 
-/// C sees the structs as Rust does.
 #[test]
 fn structs_have_one_layout() {
     let Some(cc) = compiler("CC", "cc") else { return };

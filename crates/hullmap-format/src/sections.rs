@@ -204,7 +204,6 @@ mod tests {
         payload
     }
 
-    /// Compares with rkyv's own accessors.
     #[test]
     fn sections_match_rkyv() {
         fn same<T>(found: &[T], expected: &[T]) {

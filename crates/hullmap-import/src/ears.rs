@@ -62,7 +62,6 @@ struct Outline<'a> {
     /// Corners that were obstacles initially, as a k-d tree, see [`build_tree`]. No corner becomes
     /// an obstacle later, since clipping an ear only reduces the angles of its neighbours.
     obstacles: Vec<usize>,
-    /// Number of obstacle tests left.
     tests_left: usize,
 }
 

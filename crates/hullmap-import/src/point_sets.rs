@@ -18,7 +18,6 @@ use crate::mesh::{Polygons, Positions, SourceMesh};
 use crate::options::{ImportOptions, Split, Vertices};
 use crate::placement::Placement;
 
-/// Maximum number of names in a note.
 const NAMES_IN_NOTE: usize = 5;
 
 /// Point sets of a file, with notes and warnings.

@@ -100,7 +100,6 @@ fn is_text(bytes: &[u8]) -> bool {
 
 /// A coordinate whose bits identify a position.
 trait WeldKey: Coordinate {
-    /// Its bits.
     type Bits: Copy + Eq + Hash;
     /// Bits of the coordinate; both zeros have the same.
     fn key(self) -> Self::Bits;

@@ -65,7 +65,6 @@ fn primitives() -> Vec<(&'static str, SharedShape)> {
     ]
 }
 
-/// Depth, distance and overlap of two hulls.
 #[test]
 fn two_hulls_agree_with_brute_force() {
     let (a, b) = (baked(&families::rock(60, 1)), baked(&families::prism(16, 1)));
@@ -355,7 +354,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
 
 /// Queries of a compound equal those of its nearest part.
 #[test]
-fn parts_of_compounds_come_back() {
+fn compounds_answer_as_their_nearest_part() {
     let (hull, rock) = (baked(&families::rock(100, 1)), baked(&families::rock(100, 2)));
     let places = [Pose::translation(-3.0, 0.0, 0.0), Pose::translation(3.0, 0.5, 0.0)];
     let parts = places.map(|place| (place, SharedShape::new(hull.clone())));

@@ -314,7 +314,6 @@ fn flat_hulls_are_shapes() {
     }
 }
 
-/// No query hangs or panics on what is not a number.
 #[test]
 fn numbers_that_are_not_finite_are_harmless() {
     let hull = BakedHull::new(pack(&families::rock(100, 1)).shared_hull(0).unwrap());

@@ -18,7 +18,6 @@ use hullmap_testkit::{
 
 use super::bytes::Bytes;
 
-/// Maximum number of points of a shape.
 const MAX_POINTS: usize = 32;
 
 /// Maximum iterations and support calls of a query: the caps of all phases together, twice, because

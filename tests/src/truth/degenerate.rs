@@ -268,7 +268,6 @@ impl fmt::Display for Tally {
 mod tests {
     use super::*;
 
-    /// Slightly wrong answers are detected.
     #[test]
     fn wrong_answers_are_misses() {
         let mut wrong = 0;

@@ -167,7 +167,6 @@ fn every_flag_is_documented_and_every_documented_one_is_taken() {
     }
 }
 
-/// Every exit code of the page occurs in a run.
 #[test]
 fn exit_codes_match_the_page() {
     let page = fs::read_to_string(workspace().join("docs/COMMAND.md")).unwrap();

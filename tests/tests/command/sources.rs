@@ -189,7 +189,6 @@ fn meshes_of_other_formats_are_counted_and_listed() {
     assert_eq!(unread("build meshes --out out --json", 0), [all[0], all[2]]);
 }
 
-/// One folder without meshes stopped the build of all others.
 #[test]
 fn a_folder_without_meshes_does_not_stop_the_others() {
     let folder = folder();

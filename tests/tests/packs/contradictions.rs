@@ -485,7 +485,6 @@ fn wrong_neighbours_are_refused() {
     }
 }
 
-/// Files of older and newer versions are refused. The error states the remedy.
 #[test]
 fn packs_of_other_versions_are_refused() {
     for version in 1..hullmap_format::FORMAT_VERSION {

@@ -459,7 +459,6 @@ fn a_reader_written_from_the_document_agrees() {
     assert!(met.certain * 4 > met.directions && met.uncertain * 10 > met.directions, "{met:?}");
 }
 
-/// Files of earlier versions are refused because of their version. The error states the remedy.
 #[test]
 fn files_of_older_versions_are_refused_with_the_remedy() {
     let files = [
@@ -579,7 +578,6 @@ fn the_file_shown_is_the_one_baked_today() {
     assert_eq!(shown.len(), baked.len(), "docs/FORMAT.md shows all of the file");
 }
 
-/// The listing's notes on the root's entries are correct.
 #[test]
 fn the_notes_on_the_root_hold() {
     let baked = shown_pack();

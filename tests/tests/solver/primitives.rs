@@ -249,7 +249,6 @@ fn bounds_of_all_shapes() {
     }
 }
 
-/// A cache that starts from the axis of a nearby pose saves support calls in the first query.
 #[test]
 fn caches_started_from_an_axis_save_support_calls() {
     let packs =

@@ -20,7 +20,6 @@ const PICTURE: &str = "data:image/png;base64,";
 pub struct Card {
     /// The pack's path below the folder, without extension.
     name: String,
-    /// The verdict.
     verdict: Verdict,
     /// Faults, then warnings.
     remarks: Vec<String>,
@@ -35,7 +34,6 @@ struct Content {
     page: String,
     /// Its picture, as a `data:` URL.
     picture: String,
-    /// Number of hulls.
     hulls: usize,
     /// Number of vertices, over all hulls.
     vertices: usize,

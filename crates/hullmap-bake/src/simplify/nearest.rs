@@ -243,7 +243,6 @@ impl Nearest {
         self.around[self.starts[place as usize] as usize].position()
     }
 
-    /// The vertex at a place.
     fn vertex_at(&self, place: u32) -> u32 {
         self.around[self.starts[place as usize] as usize].index
     }

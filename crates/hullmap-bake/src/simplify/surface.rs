@@ -370,7 +370,6 @@ mod tests {
 
     use super::*;
 
-    /// Stored normals equal normals computed from the corners, bit by bit.
     #[test]
     fn stored_normals_match_the_corners() {
         const SEED: u64 = 6;

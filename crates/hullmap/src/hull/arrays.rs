@@ -75,7 +75,6 @@ mod tests {
 
     use crate::pack::Pack;
 
-    /// The iterators are the twin.
     #[test]
     fn arrays_match_the_iterators() {
         for positions in [families::rock(60, 1), families::sphere(200, 2), vec![[1.0, 2.0, 3.0]]] {

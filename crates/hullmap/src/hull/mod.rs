@@ -42,7 +42,6 @@ pub struct Hull<'a> {
     outer_radius: f64,
     index: Index<'a>,
     vertices: &'a [[f32_le; 3]],
-    /// The face table, if the hull has one.
     facets: Option<&'a FacetTable>,
     // From here on: hints, manifolds and facts.
     neighbour_starts: &'a [u32_le],

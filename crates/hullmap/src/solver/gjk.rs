@@ -46,7 +46,6 @@ pub(super) struct Simplex {
     w: [[f64; SLOTS]; 3],
     /// The points of A, in A's frame.
     a: [DVec3; SLOTS],
-    /// The features of A and B.
     features: [[u32; 2]; SLOTS],
     /// The slots in use, one bit each.
     used: u8,

@@ -42,7 +42,6 @@ const PART_BLOCKS: usize = 8;
 /// Slots at the front of a tree: one for each face of the cube.
 const FACES: u32 = 6;
 
-/// Words of a cache line.
 const LINE_WORDS: usize = 16;
 
 /// A hull's direction index, read in place.

@@ -163,7 +163,6 @@ fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&touching), "{touching} of {tried}");
 }
 
-/// A single hull as a compound gives the same answers as the hull itself.
 #[test]
 fn a_hull_is_a_compound_of_one() {
     let (a, b) = (pack(4, 1.0, 1), pack(9, 1.0, 7));

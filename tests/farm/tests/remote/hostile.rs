@@ -162,7 +162,7 @@ fn text_from_workers_is_bounded_and_escaped() {
 
 /// tonic panics when it reads this header.
 #[test]
-fn a_header_that_is_no_base64_ends_nothing() {
+fn an_invalid_base64_header_does_not_end_the_program() {
     let setup = Setup::new();
     setup.server.state.lock().unwrap().malice = Some(Malice::BrokenDetails);
     let run = setup.build("one", "").expect(0);
@@ -209,7 +209,7 @@ fn a_download_without_end_is_given_up() {
 
 /// A file that changes between hash and upload is not sent.
 #[test]
-fn uploads_are_what_was_hashed() {
+fn files_that_changed_after_hashing_are_not_uploaded() {
     let server = FarmServer::start();
     let client = Client::connect(Settings::new(server.url().parse().unwrap())).unwrap();
     let folder = tempfile::tempdir().unwrap();

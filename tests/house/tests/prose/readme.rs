@@ -69,7 +69,6 @@ fn the_table_is_what_the_command_prints() {
     }
 }
 
-/// A citation names the version of the workspace.
 #[test]
 fn the_citation_has_the_version() {
     let manifest = read("Cargo.toml");

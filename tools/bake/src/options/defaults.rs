@@ -118,7 +118,6 @@ impl Section {
 /// Maximum resolution of a cube map.
 const MAX_RESOLUTION: u32 = 1024;
 
-/// Minimum vertices of a solid.
 const MIN_VERTICES: u32 = 4;
 
 /// Every option, in the order of a pack's record. **This order and the defaults never change**:

@@ -232,7 +232,6 @@ pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Op
     None
 }
 
-/// Maximum number of steps of [`separation`].
 const MAX_STEPS: usize = 40;
 
 /// The point of the simplex nearest to `p`, and the corners of the smallest face that contains it.

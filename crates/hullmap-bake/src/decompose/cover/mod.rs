@@ -76,7 +76,6 @@ const ACCEPTED: f64 = 1.1;
 /// Number of cells above which cells are cut only where necessary.
 const MAX_CELLS: usize = 3000;
 
-/// Number of steps of the set cover.
 const COVER_STEPS: usize = 3000;
 
 /// Maximum number of rounds in which parts are grown to replace others.

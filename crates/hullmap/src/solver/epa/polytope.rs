@@ -90,7 +90,6 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     w: [[f64; V]; 3],
     /// The points of A, in A's frame.
     a: [DVec3; V],
-    /// The features of A and B.
     features: [[u32; 2]; V],
     point_count: usize,
     /// Squares of the offsets, with the signs of the offsets. So faces that are never selected cost

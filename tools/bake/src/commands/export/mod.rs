@@ -133,7 +133,6 @@ impl Export<'_> {
         Some(out.join(&place.below).join(name))
     }
 
-    /// Exports one pack.
     fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let (args, path) = (self.args, place.path.as_path());
         let pack = open_pack(path)?;
