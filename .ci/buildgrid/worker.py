@@ -1,7 +1,7 @@
 """A worker for BuildGrid: takes leases over the Remote Workers API and runs them, one at a time.
 
-BuildGrid brings a scheduler and no worker, and buildbox-worker is in no package. This one is slow and
-obvious, and runs commands without a sandbox, so it serves tests only. Messages are BuildGrid's own.
+BuildGrid has a scheduler but no worker, and there is no package of buildbox-worker. This worker is
+slow and obvious, and runs commands without a sandbox: it is for tests only. Its messages are BuildGrid's.
 
     worker.py ADDRESS NAME FOLDER
 """

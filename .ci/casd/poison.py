@@ -1,10 +1,10 @@
-"""Poisons the action cache of a server, as any client may that it lets write: changes what one output
-of the actions in it is. Then reads what it wrote, and fails if the server did not take it.
+"""Poisons the action cache of a server, as any client with write access can: replaces one output of
+each action in it. Then reads the entries back, and fails if the server did not accept them.
 
     poison.py ADDRESS STORE OUTPUT HOW
 
-ADDRESS is the server's and STORE the folder of its blobs, which serves only to find the digests of
-actions: an attacker with the same meshes computes them. OUTPUT is the path of the output. HOW:
+ADDRESS is the server's. STORE is the folder of its blobs, used only to find the digests of actions,
+which an attacker with the same meshes can compute. OUTPUT is the path of the output. HOW:
 
     swap     another output of the same action
     junk     a blob of a few bytes
@@ -69,14 +69,14 @@ def main(address, folder, output, how):
         elif how == "lie":
             # Another blob's digest, which the server does not have.
             if put(store, b"x", api.Digest(hash=hashlib.sha256(b"y").hexdigest(), size_bytes=1))[1]:
-                sys.exit("error: the server took a blob under a wrong digest")
+                sys.exit("error: the server accepted a blob under a wrong digest")
             size = file.digest.size_bytes
             path = folder / file.digest.hash[:2] / file.digest.hash[2:]
             os.chmod(path, 0o644)
             path.write_bytes(b"x" * size)
         request = api.UpdateActionResultRequest(action_digest=action, action_result=result)
         cache.UpdateActionResult(request)
-        if how != "missing":  # buildbox-casd has no result whose blobs it lacks.
+        if how != "missing":  # buildbox-casd drops a result whose blobs are missing.
             found = cache.GetActionResult(api.GetActionResultRequest(action_digest=action))
             assert found == result, "the server did not keep the entry"
         poisoned += 1

@@ -84,9 +84,6 @@ impl Scene {
     }
 
     /// Computes the poses of the pairs from the shapes of `bodies`.
-    ///
-    /// # Panics
-    /// If a pack has no hull or a pose is not finite: bugs.
     pub fn place(&self, bodies: &Bodies) -> Vec<Test> {
         let hulls = bodies.hulls();
         self.pairs.iter().map(|pair| pair.placed(&hulls)).collect()
@@ -115,9 +112,6 @@ impl Bodies {
     }
 
     /// Runs all `tests`, and records the time after every `step` of them.
-    ///
-    /// # Panics
-    /// If a pack has no hull: a bug.
     pub fn run(&self, tests: &[Test], step: usize) -> Run {
         let hulls = self.hulls();
         let mut run = Run { times: Vec::new(), hits: 0, support_queries: 0 };

@@ -18,10 +18,8 @@ const LINES: [(&str, &str, &str, &str); 4] = [
     ("hullmap yes/no", "intersects", "hullmap_ns", "#5fa8dc"),
 ];
 
-/// Draws the lines of `text`, the CSV that `contact-table` writes. `source` names machine and date.
-///
-/// # Errors
-/// If the CSV is malformed or has no value for a line.
+/// Draws the lines of `text`, the CSV that `contact-table` writes. `source` names the machine and
+/// the date. Fails if the CSV is malformed or has no value for a line.
 pub fn chart(text: &str, source: &str) -> Result<Chart, String> {
     let series = LINES.map(|(name, query, column, colour)| -> Result<Series, String> {
         let mut points = times(text, query, column)?;
@@ -39,10 +37,8 @@ pub fn chart(text: &str, source: &str) -> Result<Chart, String> {
     })
 }
 
-/// The table of one query in benches/README.md: both times, and their ratio.
-///
-/// # Errors
-/// If the CSV is malformed or has no times of the query.
+/// The table of one query in benches/README.md: both times, and their ratio. Fails if the CSV is
+/// malformed or has no times of the query.
 pub fn table(text: &str, query: &str) -> Result<Matrix, String> {
     let mut table = Matrix::new(query, "vertices of each hull");
     let [hullmap, parry] = [times(text, query, "hullmap_ns")?, times(text, query, "parry_ns")?];

@@ -17,10 +17,7 @@ impl Csv {
         csv
     }
 
-    /// Adds a line.
-    ///
-    /// # Panics
-    /// If it does not have as many fields as the header.
+    /// Adds a line. Panics if it does not have as many fields as the header.
     pub fn line<S: AsRef<str>>(&mut self, fields: &[S]) {
         assert_eq!(fields.len(), self.columns, "fields of a line");
         for (at, field) in fields.iter().enumerate() {
@@ -41,10 +38,8 @@ fn quoted(field: &str) -> String {
     if field.contains(['"', ',', '\n']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field.to_owned() }
 }
 
-/// The lines of a CSV file without quoted fields, each as its fields by column name.
-///
-/// # Errors
-/// If the file has no header, a quote, or a line with another number of fields: says which line.
+/// The lines of a CSV file without quoted fields, each as its fields by column name. Fails if the
+/// file has no header, a quote, or a line with another number of fields; the error names the line.
 pub fn parse(text: &str) -> Result<Vec<Vec<(&str, &str)>>, String> {
     let mut lines = text.lines().enumerate();
     let (_, header) = lines.next().ok_or("the file is empty: a header line is missing")?;

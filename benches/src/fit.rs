@@ -16,7 +16,7 @@ pub struct Sample {
 pub struct Proportional {
     /// Nanoseconds for each vertex and test.
     pub factor_ns: f64,
-    /// Fraction of the variance that the line explains.
+    /// Fraction of the variance explained by the line.
     pub r_squared: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Affine {
     pub per_test_ns: f64,
     /// Nanoseconds for each vertex and test.
     pub per_vertex_ns: f64,
-    /// Fraction of the variance that the line explains.
+    /// Fraction of the variance explained by the line.
     pub r_squared: f64,
 }
 

@@ -6,9 +6,9 @@
 //! quartiles.
 //!
 //! All modes except the cold one are hot: a batch runs twice and the second pass counts, since the
-//! rivals before it have evicted its tables from the cache. The hot part of the tables is what up
-//! to [`DIRECTION_COUNT`] directions lead to. For a large index that is more than the second-level
-//! cache holds.
+//! other rivals have evicted its tables from the cache. Only the parts of the tables that up to
+//! [`DIRECTION_COUNT`] directions lead to become hot. For a large index that is more than the
+//! second-level cache holds.
 
 use std::time::Duration;
 
@@ -98,10 +98,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Sorts `samples`, in nanoseconds.
-    ///
-    /// # Panics
-    /// Without samples.
+    /// Sorts `samples`, in nanoseconds. Panics without samples.
     pub fn new(mut samples: Vec<f64>) -> Self {
         samples.sort_unstable_by(f64::total_cmp);
         let at = |quarter: usize| samples[(samples.len() - 1) * quarter / 4];

@@ -41,10 +41,7 @@ pub const WAYS: [Way; 6] = [
 ];
 
 impl Sample {
-    /// The bytes of the pack.
-    ///
-    /// # Errors
-    /// If the points cannot be baked.
+    /// The bytes of the pack. Fails if the points cannot be baked.
     pub fn bake(self) -> Result<Vec<u8>, BakeError> {
         let hulls = (0..self.hulls.min(DIFFERENT)).map(|seed| {
             let positions = self.family.points(self.points, seed as u64);
@@ -59,10 +56,8 @@ impl Sample {
     }
 }
 
-/// Times the functions in turn, `rounds` times after a warm-up; returns one timing each.
-///
-/// # Errors
-/// If the file cannot be written or opened.
+/// Times the functions in turn, `rounds` times after a warm-up; returns one timing each. Fails if
+/// the file cannot be written or opened.
 pub fn time(file: &[u8], folder: &Path, rounds: usize) -> io::Result<[Timing; WAYS.len()]> {
     let path = folder.join("timed.hullmap");
     fs::write(&path, file)?;

@@ -6,10 +6,8 @@ use std::{
     path::Path,
 };
 
-/// Writes `text` to a temporary file beside `path`, then renames it.
-///
-/// # Errors
-/// Any error of the file system, with the path.
+/// Writes `text` to a temporary file beside `path`, then renames it. Fails with any error of the
+/// file system, and its path.
 pub fn write(path: &Path, text: &str) -> io::Result<()> {
     let explained = |e: io::Error| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display()));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -92,12 +92,9 @@ pub trait Contestant {
     /// Empties the caches, then queries each copy once, in random order, each direction depending
     /// on the last answer. Returns the time and the number of queries.
     ///
-    /// The shuffle brings the few words that name a copy's tables (pointers and lengths) back into
-    /// the cache. So only the tables miss, as for a hull whose object the broad phase has just
-    /// visited.
-    ///
-    /// # Panics
-    /// Without [`stock_copies`](Self::stock_copies).
+    /// The shuffle brings the pointers and lengths of a copy's tables back into the cache. So only
+    /// the tables miss, as for a hull whose object the broad phase has just visited. Panics without
+    /// [`stock_copies`](Self::stock_copies).
     fn run_cold(&self, dirs: &[Vec3], eviction: &mut Eviction, rng: &mut SplitMix64) -> (Duration, usize);
 
     /// The answers to `dirs`, in order.

@@ -25,10 +25,8 @@ pub struct Verdict {
 }
 
 impl Truth {
-    /// Finds the maximum over all source points for each direction.
-    ///
-    /// # Complexity
-    /// One dot product for each point and direction.
+    /// Finds the maximum over all source points for each direction. Complexity: one dot product for
+    /// each point and direction.
     pub fn new(subject: &Subject, dirs: Vec<Vec3>) -> Self {
         let points: Vec<[f64; 3]> = subject.points.iter().map(|p| p.map(f64::from)).collect();
         let best = dirs.iter().map(|&dir| {
@@ -51,10 +49,8 @@ impl Truth {
         &self.dirs
     }
 
-    /// Judges one answer for each direction.
-    ///
-    /// # Panics
-    /// If there are more or fewer answers than directions.
+    /// Judges one answer for each direction. Panics if there are more or fewer answers than
+    /// directions.
     pub fn judge(&self, answers: &[Vec3]) -> Verdict {
         assert_eq!(answers.len(), self.dirs.len());
         let (mut max_regret, mut wrong) = (0.0_f64, 0);

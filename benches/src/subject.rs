@@ -33,9 +33,6 @@ pub struct Subject {
 
 impl Subject {
     /// Generates and bakes `n` points of `family`.
-    ///
-    /// # Panics
-    /// If the hull cannot be baked: a bug.
     pub fn new(family: Family, n: usize, seed: u64) -> Self {
         let points = family.points(n, seed);
         let source_vertices = (0..points.len() as u32).collect();
@@ -82,9 +79,6 @@ impl Subject {
 
     /// The bytes of a pack with the hull and an index of `kind`, and the time to build the index
     /// alone.
-    ///
-    /// # Panics
-    /// If the index cannot be built: a bug.
     pub fn pack_bytes(&self, kind: IndexKind) -> (Vec<u8>, Duration) {
         let start = Instant::now();
         let index = index::build(&self.baked.hull, kind).expect("the hull can be indexed");
@@ -93,10 +87,7 @@ impl Subject {
         (write_pack(&[indexed], &SourceRecord::default()).expect("the pack can be written"), build_time)
     }
 
-    /// [`pack_bytes`](Self::pack_bytes), opened.
-    ///
-    /// # Panics
-    /// As [`pack_bytes`](Self::pack_bytes).
+    /// [`pack_bytes`](Self::pack_bytes), opened. Panics as [`pack_bytes`](Self::pack_bytes) does.
     pub fn pack(&self, kind: IndexKind) -> Pack {
         Pack::from_bytes(&self.pack_bytes(kind).0).expect("a pack just written opens")
     }

@@ -1,10 +1,10 @@
-//! The comparison in the documents is what its programs draw from the committed result.
+//! The chart and the tables in the documents match the committed result.
 
 use std::{fs, path::Path};
 
 use hullmap_bench::{comparison, matrix::Matrix};
 
-/// The result in the documents, and its machine and date.
+/// The result behind the documents, and its machine and date.
 const RESULT: &str = "benches/results/2026-11-24-contact-pose.csv";
 const SOURCE: &str = "Intel Xeon, 2026-11-24";
 

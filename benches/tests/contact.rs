@@ -10,7 +10,7 @@ use hullmap_bench::{
     subject::SEED,
 };
 
-/// The minimum vertex count, and one at which phases beyond the first decide.
+/// The minimum vertex count, and one at which later phases decide too.
 const COUNTS: [usize; 2] = [8, 300];
 
 const EFFORT: Effort = Effort { poses: 40, paths: 4, frames: 9, pieces: [12, 4], rounds: 1 };

@@ -57,7 +57,6 @@ fn answers_are_vertices() {
     }
 }
 
-/// Every rival gets a positive time in every mode.
 #[test]
 fn every_rival_is_timed() {
     let subject = Subject::new(FAMILIES[0], 32, SEED);

@@ -27,20 +27,15 @@ pub struct Run {
 }
 
 impl Run {
-    /// Asserts the exit code and returns the run.
-    ///
-    /// # Panics
-    /// If the exit code differs; the message has all output.
+    /// Asserts the exit code and returns the run. Panics if the exit code differs; the message has
+    /// all output.
     #[track_caller]
     pub fn expect(self, code: i32) -> Self {
         assert_eq!(self.code, code, "exit code\nstdout: {}\nstderr: {}", self.stdout, self.stderr);
         self
     }
 
-    /// Standard output as one JSON value per line.
-    ///
-    /// # Panics
-    /// If a line is not JSON.
+    /// Standard output as one JSON value per line. Panics if a line is not JSON.
     #[track_caller]
     pub fn json(&self) -> Vec<Value> {
         let read = |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"));
@@ -48,36 +43,27 @@ impl Run {
     }
 }
 
-/// Runs `bake` with these arguments, in the workspace's folder.
-///
-/// # Panics
-/// If it cannot be built or started, is killed, or prints invalid UTF-8.
+/// Runs `bake` with these arguments, in the workspace's folder. Panics if it cannot be built or
+/// started, is killed, or prints invalid UTF-8.
 pub fn bake<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Run {
     bake_in(&workspace(), words)
 }
 
-/// Runs `bake` with these arguments in `folder`.
-///
-/// # Panics
-/// As [`bake`].
+/// Runs `bake` with these arguments in `folder`. Panics as [`bake`] does.
 pub fn bake_in<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S>) -> Run {
     finished(Command::new(binary()).args(words).current_dir(folder))
 }
 
-/// Runs a command of `bake` to its end.
-///
-/// # Panics
-/// If it cannot be started, is killed, or prints invalid UTF-8.
+/// Runs a command of `bake` to its end. Panics if it cannot be started, is killed, or prints
+/// invalid UTF-8.
 pub fn finished(command: &mut Command) -> Run {
     let run = command.output().expect("bake starts");
     let text = |bytes| String::from_utf8(bytes).expect("bake prints UTF-8");
     Run { code: run.status.code().expect("bake is not killed"), stdout: text(run.stdout), stderr: text(run.stderr) }
 }
 
-/// Runs cargo with these arguments in the workspace's folder.
-///
-/// # Panics
-/// If it fails; the message has its errors.
+/// Runs cargo with these arguments in the workspace's folder. Panics if it fails; the message has
+/// its errors.
 pub fn cargo<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from(env!("CARGO")));
     let output = Command::new(cargo).args(words).current_dir(workspace()).output().expect("cargo starts");
@@ -86,10 +72,7 @@ pub fn cargo<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
 }
 
 /// `bake` with these arguments in `folder`, not started yet, so that a test can interrupt, watch or
-/// pipe it.
-///
-/// # Panics
-/// If it cannot be built.
+/// pipe it. Panics if it cannot be built.
 pub fn command<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(binary());
     command.args(words).current_dir(folder);
@@ -102,10 +85,7 @@ pub fn binary() -> &'static Path {
     BINARY.get_or_init(|| built(&[]))
 }
 
-/// Builds the command, with these words for cargo.
-///
-/// # Panics
-/// If it cannot be built.
+/// Builds the command, with these words for cargo. Panics if it cannot be built.
 pub fn built(more: &[&str]) -> PathBuf {
     // A test is <target>/<profile>/deps/<name>, a command of this package
     // <target>/<profile>/<name>.

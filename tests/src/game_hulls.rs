@@ -8,19 +8,13 @@ use crate::outside;
 pub const VARIABLE: &str = "HULLMAP_HULLS";
 
 /// The clouds of the file. If the variable is not set, prints which test is skipped and returns
-/// `None`.
-///
-/// # Panics
-/// If the file cannot be read, or ends inside a cloud.
+/// `None`. Panics if the file cannot be read, or ends inside a cloud.
 pub fn clouds(test: &str) -> Option<Vec<Vec<[f32; 3]>>> {
     let path = outside::path(VARIABLE, test)?;
     Some(read(&std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))))
 }
 
-/// The clouds in the bytes of such a file.
-///
-/// # Panics
-/// If they end inside a cloud.
+/// The clouds in the bytes of such a file. Panics if they end inside a cloud.
 pub fn read(bytes: &[u8]) -> Vec<Vec<[f32; 3]>> {
     let mut words = bytes.chunks_exact(4).map(|word| <[u8; 4]>::try_from(word).expect("four bytes"));
     let mut clouds = Vec::new();

@@ -43,7 +43,7 @@ pub struct Answers {
     pub wrong: usize,
 }
 
-/// What became of indices with a candidate less.
+/// Outcomes for indices with one candidate less.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mutations {
     /// Number of damaged indices that could not be proven.
@@ -76,10 +76,7 @@ pub fn subject(rng: &mut SplitMix64) -> Subject {
 }
 
 impl Subject {
-    /// Bakes points.
-    ///
-    /// # Panics
-    /// If they cannot be baked.
+    /// Bakes points. Panics if they cannot be baked.
     pub fn new(name: String, points: &[[f32; 3]], kind: IndexKind) -> Self {
         let source_vertices = (0..points.len() as u32).collect();
         let set = PointSet { positions: points.to_vec(), source_vertices, ..PointSet::default() };
@@ -93,10 +90,7 @@ impl Subject {
         Self { name, baked, positions, cones }
     }
 
-    /// The proof of its index.
-    ///
-    /// # Errors
-    /// Why it is not proven.
+    /// The proof of its index. The error is the reason why it is not proven.
     pub fn proof(&self) -> Result<Proof, Unproven> {
         self.baked.index.prove(&self.baked.hull)
     }

@@ -5,10 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The path in the environment variable `variable`. If it is not set, prints which test is skipped
-/// and returns `None`.
-///
-/// # Panics
-/// If the path does not exist: a requested test must not be skipped.
+/// and returns `None`. Panics if the path does not exist: a requested test must not be skipped.
 pub fn path(variable: &str, test: &str) -> Option<PathBuf> {
     let Some(path) = std::env::var_os(variable).filter(|value| !value.is_empty()) else {
         println!("skipped: {test}: {variable} is not set");
@@ -25,10 +22,7 @@ pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned()
 }
 
-/// Every file below a folder, by its relative path.
-///
-/// # Panics
-/// If one cannot be read.
+/// Every file below a folder, by its relative path. Panics if one cannot be read.
 pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     fn walk(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {

@@ -2,7 +2,7 @@
 //!
 //! It measures by other code than the bounds: winding numbers are sums of solid angles, distances
 //! are brute force over all triangles, and points are compared with all planes of a part. Only the
-//! inside of a mesh that is not watertight is that of [`Solid`], since it is a convention.
+//! inside of a mesh that is not watertight comes from [`Solid`], since it is a convention.
 
 use glam::DVec3;
 use hullmap_bake::{
@@ -22,11 +22,9 @@ const HEIGHT_ERROR: f64 = 1e-9;
 /// Rounding error of a distance from a triangle, relative to the diagonal: needles lose digits.
 const DISTANCE_ERROR: f64 = 2e-6;
 
-/// What a point among `samples` refutes: half of them on the mesh's surface, half on the parts'.
-/// `None` if no point refutes a claim.
-///
-/// # Complexity
-/// For each point, all planes of all parts, or all triangles twice.
+/// The claim that a point among `samples` refutes: half of them on the mesh's surface, half on the
+/// parts'. `None` if no point refutes a claim. Complexity: for each point, all planes of all parts,
+/// or all triangles twice.
 pub fn refutation(mesh: &PointSet, hulls: &[Hull], fits: &[Fit], samples: usize, seed: u64) -> Option<String> {
     let triangles = triangles(mesh);
     let solid = Solid::new(mesh);
@@ -132,7 +130,7 @@ mod tests {
 
     use super::*;
 
-    /// Claims that are right stand; each of them overstated by a tenth falls.
+    /// Correct claims pass; each of them overstated by a tenth fails.
     #[test]
     fn overstated_claims_are_refuted() {
         let mesh = concave::l();

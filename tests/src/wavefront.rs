@@ -6,10 +6,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 /// The points of an OBJ file that elements reference, in order; all points if `all`, or if there is
-/// no element.
-///
-/// # Panics
-/// If the file is invalid.
+/// no element. Panics if the file is invalid.
 pub fn points(text: &str, all: bool) -> Vec<DVec3> {
     let mut vertices = Vec::new();
     let mut referenced = BTreeSet::new();

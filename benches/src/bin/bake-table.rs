@@ -1,9 +1,9 @@
 //! Prints processor time, peak memory and exponents of a bake, stage by stage, for 1,000 to
 //! 1,000,000 points.
 //!
-//! Each bake runs in a process of its own, on two threads, so that no bake finds memory that
-//! another one left. An exponent is that of the time between two sizes ten times apart: 1 for
-//! linear work, 2 for quadratic work.
+//! Each bake runs in a process of its own, on two threads, so that none reuses the memory of an
+//! earlier one. Exponents are of the time, between two sizes ten times apart: 1 is linear work, 2
+//! is quadratic work.
 
 use std::{
     error::Error,
@@ -54,8 +54,8 @@ const FAMILIES: [Family; 3] = [Family::Sphere, Family::Ball, Family::CubeGrid];
 
 const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 
-/// Processor time that is certainly measured, in seconds: the system counts it in steps of 4 ms.
-/// Shorter times are printed as such, and have no exponent.
+/// Minimum processor time that is measured reliably, in seconds: the system counts it in steps of 4
+/// ms. Shorter times are printed as less than this, and have no exponent.
 const STEP: f64 = 0.004;
 
 /// Sizes of hulls that are simplified.
@@ -258,10 +258,9 @@ fn processor_time() -> Option<Duration> {
     Some(Duration::from_nanos(sum))
 }
 
-/// Makes the peak memory start from the current memory. Systems other than Linux have no such
-/// count.
+/// Resets the peak memory to the current memory. Does nothing on systems other than Linux.
 fn forget_peak() {
-    // Where it is not allowed, peaks are those since the start of the process.
+    // Without permission, peaks count from the start of the process.
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 

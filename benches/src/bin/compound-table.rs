@@ -1,6 +1,6 @@
-//! Prints the time and the work of queries of compounds: sheets of 1 to 1,024 rocks against one
-//! rock and against each other, beside parry3d's `Compound`. The poses are such that the number of
-//! parts that touch does not grow with the sheet.
+//! Prints the time and the work of compound queries, beside parry3d's `Compound`: sheets of 1 to
+//! 1,024 rocks against one rock and against each other. The number of parts that touch does not
+//! grow with the sheet.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -18,10 +18,9 @@ use shapes::{families::rock, rng::SplitMix64};
 /// Vertices of a part.
 const VERTICES: usize = 32;
 
-/// Poses of a batch, the median of whose times is printed.
+/// Poses in a batch, whose median time is printed.
 const POSES: usize = 64;
 
-/// Batches.
 const BATCHES: usize = 9;
 
 /// Prediction of manifolds, in units of a part's size.

@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     samples.push(sample(Family::Sphere, 8, if quick { 1000 } else { 100_000 }));
 
     let folder = tempfile::tempdir()?;
-    let mut table = Matrix::new("Opening, ms (ms a GB)", "pack");
+    let mut table = Matrix::new("Opening, ms (ms per GB)", "pack");
     let ways: Vec<String> = WAYS.iter().map(|(name, _)| format!("{name}_ms")).collect();
     let facts = ["family", "points", "hulls", "megabytes"].map(str::to_owned);
     let header: Vec<String> = facts.into_iter().chain(ways).collect();

@@ -20,8 +20,8 @@ use hullmap_bench::{
 use parry3d::{math, query};
 use shapes::rng::SplitMix64;
 
-/// Differences of depths up to this fraction of the diameter are those of MuJoCo's vertices, which
-/// are moved to the centre of mass and rounded to f32.
+/// Differences of depths up to this fraction of the diameter come from MuJoCo's vertices, which are
+/// moved to the centre of mass and rounded to f32.
 const ROUNDING: f64 = 1e-6;
 
 /// Number of frames of a path.
@@ -74,7 +74,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Which engine answers, and in which order the poses come.
+/// An engine, and the order of its poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Engine {
     /// hullmap with empty caches.
@@ -118,10 +118,11 @@ struct Cell {
 #[derive(Default)]
 struct Differences {
     poses: usize,
-    /// One says yes, the other no, and the depth exceeds a millionth of the diameter.
-    verdicts: usize,
-    /// Maximum length by which MuJoCo's depth is below hullmap's interval, and above it, over the
+    /// The engines disagree on whether the hulls overlap, and the depth exceeds a millionth of the
     /// diameter.
+    verdicts: usize,
+    /// Maximum length by which MuJoCo's depth is below hullmap's interval, and above it, relative
+    /// to the diameter.
     below: f64,
     above: f64,
     /// MuJoCo's depth is below hullmap's interval.
@@ -277,11 +278,11 @@ fn tables(cells: &[Cell]) -> Vec<Matrix> {
         ("Random poses, empty caches: ns per query, hullmap / MuJoCo / parry3d", |ns| {
             format!("{:.0} / {:.0} / {:.0}", ns[0], ns[1], ns[2])
         }),
-        ("Random poses, empty caches: time of MuJoCo over that of hullmap", |ns| format!("{:.2}", ns[1] / ns[0])),
+        ("Random poses, empty caches: time of MuJoCo over hullmap's", |ns| format!("{:.2}", ns[1] / ns[0])),
         ("Along paths: ns per query, hullmap cold / hullmap warm / MuJoCo", |ns| {
             format!("{:.0} / {:.0} / {:.0}", ns[3], ns[4], ns[5])
         }),
-        ("Along paths: time of MuJoCo over that of hullmap, warm", |ns| format!("{:.2}", ns[5] / ns[4])),
+        ("Along paths: time of MuJoCo over hullmap's, warm", |ns| format!("{:.2}", ns[5] / ns[4])),
         ("Along paths: time of hullmap, warm over cold", |ns| format!("{:.2}", ns[4] / ns[3])),
     ];
     kinds

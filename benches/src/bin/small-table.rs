@@ -1,5 +1,5 @@
 //! Contact of small hulls by the separating axis test beside the general path (MPR and EPA), on the
-//! same pairs, interleaved in one run. All caches are empty: with others, the test does not run.
+//! same pairs, interleaved in one run. All caches are empty: the test only runs with empty ones.
 
 use std::hint::black_box;
 

@@ -1,5 +1,5 @@
-//! The paper's cube map (section 4.8): each texel holds the support vertex of its centre. It takes
-//! one read, and is wrong wherever a texel has more than one answer. Hill climbing from there
+//! The paper's cube map (section 4.8): each texel holds the support vertex of its centre. A query
+//! is one read, which is wrong wherever a texel has more than one answer. Hill climbing from there
 //! corrects most answers, up to the plateaus of f32.
 
 use glam::Vec3;

@@ -79,11 +79,8 @@ impl Graph {
     }
 
     /// Climbs from vertex `from` to the best neighbour until no neighbour is better, and returns
-    /// the last vertex.
-    ///
-    /// # Complexity
-    /// One dot product for each neighbour of each vertex on the way. It ends because the dot
-    /// product grows with every step.
+    /// the last vertex. Complexity: one dot product for each neighbour of each vertex on the way.
+    /// It ends because the dot product grows with every step.
     #[inline]
     pub fn climb(&self, from: u32, dir: Vec3) -> u32 {
         let mut at = from;
@@ -111,7 +108,7 @@ pub trait Start {
     /// The rival's name.
     const NAME: &'static str;
 
-    /// The first vertex; `last` is the end of the last climb.
+    /// Starts from the first vertex; `last` is the end of the last climb.
     fn start(graph: &Graph, last: u32, dir: Vec3) -> u32;
 }
 
@@ -128,7 +125,7 @@ impl Start for OneStart {
     }
 }
 
-/// From the best of up to 14 vertices: the extreme vertices along the axes and diagonals.
+/// Starts from the best of up to 14 vertices: the extreme vertices along the axes and diagonals.
 #[derive(Clone, Copy, Debug)]
 pub struct ManyStarts;
 

@@ -20,9 +20,6 @@ pub struct Indexed {
 
 impl Indexed {
     /// Bakes `subject` with an index of `kind`; also returns the time to build the index.
-    ///
-    /// # Panics
-    /// If the pack cannot be written: a bug.
     pub fn new(name: &'static str, subject: &Subject, kind: IndexKind) -> (Self, Duration) {
         let (bytes, build_time) = subject.pack_bytes(kind);
         (Self::open(name, bytes), build_time)

@@ -1,7 +1,7 @@
 //! Scenes of many different hulls: queries whose working set is larger than the caches.
 //!
-//! A benchmark that asks one hull again and again finds everything in the first-level cache. Games
-//! and robots ask another hull each time.
+//! A benchmark that queries one hull repeatedly finds everything in the first-level cache. Games
+//! and robots query a different hull each time.
 //!
 //! | module | what |
 //! |---|---|
@@ -40,10 +40,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Bakes `count` ellipsoids of `vertices` random points each.
-    ///
-    /// # Panics
-    /// If one of them cannot be baked: a bug. If parry3d rejects one.
+    /// Bakes `count` ellipsoids of `vertices` random points each. Panics if parry3d rejects a hull.
     pub fn bake(count: usize, vertices: usize, index: IndexChoice) -> Self {
         let numbers: Vec<usize> = (0..count).collect();
         let packs: Vec<Pack> = numbers
@@ -72,7 +69,7 @@ impl Scene {
     }
 }
 
-/// Points on an ellipsoid, all of which are vertices of their hull.
+/// Points on an ellipsoid. All of them are vertices of their hull.
 fn ellipsoid(vertices: usize, number: usize) -> Vec<[f32; 3]> {
     let seed = SEED + number as u64;
     let mut rng = SplitMix64::new(seed);

@@ -32,7 +32,7 @@ use crate::{
     subject::SEED,
 };
 
-/// What is asked.
+/// Kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
     /// A support vertex in a random direction.
@@ -63,7 +63,7 @@ impl Query {
     }
 }
 
-/// Who answers.
+/// Engine that answers a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
     /// hullmap, one query after the other.
@@ -124,7 +124,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// The whole table, in some minutes; it takes longer if `--max-mib` is raised.
+    /// The whole table, in a few minutes; it takes longer if `--max-mib` is raised.
     pub const FULL: Self = Self { pairs: 8192, bodies: 1000, rounds: 9, parry_work: 1 << 18 };
     /// A short table, in less than a minute.
     pub const QUICK: Self = Self { pairs: 2048, bodies: 216, rounds: 3, parry_work: 1 << 15 };
@@ -135,9 +135,9 @@ impl Effort {
 pub struct Cell {
     /// How the queries follow each other.
     pub order: Order,
-    /// What is asked.
+    /// Kind of the query.
     pub query: Query,
-    /// Who answers.
+    /// Engine that answers.
     pub engine: Engine,
     /// Median over the pieces, in nanoseconds per query.
     pub ns: f64,
@@ -161,11 +161,12 @@ pub fn run(scene: &Scene, vertices: usize, effort: Effort) -> Vec<Cell> {
     cells
 }
 
-/// Number of queries of hullmap in a piece, the same one by one and in a batch: the pieces of a
-/// crowd differ, and so would medians over other pieces. A batch decides by its size how it works.
+/// Number of hullmap's queries in a piece, the same one by one and in a batch: the pieces of a
+/// crowd differ, so medians over other pieces would differ too. The size of a batch decides how it
+/// works.
 const PIECE: usize = 1024;
 
-/// Number of queries of parry3d in a piece: one of each class.
+/// Number of parry3d's queries in a piece: one of each class.
 const PARRY_PIECE: usize = 3;
 
 /// Adds the time of `work` to `times`, in nanoseconds per item.

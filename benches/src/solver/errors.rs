@@ -40,9 +40,6 @@ pub struct Differences {
 
 impl Differences {
     /// Compares both engines on all `poses`.
-    ///
-    /// # Panics
-    /// If parry does not support two polyhedra: a bug.
     pub fn add(&mut self, pair: &Pair, poses: &[Placed]) {
         const SUPPORTED: &str = "parry supports two polyhedra";
         let ([a, b], [parry_a, parry_b]) = (&pair.hulls(), pair.polyhedra());

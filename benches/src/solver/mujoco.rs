@@ -34,10 +34,8 @@ pub struct MuJoCo {
 }
 
 impl MuJoCo {
-    /// Finds the package `mujoco` of `python`, and compiles the program with `cc`.
-    ///
-    /// # Errors
-    /// If Python, the package or the compiler is missing: says which.
+    /// Finds the package `mujoco` of `python`, and compiles the program with `cc`. Fails if Python,
+    /// the package or the compiler is missing; the error names it.
     pub fn find(python: &Path) -> Result<Self, String> {
         let shown = python.display();
         let asked = Command::new(python).args(["-c", WHERE]).output().map_err(|e| format!("{shown}: {e}"))?;
@@ -65,10 +63,8 @@ impl MuJoCo {
         Ok(Self { folder, program, version: version.to_owned() })
     }
 
-    /// Starts the program with two hulls, and poses of B in A's frame.
-    ///
-    /// # Errors
-    /// Any error of the file system. If the program does not start.
+    /// Starts the program with two hulls, and poses of B in A's frame. Fails with any error of the
+    /// file system, or if the program does not start.
     pub fn start(&self, hulls: [Hull<'_>; 2], poses: &[&Placed]) -> io::Result<Session> {
         let (mut assets, mut bodies) = (String::new(), String::new());
         for (name, hull) in ["a", "b"].into_iter().zip(hulls) {
@@ -127,10 +123,7 @@ pub struct Session {
 
 impl Session {
     /// Processor time in nanoseconds per query, over the poses `first`, `first + step`, … below
-    /// `end`, which were answered once just before.
-    ///
-    /// # Errors
-    /// If the program has ended.
+    /// `end`, which were answered once just before. Fails if the program has ended.
     pub fn time_ns(&mut self, first: usize, end: usize, step: usize) -> io::Result<f64> {
         writeln!(self.requests, "{first} {end} {step}")?;
         self.number()
@@ -144,7 +137,7 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        // A program that has ended already is as good.
+        // The program may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

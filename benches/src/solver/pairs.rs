@@ -100,9 +100,6 @@ pub struct Pair {
 
 impl Pair {
     /// Bakes two hulls of `n` points; `None` if parry rejects one of them or drops vertices.
-    ///
-    /// # Panics
-    /// If a hull cannot be baked: a bug.
     pub fn bake(family: Family, n: usize, seed: u64) -> Option<Self> {
         let subjects = [0, 1].map(|index| Subject::new(family, n, seed + index));
         let [a, b] = subjects.each_ref().map(|subject| Parry::new(subject).map(Parry::into_polyhedron));
@@ -115,9 +112,6 @@ impl Pair {
     }
 
     /// A and B.
-    ///
-    /// # Panics
-    /// If a pack has no hull: a bug.
     pub fn hulls(&self) -> [Hull<'_>; 2] {
         self.packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"))
     }
@@ -185,9 +179,6 @@ impl Middle {
 
 /// Distance of the interior points when B, rotated by `rotation`, touches A in direction
 /// `direction`.
-///
-/// # Panics
-/// If the rotation is not finite: a bug.
 pub fn touching_distance(a: &Hull<'_>, b: &Hull<'_>, rotation: DQuat, direction: DVec3) -> f64 {
     use hullmap::SupportMap;
     let from = a.interior_point() - rotation * b.interior_point();

@@ -45,7 +45,7 @@ impl Effort {
         }
     }
 
-    /// A short table in some seconds.
+    /// A short table in a few seconds.
     pub const QUICK: Self = Self { poses: 30, paths: 4, frames: 9, pieces: [12, 4], rounds: 3 };
 }
 
@@ -191,10 +191,7 @@ impl<'s> Heat<'s> {
     }
 }
 
-/// Measures one vertex count.
-///
-/// # Panics
-/// If parry rejects the hulls of every family.
+/// Measures one vertex count. Panics if parry rejects the hulls of every family.
 pub fn run(n: usize, effort: Effort) -> Record {
     let (mut stages, mut rejected) = (Vec::new(), Vec::new());
     for family in FAMILIES {

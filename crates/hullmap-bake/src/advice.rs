@@ -31,18 +31,18 @@ const MAX_NAMES: usize = 8;
 /// A sentence for the user about one hull or object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remark {
-    /// A finding to act on, with the remedy; otherwise one of interest.
+    /// True for a finding to act on, with its remedy; false for information.
     pub is_warning: bool,
     /// Remarks of one topic become one sentence.
     topic: String,
     /// The hull or object.
     name: String,
     text: String,
-    /// Of several remarks on one topic, that with the largest weight is shown in full.
+    /// Among remarks on one topic, the one with the largest weight is shown in full.
     weight: f64,
 }
 
-/// Warnings and notes about baked hulls: those of simplified hulls, then those of other hulls.
+/// Warnings and notes about baked hulls, simplified hulls first.
 pub fn of_hulls(hulls: &[BakedHull]) -> Vec<Remark> {
     let measures = || hulls.iter().map(HullMeasures::of);
     measures().filter_map(|hull| simplified(&hull)).chain(measures().flat_map(|hull| of_hull(&hull))).collect()
@@ -72,7 +72,7 @@ impl Remark {
 }
 
 /// Notes and warnings, one for each topic of the remarks, in the order in which the topics appear.
-/// A file with hundreds of parts has no hundreds of equal warnings.
+/// So hundreds of parts with the same problem produce one warning.
 pub fn summarise(remarks: impl IntoIterator<Item = Remark>) -> (Vec<String>, Vec<String>) {
     let mut topics: Vec<Vec<Remark>> = Vec::new();
     let mut positions: HashMap<(bool, String), usize> = HashMap::new();
@@ -206,14 +206,14 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
 
-/// A mesh that was to be decomposed, but has no surface.
+/// A mesh that cannot be decomposed, because it has no surface.
 pub fn without_faces(name: &str) -> Remark {
     let text = format!("{name}: not decomposed, because it has no faces; add faces, or leave out --decompose");
     Remark::warning("no faces", name, text)
 }
 
 /// Parts that protrude more than requested: by the length `reached`, instead of `requested`; `size`
-/// is the mesh's diagonal. With a maximum number of parts that is a note, since the error was to be
+/// is the mesh's diagonal. With a maximum number of parts this is a note, since the error was to be
 /// found; a search that ended early is a warning.
 pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requested, size]: [f64; 3]) -> Remark {
     let share = percent(reached / size);
@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn one_sentence_a_topic() {
+    fn one_sentence_per_topic() {
         let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
         let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Sheet, uncovered, protrusion: 0.25 });

@@ -244,7 +244,7 @@ mod tests {
 
     /// A piece that is skipped has no direction near the cube's face.
     #[test]
-    fn pieces_near_a_face_are_all_that_meet_it() {
+    fn skipped_pieces_do_not_meet_the_face() {
         for family in shapes::families::Family::ALL {
             let (hull, map) = map(family.points(300, 4));
             if hull.rank < 2 {

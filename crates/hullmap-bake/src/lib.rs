@@ -220,7 +220,7 @@ pub fn bake_hull(points: &PointSet, index: impl Into<IndexChoice>) -> Result<Bak
 /// See [`BakeError`].
 ///
 /// # Complexity
-/// That of [`bake_hull`] plus that of [`simplify`](simplify::simplify).
+/// The cost of [`bake_hull`] plus the cost of [`simplify`](simplify::simplify).
 pub fn bake_simplified_hull(
     points: &PointSet,
     limit: simplify::Limit,

@@ -40,18 +40,18 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
 /// A pack of one large hull then takes half as much memory.
 ///
 /// # Errors
-/// Those of [`write_pack`].
+/// The errors of [`write_pack`].
 pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
     write(hulls.into_iter(), source, Detail::Full)
 }
 
-/// Like [`write_owned_pack`], but writes a *lean* pack: without what only manifolds, hints and
-/// walks over the surface need. Hulls have no neighbours, quads and edges, and none of more than
-/// [`LEAN_FACES`] vertices has faces.
+/// Like [`write_owned_pack`], but writes a *lean* pack: without the data that only manifolds, hints
+/// and walks over the surface need. Hulls have no neighbours, quads or edges, and hulls of more
+/// than [`LEAN_FACES`] vertices have no faces.
 ///
 /// # Errors
-/// Those of [`write_pack`].
+/// The errors of [`write_pack`].
 ///
 /// # Examples
 /// ```

@@ -1,5 +1,5 @@
-//! How much of a long computation is done, for a progress bar in another thread, which may also
-//! cancel it. Shares are estimates from counts of steps; no result depends on them.
+//! Progress of a long computation, for a progress bar in another thread, which may also cancel it.
+//! Shares are estimates from counts of steps; no result depends on them.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 
@@ -56,7 +56,7 @@ impl<'a> Stage<'a> {
         Self { start: self.start + from * self.length, length: (to - from) * self.length, ..self }
     }
 
-    /// States that this share of the stage is done.
+    /// Reports that this share of the stage is done.
     pub fn reach(self, share: f64) {
         if let Some(Progress { done, .. }) = self.progress {
             // A cast saturates, and NaN, which `clamp` keeps, becomes 0.

@@ -82,8 +82,8 @@ impl BakedCollider {
     }
 }
 
-/// Why an entity with a [`BakedCollider`] has no collider, or still has that of an earlier pack.
-/// Removed when a collider is built. The message is also logged.
+/// Why an entity with a [`BakedCollider`] has no collider, or still has the collider of an earlier
+/// pack. Removed when a collider is built. The message is also logged.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct ColliderFailure(pub ShapeError);
 

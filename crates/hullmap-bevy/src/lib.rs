@@ -40,9 +40,8 @@
 //!
 //! # Frames and units
 //!
-//! A collider has the frame and units of its pack: those of the source mesh, or those chosen by
-//! `bake build --unit-scale` and `--up-axis`. Render mesh and collider agree if both come from one
-//! file.
+//! A collider has the frame and units of its pack: the source mesh's, or the ones chosen by `bake
+//! build --unit-scale` and `--up-axis`. Render mesh and collider agree if both come from one file.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]

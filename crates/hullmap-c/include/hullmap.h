@@ -7,8 +7,8 @@
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
 // Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
-// of unit length. Lengths are in the unit of the shapes, which the library does not know. Numbers
-// are double precision.
+// of unit length. Lengths are in the unit of the shapes, whatever it is. Numbers are double
+// precision.
 //
 // Errors. Functions return a HullmapResult, HULLMAP_RESULT_OK on success; hullmap_last_error() has
 // the message of the last failure on the calling thread. A call that fails writes nothing to its
@@ -17,7 +17,7 @@
 // bug in the library is HULLMAP_RESULT_PANIC, after a line on stderr. If memory runs out, the
 // process is aborted.
 //
-// Numerical trouble is no error: it is in the status of an answer, and never reads as "no contact".
+// Numerical trouble is not an error: an answer's status states it, and it is never "no contact".
 // NaN and infinity in poses, points and lengths are errors.
 //
 // Memory. A handle is made by a function with HullmapX **out, and is freed once by the function
@@ -65,8 +65,8 @@
 // queries may return HULLMAP_RESULT_PANIC; they never read out of bounds.
 #define HULLMAP_OPEN_SKIP_CONTENTS 4
 
-// What a function returns. Everything but HULLMAP_RESULT_OK is a failure, and
-// hullmap_last_error() then has a message for people.
+// Result of a function. Every value except HULLMAP_RESULT_OK is a failure, for which
+// hullmap_last_error() has a message.
 enum HullmapResult
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -74,7 +74,7 @@ enum HullmapResult
  {
     // Success.
     HULLMAP_RESULT_OK = 0,
-    // A pointer is NULL that must not be.
+    // A pointer is NULL but must not be.
     HULLMAP_RESULT_NULL = 1,
     // An argument is out of range, not a finite number, misaligned or of an unknown version.
     HULLMAP_RESULT_INVALID_ARGUMENT = 2,
@@ -192,7 +192,7 @@ typedef uint32_t HullmapPrediction;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What counts as the inside of the mesh that convex parts stand for: HullmapHullFacts.solid.
+// Kind of solid that convex parts were measured against: HullmapHullFacts.solid.
 enum HullmapSolid
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -256,8 +256,8 @@ typedef struct {
     HullmapVec3 max;
 } HullmapBounds;
 
-// What the bake recorded about a hull. Points are in the hull's frame, which is that of the source
-// mesh; lengths are in its unit.
+// Facts that the bake recorded about a hull. Points are in the hull's frame, which is the source
+// mesh's; lengths are in its unit.
 //
 // Set struct_size to sizeof(HullmapHullFacts) before the call. Later versions may add fields at
 // the end.
@@ -298,12 +298,12 @@ typedef struct {
     // Maximum distance by which the hull reaches beyond the convex hull of its source; 0 for an
     // exact hull.
     double outer_error;
-    // Origin of the hull's frame in that of the source file; zero unless the bake recentred.
+    // Origin of the hull's frame in the source file's frame; zero unless the bake recentred.
     HullmapVec3 origin;
     // Number of convex parts of its source object; 0 for a hull that is not a part.
     uint32_t part_count;
-    // A HullmapSolid: what counts as the inside of the mesh that the part was measured against.
-    // With HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
+    // A HullmapSolid: kind of solid that the part was measured against. With
+    // HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
     uint32_t solid;
     // Upper bound on how far a point of the mesh's surface lies outside all of its parts.
     double uncovered;
@@ -321,7 +321,8 @@ typedef struct {
 typedef struct {
     // Positions: three numbers x, y, z for each vertex.
     const float *vertices;
-    // For each vertex, its index in the source file; UINT32_MAX for a vertex that the bake made.
+    // For each vertex, its index in the source file; UINT32_MAX for a vertex that the bake
+    // created.
     const uint32_t *source_vertices;
     // For each vertex, where its run of neighbours starts.
     const uint32_t *neighbour_starts;
@@ -359,7 +360,7 @@ typedef struct {
 typedef struct {
     // Where B's origin is in A's frame.
     HullmapVec3 translation;
-    // How B is turned in A's frame.
+    // Rotation of B in A's frame.
     HullmapQuat rotation;
 } HullmapPose;
 
@@ -377,9 +378,9 @@ typedef struct {
     bool hit;
     // The answer.
     HullmapOverlap status;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_a;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_b;
     // Number of steps.
     uint32_t iterations;
@@ -403,9 +404,9 @@ typedef struct {
 typedef struct {
     // How the query ended. HULLMAP_STATUS_OVERLAPPING: the distance is 0.
     HullmapStatus status;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_a;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_b;
     // Number of steps.
     uint32_t iterations;
@@ -426,16 +427,16 @@ typedef struct {
     HullmapVec3 point_b;
 } HullmapDistance;
 
-// Contact of two shapes. Points and normal are in A's frame. Of compounds it is the deepest
+// Contact of two shapes. Points and normal are in A's frame. For compounds, it is the deepest
 // contact of two hulls.
 typedef struct {
     // False only if the shapes are certainly separated.
     bool hit;
     // How the query ended. HULLMAP_STATUS_SEPARATED: no contact.
     HullmapStatus status;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_a;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_b;
     // Number of steps.
     uint32_t iterations;
@@ -448,7 +449,7 @@ typedef struct {
     double depth_lower;
     // Upper bound of the depth.
     double depth_upper;
-    // Unit vector from A to B. Of separated convex shapes, a separating axis. Of separated
+    // Unit vector from A to B. For separated convex shapes, a separating axis. For separated
     // compounds, normal, points and counts are 0.
     HullmapVec3 normal;
     // The point of A that is deepest in B; if they are separated, some point of A.
@@ -477,9 +478,9 @@ typedef struct {
     bool hit;
     // How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start.
     HullmapStatus status;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_a;
-    // Of a compound, the hull that decided the query; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull_b;
     // Number of steps.
     uint32_t iterations;
@@ -505,7 +506,7 @@ typedef struct {
     bool hit;
     // How the query ended. HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape.
     HullmapStatus status;
-    // Of a compound, the hull that is hit; otherwise 0.
+    // For a compound, the hull that is hit; otherwise 0.
     uint32_t hull;
     // Number of steps.
     uint32_t iterations;
@@ -527,7 +528,7 @@ typedef struct {
 typedef struct {
     // How the query ended.
     HullmapStatus status;
-    // The deciding hull, of a compound; otherwise 0.
+    // For a compound, the hull that decided the query; otherwise 0.
     uint32_t hull;
     // Number of steps.
     uint32_t iterations;
@@ -571,7 +572,7 @@ typedef struct {
 // A point of a manifold. Points and normal are in A's frame unless stated otherwise.
 //
 // The caller may write impulse and user_data: the next update keeps them if it keeps the point.
-// What the caller writes into other fields is ignored.
+// Changes to other fields are ignored.
 typedef struct {
     // Unit vector from A to B; the same for all points of a pair of hulls.
     HullmapVec3 normal;
@@ -590,9 +591,9 @@ typedef struct {
     uint64_t user_data;
     // Number of earlier updates in which the point was present.
     uint32_t age;
-    // Of a compound, the hull of A; otherwise 0.
+    // For a compound, the hull of A; otherwise 0.
     uint32_t hull_a;
-    // Of a compound, the hull of B; otherwise 0.
+    // For a compound, the hull of B; otherwise 0.
     uint32_t hull_b;
     // The feature of A.
     HullmapFeature feature_a;
@@ -643,7 +644,7 @@ uint32_t hullmap_abi_version(void);
 // The version of the file format that the library reads.
 uint32_t hullmap_format_version(void);
 
-// What went wrong in the last call that failed on this thread: what, where, and what to do. In
+// Message of the last call that failed on this thread: what went wrong, where, and what to do. In
 // UTF-8, at most 1023 bytes; "" if no call has failed. A call that succeeds does not change it.
 // Valid until the next failure on this thread.
 const char *hullmap_last_error(void);
@@ -653,7 +654,7 @@ const char *hullmap_last_error(void);
 const char *hullmap_result_name(uint32_t result);
 
 // Opens a pack file. By default the file is copied into memory and checked completely, so that no
-// file whatever can harm a later query.
+// file can harm a later query.
 //
 // path: in UTF-8 on Windows, in the system's bytes elsewhere. flags: 0, or HULLMAP_OPEN_MAP,
 // HULLMAP_OPEN_SKIP_CONTENTS or both.
@@ -683,7 +684,7 @@ HullmapResult hullmap_pack_find(const HullmapPack *pack,
                                 const char *name,
                                 size_t *index);
 
-// What the bake recorded about the hull of index `hull`, counted from 0. The caller sets
+// Facts that the bake recorded about the hull of index `hull`, counted from 0. The caller sets
 // facts->struct_size first.
 HullmapResult hullmap_pack_hull_facts(const HullmapPack *pack,
                                       size_t hull,
@@ -833,7 +834,7 @@ HullmapResult hullmap_ray(const HullmapShape *shape,
 // negative inside. The cache is for this shape and points near each other. settings and cache may
 // be NULL.
 //
-// Of a compound, it is the minimum over its hulls: outside, the distance from the union; inside,
+// For a compound, it is the minimum over its hulls: outside, the distance from the union; inside,
 // the depth in the hull in which the point is deepest. The union contains the ball of this radius
 // around the point, but its surface may be farther away where hulls overlap or touch.
 HullmapResult hullmap_signed_distance(const HullmapShape *shape,
@@ -848,7 +849,7 @@ HullmapResult hullmap_signed_distance(const HullmapShape *shape,
 HullmapResult hullmap_manifold_new(uint32_t max_pairs,
                                    HullmapManifold **manifold);
 
-// Finds up to four contact points of A and of B placed at b_in_a; of compounds, for each pair of
+// Finds up to four contact points of A and of B placed at b_in_a; for compounds, of each pair of
 // hulls that touch.
 //
 // Shapes touch if they overlap, or if they are separated by at most the prediction. A point that

@@ -85,7 +85,7 @@ pub(crate) unsafe fn optional_handle<'a, T>(name: &str, pointer: *const T) -> Fa
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: this function's contract is that of `handle`.
+    // SAFETY: this function's contract is the contract of `handle`.
     unsafe { handle(name, pointer) }.map(Some)
 }
 

@@ -6,7 +6,6 @@ use std::{cell::RefCell, ffi::c_char, fmt::Display};
 
 use crate::types::Result as Code;
 
-/// What the modules of this crate return.
 pub(crate) type Fallible<T> = std::result::Result<T, Failure>;
 
 /// Why a call failed.

@@ -1,4 +1,4 @@
-//! What is behind the opaque pointers.
+//! Types behind the opaque pointers.
 //!
 //! Packs and shapes never change, so threads share them. A cache or a manifold is written to by
 //! each query that takes it; it has a lock that is tried and never waited for, so that a program
@@ -144,7 +144,7 @@ fn invalid(error: hullmap::ShapeError) -> Failure {
 #[derive(Debug)]
 pub(crate) struct Exclusive<T>(Mutex<T>);
 
-/// What a panic may have left behind can be emptied.
+/// A value that can be emptied after a panic, which may have left it inconsistent.
 pub(crate) trait Empty {
     fn empty(&mut self);
 }
@@ -154,7 +154,7 @@ impl<T: Empty> Exclusive<T> {
         Self(Mutex::new(value))
     }
 
-    /// The value, if no other call uses it. `name` is that of the argument.
+    /// The value, if no other call uses it. `name` is the name of the argument.
     #[inline(always)]
     pub(crate) fn take(&self, name: impl fmt::Display) -> Fallible<MutexGuard<'_, T>> {
         match self.0.try_lock() {

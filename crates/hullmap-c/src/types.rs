@@ -23,14 +23,14 @@ pub const OPEN_BORROW: u32 = 2;
 /// queries may return HULLMAP_RESULT_PANIC; they never read out of bounds.
 pub const OPEN_SKIP_CONTENTS: u32 = 4;
 
-/// What a function returns. Everything but HULLMAP_RESULT_OK is a failure, and
-/// hullmap_last_error() then has a message for people.
+/// Result of a function. Every value except HULLMAP_RESULT_OK is a failure, for which
+/// hullmap_last_error() has a message.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Result {
     /// Success.
     Ok = 0,
-    /// A pointer is NULL that must not be.
+    /// A pointer is NULL but must not be.
     Null = 1,
     /// An argument is out of range, not a finite number, misaligned or of an unknown version.
     InvalidArgument = 2,
@@ -118,7 +118,7 @@ pub enum Prediction {
     Length = 1,
 }
 
-/// What counts as the inside of the mesh that convex parts stand for: HullmapHullFacts.solid.
+/// Kind of solid that convex parts were measured against: HullmapHullFacts.solid.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solid {
@@ -203,7 +203,7 @@ pub struct Quat {
 pub struct Pose {
     /// Where B's origin is in A's frame.
     pub translation: Vec3,
-    /// How B is turned in A's frame.
+    /// Rotation of B in A's frame.
     pub rotation: Quat,
 }
 
@@ -227,8 +227,8 @@ pub struct Text {
     pub length: usize,
 }
 
-/// What the bake recorded about a hull. Points are in the hull's frame, which is that of the source
-/// mesh; lengths are in its unit.
+/// Facts that the bake recorded about a hull. Points are in the hull's frame, which is the source
+/// mesh's; lengths are in its unit.
 ///
 /// Set struct_size to sizeof(HullmapHullFacts) before the call. Later versions may add fields at
 /// the end.
@@ -271,12 +271,12 @@ pub struct HullFacts {
     /// Maximum distance by which the hull reaches beyond the convex hull of its source; 0 for an
     /// exact hull.
     pub outer_error: f64,
-    /// Origin of the hull's frame in that of the source file; zero unless the bake recentred.
+    /// Origin of the hull's frame in the source file's frame; zero unless the bake recentred.
     pub origin: Vec3,
     /// Number of convex parts of its source object; 0 for a hull that is not a part.
     pub part_count: u32,
-    /// A HullmapSolid: what counts as the inside of the mesh that the part was measured against.
-    /// With HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
+    /// A HullmapSolid: kind of solid that the part was measured against. With
+    /// HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
     pub solid: u32,
     /// Upper bound on how far a point of the mesh's surface lies outside all of its parts.
     pub uncovered: f64,
@@ -296,7 +296,8 @@ pub struct HullFacts {
 pub struct HullArrays {
     /// Positions: three numbers x, y, z for each vertex.
     pub vertices: *const f32,
-    /// For each vertex, its index in the source file; UINT32_MAX for a vertex that the bake made.
+    /// For each vertex, its index in the source file; UINT32_MAX for a vertex that the bake
+    /// created.
     pub source_vertices: *const u32,
     /// For each vertex, where its run of neighbours starts.
     pub neighbour_starts: *const u32,
@@ -387,9 +388,9 @@ pub struct Intersection {
     pub hit: bool,
     /// The answer.
     pub status: Overlap,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_a: u32,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_b: u32,
     /// Number of steps.
     pub iterations: u32,
@@ -412,9 +413,9 @@ impl Intersection {
 pub struct Distance {
     /// How the query ended. HULLMAP_STATUS_OVERLAPPING: the distance is 0.
     pub status: Status,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_a: u32,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_b: u32,
     /// Number of steps.
     pub iterations: u32,
@@ -455,7 +456,7 @@ impl Distance {
     }
 }
 
-/// Contact of two shapes. Points and normal are in A's frame. Of compounds it is the deepest
+/// Contact of two shapes. Points and normal are in A's frame. For compounds, it is the deepest
 /// contact of two hulls.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -464,9 +465,9 @@ pub struct Contact {
     pub hit: bool,
     /// How the query ended. HULLMAP_STATUS_SEPARATED: no contact.
     pub status: Status,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_a: u32,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_b: u32,
     /// Number of steps.
     pub iterations: u32,
@@ -479,7 +480,7 @@ pub struct Contact {
     pub depth_lower: f64,
     /// Upper bound of the depth.
     pub depth_upper: f64,
-    /// Unit vector from A to B. Of separated convex shapes, a separating axis. Of separated
+    /// Unit vector from A to B. For separated convex shapes, a separating axis. For separated
     /// compounds, normal, points and counts are 0.
     pub normal: Vec3,
     /// The point of A that is deepest in B; if they are separated, some point of A.
@@ -525,7 +526,7 @@ pub struct RayHit {
     pub hit: bool,
     /// How the query ended. HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape.
     pub status: Status,
-    /// Of a compound, the hull that is hit; otherwise 0.
+    /// For a compound, the hull that is hit; otherwise 0.
     pub hull: u32,
     /// Number of steps.
     pub iterations: u32,
@@ -568,9 +569,9 @@ pub struct Impact {
     pub hit: bool,
     /// How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start.
     pub status: Status,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_a: u32,
-    /// Of a compound, the hull that decided the query; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull_b: u32,
     /// Number of steps.
     pub iterations: u32,
@@ -616,7 +617,7 @@ impl Impact {
 pub struct SignedDistance {
     /// How the query ended.
     pub status: Status,
-    /// The deciding hull, of a compound; otherwise 0.
+    /// For a compound, the hull that decided the query; otherwise 0.
     pub hull: u32,
     /// Number of steps.
     pub iterations: u32,
@@ -674,7 +675,7 @@ impl From<hullmap::manifold::FeatureId> for Feature {
 /// A point of a manifold. Points and normal are in A's frame unless stated otherwise.
 ///
 /// The caller may write impulse and user_data: the next update keeps them if it keeps the point.
-/// What the caller writes into other fields is ignored.
+/// Changes to other fields are ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
@@ -695,9 +696,9 @@ pub struct ManifoldPoint {
     pub user_data: u64,
     /// Number of earlier updates in which the point was present.
     pub age: u32,
-    /// Of a compound, the hull of A; otherwise 0.
+    /// For a compound, the hull of A; otherwise 0.
     pub hull_a: u32,
-    /// Of a compound, the hull of B; otherwise 0.
+    /// For a compound, the hull of B; otherwise 0.
     pub hull_b: u32,
     /// The feature of A.
     pub feature_a: Feature,

@@ -7,7 +7,6 @@ fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect(path)
 }
 
-/// Words that start with `prefix`.
 fn words<'t>(text: &'t str, prefix: &str) -> BTreeSet<&'t str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| word.starts_with(prefix)).collect()
 }
@@ -59,7 +58,6 @@ fn every_constant_is_in_the_header() {
     assert!(count >= 4, "{count}");
 }
 
-/// The C++ header has a way to every function of the C header.
 #[test]
 fn the_header_for_cpp_calls_every_function() {
     let (header, cpp) = (code(&read("include/hullmap.h")), read("include/hullmap.hpp"));
@@ -76,9 +74,8 @@ fn the_header_for_cpp_calls_every_function() {
     assert!(unexpected.is_empty(), "{unexpected:?}");
 }
 
-/// The default values in the header are those of the crate for Rust.
 #[test]
-fn defaults_are_those_of_the_crate_for_rust() {
+fn defaults_match_the_crate_for_rust() {
     let header = read("include/hullmap.h").replace("\\\n   ", "");
     let value = |name: &str| {
         let line = header.lines().find_map(|line| line.strip_prefix(&format!("#define {name} "))).expect(name);

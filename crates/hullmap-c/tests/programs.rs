@@ -19,7 +19,7 @@ fn crate_path(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// A compiler: that of the environment variable, or the usual one. `None` if it does not run.
+/// A compiler: from the environment variable, or the usual one. `None` if it does not run.
 #[expect(clippy::disallowed_methods, reason = "the machine says which compiler it has")]
 fn compiler(variable: &str, usual: &str) -> Option<String> {
     let name = env::var(variable).ok().filter(|name| !name.is_empty()).unwrap_or_else(|| usual.to_owned());
@@ -90,7 +90,6 @@ fn headers_compile_in_each_language_version() {
     }
 }
 
-/// C sees the structs as Rust does.
 #[test]
 fn structs_have_one_layout() {
     let Some(cc) = compiler("CC", "cc") else { return };

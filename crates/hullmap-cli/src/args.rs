@@ -25,7 +25,7 @@ use crate::options::defaults::Section;
 use crate::options::{OptionLayer, flag};
 use crate::terminal::Escaped;
 
-/// Headings of the help. Those of the table of options come first, the farm last.
+/// Headings of the help. Headings from the table of options come first, the farm last.
 const FILES: &str = Section::Files.heading();
 const LIMITS: &str = "Limits";
 const RUNNING: &str = "Running";
@@ -196,12 +196,12 @@ pub struct BuildArgs {
     /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
     #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
     pub shard: Option<Shard>,
-    /// A farm, and how it is used.
+    /// Options for a farm.
     #[command(flatten)]
     pub remote: RemoteArgs,
 }
 
-/// Address of a farm. This build cannot reach one, so no text is an address.
+/// Address of a farm. This build has no client for farms, so it accepts no address.
 #[cfg(not(feature = "remote"))]
 #[derive(Clone, Debug)]
 pub enum Address {}
@@ -216,7 +216,7 @@ impl std::str::FromStr for Address {
     }
 }
 
-/// A farm, and how it is used.
+/// Options for a farm.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = FARM)]
 pub struct RemoteArgs {
@@ -240,7 +240,7 @@ pub struct RemoteArgs {
     /// Property that a worker must have, for instance OSFamily=linux; repeatable
     #[arg(long = "remote-property", value_name = "NAME=VALUE", value_parser = pair, requires = "address", hide_short_help = true)]
     pub properties: Vec<(String, String)>,
-    /// Certificates in PEM format that may sign the server's [default: the system's]
+    /// Certificate authorities to trust, in PEM format [default: the system's]
     #[arg(long = "remote-ca", value_name = "FILE", requires = "address", hide_short_help = true)]
     pub certificates: Option<PathBuf>,
     /// Certificate of this client in PEM format, for servers that require one
@@ -258,13 +258,13 @@ pub struct RemoteArgs {
     /// Program that workers run: a static `bake` [default: the `bake` in their PATH]
     #[arg(long = "remote-worker", value_name = "PATH", requires = "address", hide_short_help = true)]
     pub worker: Option<PathBuf>,
-    /// Use the cache only, and bake here what it lacks
+    /// Use the cache only, and bake missing packs here
     #[arg(long = "remote-cache-only", requires = "address", hide_short_help = true)]
     pub cache_only: bool,
-    /// Add what is baked here to the cache
+    /// Add packs that are baked here to the cache
     #[arg(long = "remote-upload", requires = "address", hide_short_help = true)]
     pub upload: bool,
-    /// Bake here, with a warning, what the farm does not deliver
+    /// Bake packs that the farm does not deliver here, with a warning
     #[arg(long = "remote-fallback", requires = "address", hide_short_help = true)]
     pub fallback: bool,
     /// Number of batches in flight
@@ -374,7 +374,7 @@ pub struct StatusArgs {
     /// Name the shards of N that are not complete
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub shards: Option<u32>,
-    /// Print one JSON object per pack, also for those that are present
+    /// Print one JSON object per pack, also for packs that are present
     #[arg(long)]
     pub json: bool,
 }
@@ -454,7 +454,7 @@ pub struct InspectArgs {
     /// Packs, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// Print the positions of vertices and the faces, too
+    /// Also print vertex positions and faces
     #[arg(long, requires = "json")]
     pub vertices: bool,
     /// Print one JSON object per pack
@@ -666,7 +666,7 @@ fn size(text: &str) -> Result<u64, String> {
     bytes.filter(|&bytes| bytes > 0).ok_or_else(|| "expected a size above 0, such as 500M or 8G".to_owned())
 }
 
-/// The name under which the command was started, for help texts: `bake`, or that of another door,
+/// The name under which the command was started, for help texts: `bake`, or another entry point,
 /// such as `python -m hullmap`.
 pub fn program(words: &[OsString]) -> String {
     let name = words.first().and_then(|word| Path::new(word).file_name()).and_then(|name| name.to_str());
@@ -690,10 +690,8 @@ pub fn command(program: &str) -> clap::Command {
     names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))
 }
 
-/// Parses the command line.
-///
-/// # Errors
-/// clap's error, which exits with 2 (or 0 for `--help` and `--version`).
+/// Parses the command line. The error is clap's, which exits with 2 (or 0 for `--help` and
+/// `--version`).
 pub fn parse<I, T>(words: I) -> Result<Cli, clap::Error>
 where
     I: IntoIterator<Item = T>,
@@ -710,7 +708,7 @@ where
     })
 }
 
-/// The help with every flag, a line each: clap's own form of `--help` takes three times as many.
+/// The help with every flag, one line each: clap's own form of `--help` takes three times as many.
 fn whole_help(words: &[OsString]) -> Option<clap::Error> {
     let mut command = command(&program(words));
     let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();

@@ -24,7 +24,7 @@ pub struct BakedPack {
     pub vertex_count: usize,
     /// Findings of interest.
     pub notes: Vec<String>,
-    /// Findings to act on, those of the import included. The pack keeps them.
+    /// Findings to act on, including findings of the import. The pack keeps them.
     pub warnings: Vec<String>,
 }
 
@@ -39,7 +39,7 @@ pub struct Part<'a> {
     pub set: usize,
 }
 
-/// The points of each hull that point sets become: the sets themselves, or their convex parts.
+/// The points of each hull: the point sets themselves, or their convex parts.
 ///
 /// The result depends on the sets and the parameters only, so that `bake verify` can compute it
 /// again. `stage` shows the progress.
@@ -82,7 +82,7 @@ pub fn bake_pack(
     stage: Stage,
 ) -> Result<BakedPack, String> {
     let (decompose, index) = (options.decompose(), options.index());
-    // Parts take longer to find and to measure than their hulls to build.
+    // Finding and measuring parts takes longer than building their hulls.
     let [cut, built] = if decompose.is_some() { [0.7, 0.8] } else { [0.0, 1.0] };
     let parts = parts(point_sets, decompose.as_ref(), stage.from_to(0.0, cut))?;
     if stage.is_cancelled() {

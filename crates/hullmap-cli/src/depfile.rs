@@ -14,10 +14,8 @@ pub struct Rule {
 }
 
 /// Text of a dependency file. Each prerequisite also gets a rule without prerequisites, so that
-/// Make continues after a prerequisite was removed.
-///
-/// # Errors
-/// A path contains a line break, which neither Ninja nor Make can read, or is not UTF-8.
+/// Make continues after a prerequisite was removed. Fails if a path contains a line break, which
+/// neither Ninja nor Make can read, or is not UTF-8.
 pub fn text(rules: &[Rule]) -> io::Result<String> {
     let mut text = String::new();
     for rule in rules {

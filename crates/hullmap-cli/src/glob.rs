@@ -15,10 +15,7 @@ pub struct Glob {
 }
 
 impl Glob {
-    /// Reads a glob.
-    ///
-    /// # Errors
-    /// It is invalid.
+    /// Reads a glob. Fails if it is invalid.
     pub fn new(text: &str) -> Result<Self, String> {
         let matches_name = !text.contains('/');
         // A glob with `/` is relative to a folder anyway, so a leading `/` or `./` adds nothing.

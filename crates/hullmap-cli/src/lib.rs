@@ -9,20 +9,20 @@
 //! |---|---|
 //! | `args` | subcommands and flags |
 //! | `commands` | one module per subcommand |
-//! | `jobs` | what is to be baked: meshes, options, packs; in shards, batches and tasks |
+//! | `jobs` | the meshes to bake, with options and packs; in shards, batches and tasks |
 //! | `runner` | bakes jobs on this machine |
-//! | `remote` | bakes jobs by way of a farm, and shares packs through its cache |
+//! | `remote` | bakes jobs on a farm, and shares packs through its cache |
 //! | `options` | the options that shape a pack, in one table with their defaults |
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
 //! | `baker` | all calls into `hullmap-bake` |
-//! | `verification` | how exact a pack is |
+//! | `verification` | proves and measures packs |
 //! | `in_memory` | bakes that write no file, for bindings |
 //! | `geometry` | vertices and faces as lists |
 //! | `packs`, `selection` | packs and hulls named on the command line |
-//! | `source` | the way back from a pack to its source |
-//! | `project` | the folder that the way back must not leave |
-//! | `terminal` | the only way out for text |
+//! | `source` | finds the source of a pack |
+//! | `project` | the folder outside of which no source is read |
+//! | `terminal` | all text output, escaped |
 //! | `pack_file`, `interrupt` | files that are complete or absent at every moment |
 
 #![forbid(unsafe_code)]

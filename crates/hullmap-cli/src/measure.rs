@@ -1,4 +1,5 @@
-//! How the parts of each object fit its mesh: what they leave uncovered, and how far they protrude.
+//! Measures how the parts of each object fit its mesh: what they leave uncovered, and how far they
+//! protrude.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -87,7 +88,7 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
     a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
-/// What to say about parts that protrude more than the maximum error of a cover.
+/// Remark about parts that protrude more than the maximum error of a cover.
 fn beyond(cover: &Cover, points: &PointSet, own: &[BakedHull]) -> Option<Remark> {
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
     let reached = advice::PartsFit::of(fits.as_deref().filter(|fits| !fits.is_empty())?).protrusion;

@@ -13,11 +13,8 @@ const MAX_REMARKS: usize = 100;
 /// Maximum number of characters of such a remark.
 const MAX_REMARK: usize = 10_000;
 
-/// Reads a pack into memory and checks it.
-///
-/// # Errors
-/// [`Failure::usage`] if the file cannot be read, [`Failure::rejected`] if it is not a valid pack.
-/// Both name the file.
+/// Reads a pack into memory and checks it. The error is [`Failure::usage`] if the file cannot be
+/// read, and [`Failure::rejected`] if it is not a valid pack. Both name the file.
 pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
     // `Pack::open` would wait for a pipe.
     if path.exists()

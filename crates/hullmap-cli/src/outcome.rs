@@ -1,4 +1,4 @@
-//! How a command ends: exit codes, and the error that ends it early.
+//! Exit codes of a command, and the error that ends it early.
 
 use std::fmt;
 use std::process::ExitCode;
@@ -60,10 +60,7 @@ impl From<std::io::Error> for Failure {
 }
 
 /// The result of a command that ends with `exit` after its output was `written`. A closed pipe does
-/// not change `exit`.
-///
-/// # Errors
-/// The output could not be written.
+/// not change `exit`. Fails if the output could not be written.
 pub fn end(exit: Exit, written: Result<(), Failure>) -> Result<Exit, Failure> {
     match written {
         Err(failure) if !failure.message.is_empty() => Err(failure),

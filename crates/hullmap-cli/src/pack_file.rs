@@ -52,10 +52,7 @@ impl Drop for Unplaced {
 }
 
 /// Writes `bytes` to a temporary file beside `target` and syncs it. The file is removed unless
-/// [`put_in_place`] is called.
-///
-/// # Errors
-/// The folder cannot be written to.
+/// [`put_in_place`] is called. Fails if the folder cannot be written to.
 pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<Unplaced> {
     let mut unplaced = make_locked(target)?;
     if let Some(file) = &mut unplaced.file {
@@ -114,10 +111,8 @@ pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     sync_in_place(target)
 }
 
-/// Like [`put_in_place`], but never replaces a file.
-///
-/// # Errors
-/// Those of [`put_in_place`], or `target` exists and is left unchanged.
+/// Like [`put_in_place`], but never replaces a file. Fails as [`put_in_place`] does, or if `target`
+/// exists, which is left unchanged.
 pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;
@@ -131,10 +126,8 @@ fn sync_in_place(target: &Path) -> io::Result<()> {
     })
 }
 
-/// Creates a folder and its parents, and syncs them.
-///
-/// # Errors
-/// The folder cannot be created or synced.
+/// Creates a folder and its parents, and syncs them. Fails if the folder cannot be created or
+/// synced.
 pub fn make_folder(folder: &Path) -> io::Result<()> {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => return Ok(()),
@@ -227,11 +220,8 @@ pub fn folder_of(file: &Path) -> &Path {
 /// the bare file name.
 ///
 /// So the bytes of the pack depend on the layout of the project, but not on the rest of the
-/// machine.
-///
-/// # Errors
-/// The canonical path of one of the three cannot be determined. A bare file name would be a
-/// different record.
+/// machine. Fails if the canonical path of one of the three cannot be determined. A bare file name
+/// would be a different record.
 pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::Result<String> {
     let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (source, project) = (source.canonicalize()?, project.canonicalize()?);
@@ -356,7 +346,7 @@ mod tests {
         assert!(write_beside(&folder.path().join("no/x.hullmap"), b"").is_err());
     }
 
-    /// The temporary name was longer than that of the pack, and too long for the file system.
+    /// The temporary name was longer than the pack's, and too long for the file system.
     #[test]
     fn names_may_be_as_long_as_the_file_system_allows() {
         let folder = tempfile::tempdir().unwrap();

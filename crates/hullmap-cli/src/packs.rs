@@ -16,9 +16,7 @@ pub struct PackPlace {
 }
 
 /// The packs that the inputs name, in the order of the inputs, sorted by name within each folder.
-///
-/// # Errors
-/// An input cannot be read, or a folder holds no packs.
+/// Fails if an input cannot be read, or a folder holds no packs.
 pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     let mut places = Vec::new();
     for input in inputs {

@@ -1,4 +1,4 @@
-//! The project of a pack: the folder that the way back to its source must not leave.
+//! The project of a pack: the folder outside of which its source is not read.
 //!
 //! A pack may come from anywhere, and whoever wrote it chose the path that it records. So that path
 //! is followed only to regular files below one folder. Otherwise a pack could make `bake verify`

@@ -35,10 +35,8 @@ impl Selection {
         }
     }
 
-    /// Index of the selected hull among `names`. A name takes precedence over an index.
-    ///
-    /// # Errors
-    /// There is no such hull, or no hull is selected and there are several.
+    /// Index of the selected hull among `names`. A name takes precedence over an index. Fails if
+    /// there is no such hull, or no hull is selected and there are several.
     pub fn choose(&self, names: &[&str]) -> Result<usize, Failure> {
         let file = self.file.display();
         let listed = names[..names.len().min(NAMES_IN_MESSAGE)].join(", ");

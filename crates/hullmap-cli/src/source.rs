@@ -1,4 +1,4 @@
-//! From a pack back to the mesh it was baked from.
+//! Finds the mesh that a pack was baked from.
 
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
@@ -21,7 +21,7 @@ use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Polygons, Rea
 pub struct Source {
     /// The file.
     pub path: PathBuf,
-    /// The point sets that the pack's hulls must be of, in the same order.
+    /// The point sets that must match the pack's hulls, in the same order.
     pub point_sets: Vec<PointSet>,
     /// The faces of each set, by indices of its own points.
     pub faces: Vec<Polygons>,
@@ -56,7 +56,7 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// The way back from a pack.
+/// Result of the search for a pack's source.
 #[derive(Debug)]
 pub enum Search {
     /// The source.
@@ -205,10 +205,8 @@ fn refusal(project: Option<&Project>, path: &Path) -> Option<&'static str> {
 /// The path that `--source` gives for each pack.
 ///
 /// A folder counts for every pack. A single mesh counts for the packs whose own name or recorded
-/// source name it has; the other packs are left to the usual search.
-///
-/// # Errors
-/// `--source` names a mesh, there are several packs, and none of them has its name.
+/// source name it has; the other packs are left to the usual search. Fails if `--source` names a
+/// mesh, there are several packs, and none of them has its name.
 pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
     let Some(mesh) = given.filter(|path| !path.is_dir() && places.len() > 1) else {
         return Ok(vec![given; places.len()]);

@@ -69,17 +69,11 @@ impl<'a> Output<'a> {
     }
 
     /// Writes a line for people.
-    ///
-    /// # Errors
-    /// The writer's.
     pub fn line(&mut self, line: impl Display) -> io::Result<()> {
         writeln!(self.writer, "{}", Escaped(line))
     }
 
     /// Writes an object as one line of JSON.
-    ///
-    /// # Errors
-    /// The writer's.
     pub fn json(&mut self, object: &impl Serialize) -> io::Result<()> {
         serde_json::to_writer(&mut self.writer, object).map_err(io::Error::from)?;
         writeln!(self.writer)
@@ -87,17 +81,11 @@ impl<'a> Output<'a> {
 
     /// Writes a text of the program itself, without names from elsewhere, or a whole file, as it
     /// is.
-    ///
-    /// # Errors
-    /// The writer's.
     pub fn verbatim(&mut self, text: &[u8]) -> io::Result<()> {
         self.writer.write_all(text)
     }
 
     /// Passes everything written so far on.
-    ///
-    /// # Errors
-    /// The writer's.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
@@ -138,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_terminal_would_obey_is_escaped() {
+    fn control_characters_are_escaped() {
         for (text, expected) in [
             ("plain", "plain"),
             ("größe 漢字 \u{1f980} C:\\x", "größe 漢字 \u{1f980} C:\\x"),

@@ -1,7 +1,8 @@
-//! The neighbours of a hull are those of its faces: each edge of a face is listed once, at the
-//! vertex at which it starts, with that face beside it.
+//! Checks that the neighbours of a hull match its faces: each edge of a face is listed once, at the
+//! vertex where it starts, with that face beside it.
 //!
-//! Queries rely on it: the face towards a direction is chosen among the faces listed at one vertex.
+//! Queries rely on this: the face towards a direction is chosen among the faces listed at one
+//! vertex.
 //!
 //! # Steps
 //! 1. There are as many neighbours as face corners, that is, as directed edges of faces.

@@ -20,7 +20,7 @@ pub const MAX_OUTER_VERTICES: usize = 64;
 /// size.
 pub const MAX_LEVELS: u32 = 32;
 
-/// Maximum number of vertices of a hull whose faces are in a lean pack, too. The runtime solves
+/// Maximum number of vertices of a hull that keeps its faces in a lean pack. The runtime solves
 /// deep contacts of such small hulls by their faces.
 pub const LEAN_FACES: u32 = 32;
 
@@ -58,8 +58,7 @@ pub struct Pack {
     /// a convex part.
     pub source_vertices: Vec<u32>,
     /// For each face, the position in its hull's run of `face_vertices` at which its vertices
-    /// start. They end where those of the next face start; those of a hull's last face end with the
-    /// run.
+    /// start. They end where the next face's start; the last face's end with the run.
     pub face_starts: Vec<u32>,
     /// Vertices of the faces, as indices from the hull's first vertex, counter-clockwise seen from
     /// outside. Each face starts with its lowest index. Faces are in lexicographic order.
@@ -112,8 +111,8 @@ pub struct Span {
     pub quad: u32,
 }
 
-/// Facts about one hull. Lengths are in source units, points in the hull's frame: the source's,
-/// moved by [`origin`].
+/// Facts about one hull. Lengths are in source units, points in the hull's frame: the source's
+/// frame, moved by [`origin`].
 ///
 /// [`origin`]: HullRecord::origin
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]

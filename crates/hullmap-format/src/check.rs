@@ -80,11 +80,10 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
     Ok(())
 }
 
-/// Checks that a pack is lean if, and only if, the format version in its header is that of lean
-/// packs.
+/// Checks that a pack is lean if, and only if, the format version in its header is the lean one.
 ///
 /// # Errors
-/// [`CheckError::SectionCount`] of the starts of neighbours, which only lean packs lack.
+/// [`CheckError::SectionCount`] for the starts of neighbours, which only lean packs lack.
 pub fn version(pack: &Sections<'_>, format_version: u32) -> Result<(), CheckError> {
     let found = pack.neighbour_starts.len();
     let expected = if format_version == LEAN_FORMAT_VERSION { 0 } else { pack.vertices.len() };
@@ -167,7 +166,7 @@ fn spans(pack: &Sections<'_>) -> Result<(), CheckError> {
 /// Checks every value that a query could follow or return, in an archive that passed [`structure`].
 ///
 /// # Errors
-/// The first value that breaks a promise, with what was expected: see [`CheckError`].
+/// The first value that violates a requirement, with what was expected: see [`CheckError`].
 ///
 /// # Complexity
 /// One pass over the archive, and a search in a vertex's neighbours for each corner of a face. One

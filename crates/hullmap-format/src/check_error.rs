@@ -34,7 +34,7 @@ pub enum CheckError {
         /// Position after the section before it.
         expected: usize,
     },
-    /// A section ends after the archive does.
+    /// A section extends past the end of the archive.
     #[error("section {section} has {count} elements, but only {available} bytes remain; bake the source again")]
     SectionLength {
         /// The section.
@@ -165,7 +165,7 @@ pub enum HullError {
         /// Outer radius.
         outer: f64,
     },
-    /// The index of its part does not follow that of the hull before it.
+    /// The part index does not follow the previous hull's.
     #[error("its part is {found} (expected {expected})")]
     Part {
         /// Part in the record.
@@ -173,8 +173,7 @@ pub enum HullError {
         /// Index of the next part, or 0 if the hull before completes its object.
         expected: u32,
     },
-    /// The number of parts of its object differs from that of the part before it, or fewer hulls
-    /// follow.
+    /// The number of parts of its object differs from the previous part's, or fewer hulls follow.
     #[error("its object has {found} parts (expected {})", expected_parts(*expected, *left))]
     PartCount {
         /// Number in the record.
@@ -197,9 +196,9 @@ pub enum HullError {
     #[error("it is not a part of an object, but states a kind of solid")]
     MeasuredAlone,
     /// Two parts of an object state different uncovered distances or kinds of solid.
-    #[error("its uncovered distance or its kind of solid is not that of the part before it")]
+    #[error("its uncovered distance or its kind of solid differs from the part before it")]
     PartsDiffer,
-    /// Its frame is not that of the other hulls.
+    /// Its frame differs from the frame of the other hulls.
     #[error("its origin is {found:?} (expected {expected:?}, the origin of the hull before it)")]
     Origin {
         /// Its origin.
@@ -322,14 +321,14 @@ pub enum HullError {
         /// Its fall.
         found: f32,
     },
-    /// The fall of a quad is not that of its face.
+    /// The fall of a quad differs from the fall of its face.
     #[error("quad {quad}: its fall is {found} (expected {expected}, from the edges that leave its face)")]
     QuadFallDiffers {
         /// Position in the hull's quads.
         quad: usize,
         /// Its fall.
         found: f32,
-        /// That of its face.
+        /// Fall of its face.
         expected: f32,
     },
     /// A quad is smaller than half of its face.
@@ -337,7 +336,7 @@ pub enum HullError {
     QuadArea {
         /// Position in the hull's quads.
         quad: usize,
-        /// Its area, relative to that of the face.
+        /// Its area, relative to the face's area.
         share: f64,
     },
     /// A run of neighbours is out of order or out of range.
@@ -490,8 +489,10 @@ pub enum HullError {
         /// Upper bound.
         high: f32,
     },
-    /// The position in a lane differs from that of its vertex.
-    #[error("block {block}, lane {lane}: it has position {found:?} (expected {expected:?}, that of vertex {vertex})")]
+    /// The position in a lane differs from its vertex's.
+    #[error(
+        "block {block}, lane {lane}: it has position {found:?} (expected {expected:?}, the position of vertex {vertex})"
+    )]
     BlockPosition {
         /// The block.
         block: usize,
@@ -562,7 +563,7 @@ pub enum BvhError {
         /// Leaf in the hull's record.
         found: usize,
     },
-    /// The box of a leaf is not that of its hull.
+    /// The box of a leaf differs from the bounds of its hull.
     #[error("node {node}: its box is not the bounds of hull {hull}")]
     LeafBox {
         /// The leaf.
@@ -600,7 +601,7 @@ pub enum BvhError {
         /// Numbers in its children.
         expected: [u32; 2],
     },
-    /// The box of a node is not the smallest around those of its children.
+    /// The box of a node is not the union of its children's boxes.
     #[error("node {node}: its box is not the union of the boxes of its children")]
     Box {
         /// The node.

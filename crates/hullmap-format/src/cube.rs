@@ -25,7 +25,6 @@ pub const IN_RANGE: RangeInclusive<f32> = 1e-30..=1e30;
 /// the grid without a clamp.
 const SCALE: f32 = ((1 << (GRID_BITS - 1)) - 1) as f32;
 
-/// Centre of the grid.
 const CENTRE: u32 = 1 << (GRID_BITS - 1);
 
 /// Adding this to a number of magnitude below 2²² rounds it to an integer. The low bits of the

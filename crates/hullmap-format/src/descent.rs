@@ -4,7 +4,7 @@
 //! and tests call it. Every read is bounds-checked, so that words that were not checked lead to
 //! some slot, or to 0.
 //!
-//! | function | a direction's way |
+//! | function | step of a direction |
 //! |---|---|
 //! | [`root`] | to its first slot |
 //! | [`square`], [`half`] | through a branch |
@@ -19,11 +19,11 @@ use crate::{
     slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, decode_f64},
 };
 
-/// What is left of a direction's cell below the branches that it has passed: the bits of u and of
-/// v that come next, from the top. Below a branch of a binary tree, u and v change places.
+/// The remaining bits of a direction's cell, u and v, below the branches already passed; the next
+/// bit is at the top. A branch of a binary tree swaps u and v.
 pub type Path = [u32; 2];
 
-/// Where a node leads that is not within the words: past their end, where every word is 0.
+/// Target of a node outside the words: an index past their end, where every word reads as 0.
 const NOWHERE: usize = usize::MAX;
 
 /// The path of a cell from its root.
@@ -70,7 +70,7 @@ pub fn plane<W: Words + ?Sized>(words: &W, at: usize, dir: [f64; 3]) -> usize {
 #[expect(clippy::indexing_slicing, reason = "sides are 0 or 1, so that `front` is read below 7")]
 pub fn bundle<W: Words + ?Sized>(words: &W, at: usize, dir: [f64; 3]) -> usize {
     let Some(node) = words.chunk::<{ BUNDLE_WORDS as usize }>(at) else { return NOWHERE };
-    // All planes at once: faster than three that wait for each other.
+    // Testing all planes at once is faster than three dependent tests.
     let mut front = [0; BUNDLE_PLANES];
     for (plane, front) in front.iter_mut().enumerate() {
         *front = usize::from(is_in_front(node, BUNDLE_PLANES, plane, dir));

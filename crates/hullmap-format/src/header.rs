@@ -46,7 +46,7 @@ pub struct Header {
     pub checksum: u64,
 }
 
-/// Why the header is not that of a pack that this version reads.
+/// Why a header is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HeaderError {
     /// The file is shorter than a header.
@@ -81,7 +81,7 @@ pub enum HeaderError {
     Version {
         /// Version that the file states.
         found: u32,
-        /// Version that this build reads, other than that of lean packs.
+        /// Version that this build reads, apart from the lean version.
         expected: u32,
     },
     /// The stated length of the header is not [`HEADER_LEN`].
@@ -200,7 +200,7 @@ impl Header {
         if file_len <= expected { Ok(()) } else { Err(HeaderError::TooLong { found: file_len, expected }) }
     }
 
-    /// Whether the checksum is that of this header and `payload`.
+    /// Whether the checksum matches this header and `payload`.
     ///
     /// # Complexity
     /// One pass over the payload.

@@ -138,8 +138,8 @@ impl HullCheck<'_> {
         }
     }
 
-    /// A hull that was not measured makes no claim. All parts of an object were measured against
-    /// one solid.
+    /// A hull that was not measured states no distances. All parts of an object were measured
+    /// against one solid.
     fn solid(&self) -> Result<(), HullError> {
         let r = self.record;
         let found = r.solid.to_native();

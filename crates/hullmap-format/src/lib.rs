@@ -8,13 +8,13 @@
 //! | [`quad`] | the four corners that stand for a face of many corners |
 //! | [`cube`] | direction ↔ cell of the cube map |
 //! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
-//! | [`solid_kind`] | what counts as the inside of the mesh that parts stand for |
+//! | [`solid_kind`] | what counts as the inside of a mesh |
 //! | [`slot`] | the words of a direction index |
 //! | [`node`] | the nodes of a direction index: positions of their numbers and slots |
 //! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
 //! | [`walk`] | one pass over an index: whether it is well formed, and the worst cost of a query |
 //! | [`sections`] | the archive as slices, each bounds-checked |
-//! | [`check`] | whether a file keeps the promises that the runtime relies on |
+//! | [`check`] | whether a file meets the requirements that the runtime relies on |
 //! | [`repeats`] | whether redundant values of a file agree |
 //!
 //! `docs/FORMAT.md` describes the format byte by byte.
@@ -56,6 +56,6 @@ pub const FORMAT_VERSION: u32 = 5;
 /// Version of *lean* packs: the same format, but without neighbours, quads and edges, and without
 /// the faces of hulls of more than [`LEAN_FACES`](archive::LEAN_FACES) vertices.
 ///
-/// Lean packs have a number of their own, so that programs that do not know them name the remedy,
-/// and all other packs keep their bytes.
+/// Lean packs have their own version, so that older programs refuse them with a clear error, and
+/// all other packs keep their bytes.
 pub const LEAN_FORMAT_VERSION: u32 = 6;

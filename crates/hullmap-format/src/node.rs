@@ -1,6 +1,6 @@
 //! Nodes of a direction index, decoded from its words.
 //!
-//! A [`Slot`] refers to a [`Node`]. The node knows the positions of its numbers and its slots;
+//! A [`Slot`] refers to a [`Node`]. A node gives the positions of its numbers and slots;
 //! [`crate::slot`] describes their meaning. [`crate::walk`] visits and checks all nodes of an
 //! index, and [`crate::descent`] follows a direction through them.
 
@@ -147,7 +147,7 @@ impl Node {
         }
     }
 
-    /// How many f64 it starts with, two words each.
+    /// Number of f64 values at its start, two words each.
     #[inline]
     pub fn number_count(self) -> usize {
         match self {

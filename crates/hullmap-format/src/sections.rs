@@ -2,8 +2,8 @@
 //!
 //! The root is the last structure of the payload. It holds, for each section, an offset relative to
 //! the offset's own position, and an element count. [`Sections::read`] copies the root, checks each
-//! pair, and cuts the payload into slices. From then on no number in the file is an address. All
-//! that the file still holds are values and indices, and indices are looked up in slices.
+//! pair, and cuts the payload into slices. From then on no number in the file is used as an
+//! address: the rest are values, and indices that are looked up in slices.
 //!
 //! The order of sections and their alignment fix every offset, given the counts. So an offset is
 //! not merely in range: it equals the only offset that this version writes.
@@ -204,9 +204,8 @@ mod tests {
         payload
     }
 
-    /// rkyv's own accessors are the twin.
     #[test]
-    fn sections_are_those_that_rkyv_finds() {
+    fn sections_match_rkyv() {
         fn same<T>(found: &[T], expected: &[T]) {
             assert_eq!((found.as_ptr(), found.len()), (expected.as_ptr(), expected.len()));
         }

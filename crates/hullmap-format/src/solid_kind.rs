@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// How the solid is known that a mesh bounds, and from which a part's protrusion is measured.
+/// How the solid bounded by a mesh was determined. A part's protrusion is measured from it.
 ///
 /// # Examples
 /// ```
@@ -14,7 +14,7 @@ use std::fmt;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SolidKind {
-    /// The triangles of the mesh bound it: where their winding number is not 0.
+    /// Bounded by the triangles of the mesh: where their winding number is not 0.
     Watertight,
     /// Holes were closed by cones over their loops, which decide what is inside near them.
     Closed,
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn codes_are_those_of_the_document() {
+    fn codes_match_the_document() {
         assert_eq!(SolidKind::ALL.map(SolidKind::code), [1, 2, 3]);
         assert_eq!((0..6).map(SolidKind::from_code).filter(Option::is_some).count(), 3);
     }

@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn every_damage_to_a_fan_is_reported() {
+    fn damaged_fans_are_reported() {
         let check = |words: &[u32]| check(words, 1, 3, Branches::Squares);
         let with = |at: usize, word: u32| {
             let mut words = fans();
@@ -454,7 +454,7 @@ mod tests {
     }
 
     #[test]
-    fn every_damage_is_reported() {
+    fn damaged_indexes_are_reported() {
         let squares = |words: &[u32], block_count| check(words, 1, block_count, Branches::Squares);
         let with = |at: usize, word: u32| {
             let mut words = sample();

@@ -93,7 +93,7 @@ fn join(meshes: Vec<MeshArrays>, limits: &Limits) -> Result<SourceMesh, Fault> {
     Ok(joined)
 }
 
-/// Checks what readers of files check.
+/// Checks a mesh as the readers of files do.
 fn check(mesh: &MeshArrays) -> Result<(), Fault> {
     let vertex_count = mesh.positions.len();
     let not_finite = |position: &[f64; 3]| !position.iter().all(|x| x.is_finite());

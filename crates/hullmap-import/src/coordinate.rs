@@ -34,10 +34,8 @@ impl Coordinate for f64 {
     }
 }
 
-/// Parses a coordinate and rounds it to the nearest `T`.
-///
-/// # Errors
-/// The word is not a number, is NaN or infinite, or is too large for `T`.
+/// Parses a coordinate and rounds it to the nearest `T`. Fails if the word is not a number, is NaN
+/// or infinite, or is too large for `T`.
 pub fn parse_coordinate<T: Coordinate>(word: &str) -> Result<T, Fault> {
     let text = || excerpt(word);
     match word.parse::<T>() {

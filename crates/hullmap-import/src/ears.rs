@@ -20,16 +20,14 @@ use std::ops::Range;
 use robust::{Coord, orient2d};
 
 /// Maximum number of obstacle tests, as a multiple of the number of corners. Then the rest of the
-/// polygon becomes a fan. This bounds the time to some microseconds a corner. Only
+/// polygon becomes a fan. This bounds the time to some microseconds per corner. Only
 /// self-intersecting polygons come near the limit.
 const TESTS_A_CORNER: usize = 1024;
 
 /// Appends the triangles of a polygon to `out`: two fewer than its corners, with its winding. A
-/// polygon of fewer than three corners has no triangles.
-///
-/// # Complexity
-/// O(corners) for convex polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most
-/// [`TESTS_A_CORNER`] tests a corner.
+/// polygon of fewer than three corners has no triangles. Complexity: O(corners) for convex
+/// polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most [`TESTS_A_CORNER`]
+/// tests per corner.
 #[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, and `flat` is as long as `corners`")]
 pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>) {
     if let [a, b, c] = *corners {
@@ -64,7 +62,6 @@ struct Outline<'a> {
     /// Corners that were obstacles initially, as a k-d tree, see [`build_tree`]. No corner becomes
     /// an obstacle later, since clipping an ear only reduces the angles of its neighbours.
     obstacles: Vec<usize>,
-    /// Number of obstacle tests left.
     tests_left: usize,
 }
 

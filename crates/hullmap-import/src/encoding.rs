@@ -1,9 +1,7 @@
 //! UTF-16 text, as editors and shells on Windows write it.
 
 /// Text of a file that starts with a byte order mark of UTF-16, as UTF-8 without the mark.
-/// Replacement characters stand for what is not UTF-16. `None` for any other file.
-///
-/// # Complexity
+/// Replacement characters stand for invalid UTF-16. `None` for any other file. Complexity:
 /// O(bytes). The text takes at most 1.5 times as many.
 pub fn from_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     let unit: fn([u8; 2]) -> u16 = match bytes {

@@ -11,7 +11,7 @@
 pub const MEMORY_FACTOR: u64 = 8;
 
 /// Memory that an import may take beyond that, in bytes: the limited lists at their maximum
-/// lengths. The largest is that of 131,072 objects of one point each, at 560 bytes an object.
+/// lengths. The largest holds 131,072 objects of one point each, at 560 bytes per object.
 #[cfg(test)]
 pub const MEMORY_BASE: u64 = 96 << 20;
 

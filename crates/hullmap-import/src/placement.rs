@@ -26,10 +26,7 @@ pub fn requires_double(options: &ImportOptions) -> bool {
 
 impl Placement {
     /// The placement for `options`. With `recentre`, the origin is the centre of the bounds of
-    /// `vertices`; otherwise 0.
-    ///
-    /// # Complexity
-    /// O(vertices).
+    /// `vertices`; otherwise 0. Complexity: O(vertices).
     pub fn new(positions: &Positions, vertices: impl Iterator<Item = u32>, options: &ImportOptions) -> Self {
         let mut placement = Self {
             up_axis: options.up_axis,
@@ -67,10 +64,7 @@ impl Placement {
         }
     }
 
-    /// Position of a vertex in the hulls' frame.
-    ///
-    /// # Errors
-    /// A coordinate is too large for `f32`.
+    /// Position of a vertex in the hulls' frame. Fails if a coordinate is too large for `f32`.
     #[expect(clippy::indexing_slicing, reason = "callers pass vertices of the mesh")]
     pub fn place(&self, positions: &Positions, vertex: u32) -> Result<[f32; 3], Fault> {
         if let (Positions::Single(singles), false) = (positions, self.is_recentred || self.scale != 1.0) {
@@ -80,13 +74,8 @@ impl Placement {
     }
 
     /// Positions of all vertices in the hulls' frame. Frees the memory of `f64` positions on the
-    /// way, since both whole lists together would be the peak of an import.
-    ///
-    /// # Errors
-    /// A coordinate is too large for `f32`.
-    ///
-    /// # Complexity
-    /// O(vertices).
+    /// way, since both whole lists together would be the peak of an import. Fails if a coordinate
+    /// is too large for `f32`. Complexity: O(vertices).
     #[expect(
         clippy::indexing_slicing,
         reason = "`placed` is as long as `doubles` was at first, and `vertex` is below that"

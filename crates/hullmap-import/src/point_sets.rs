@@ -18,7 +18,6 @@ use crate::mesh::{Polygons, Positions, SourceMesh};
 use crate::options::{ImportOptions, Split, Vertices};
 use crate::placement::Placement;
 
-/// Maximum number of names in a note.
 const NAMES_IN_NOTE: usize = 5;
 
 /// Point sets of a file, with notes and warnings.
@@ -37,10 +36,8 @@ pub struct Sets {
 /// Point sets of a file.
 ///
 /// `referenced` holds for each vertex whether any element references it. `stem` is the name of
-/// objects without one.
-///
-/// # Errors
-/// The file has too many objects for a split, or points that `f32` cannot hold.
+/// objects without one. Fails if the file has too many objects for a split, or points that `f32`
+/// cannot hold.
 #[expect(clippy::indexing_slicing, reason = "`referenced` has an entry for each vertex of the mesh")]
 pub fn point_sets(
     mesh: &mut SourceMesh,

@@ -164,8 +164,8 @@ pub fn open_regular(path: &Path) -> std::io::Result<File> {
     check_regular(&std::fs::metadata(path)?)?;
     let mut options = File::options();
     options.read(true);
-    // The path may have become that of a pipe since. Opened with this flag, a pipe does not block.
-    // Regular files ignore it.
+    // The path may name a pipe by now. Opened with this flag, a pipe does not block. Regular files
+    // ignore it.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
     let file = options.open(path)?;

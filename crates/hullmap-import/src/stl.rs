@@ -30,12 +30,8 @@ const TRIANGLE: usize = 50;
 /// Number of bytes within which a text file must contain `facet` or `endsolid`.
 const TEXT_PROBE: usize = 4096;
 
-/// Reads an STL file. `is_double` selects `f64` for the positions of a text file.
-///
-/// # Errors
-/// The first fault, with its line in a text file, or with its triangle in a binary file.
-///
-/// # Complexity
+/// Reads an STL file. `is_double` selects `f64` for the positions of a text file. The error is the
+/// first fault, with its line in a text file, or with its triangle in a binary file. Complexity:
 /// O(bytes).
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
@@ -104,7 +100,6 @@ fn is_text(bytes: &[u8]) -> bool {
 
 /// A coordinate whose bits identify a position.
 trait WeldKey: Coordinate {
-    /// Its bits.
     type Bits: Copy + Eq + Hash;
     /// Bits of the coordinate; both zeros have the same.
     fn key(self) -> Self::Bits;

@@ -65,7 +65,6 @@ fn primitives() -> Vec<(&'static str, SharedShape)> {
     ]
 }
 
-/// Depth, distance and overlap of two hulls.
 #[test]
 fn two_hulls_agree_with_brute_force() {
     let (a, b) = (baked(&families::rock(60, 1)), baked(&families::prism(16, 1)));
@@ -235,7 +234,7 @@ fn voxels() -> Voxels {
     Voxels::new(Vector::splat(1.0), &boxes)
 }
 
-/// Overlaps and casts are those of one cuboid of the same extent.
+/// Overlaps and casts agree with one cuboid of the same extent.
 #[test]
 fn voxels_are_boxes() {
     let (hull, voxels) = (baked(&families::rock(100, 1)), voxels());
@@ -353,9 +352,9 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
     }
 }
 
-/// Queries of a compound are those of its nearest part.
+/// Queries of a compound agree with its nearest part.
 #[test]
-fn parts_of_compounds_come_back() {
+fn compounds_answer_as_their_nearest_part() {
     let (hull, rock) = (baked(&families::rock(100, 1)), baked(&families::rock(100, 2)));
     let places = [Pose::translation(-3.0, 0.0, 0.0), Pose::translation(3.0, 0.5, 0.0)];
     let parts = places.map(|place| (place, SharedShape::new(hull.clone())));
@@ -395,7 +394,7 @@ fn parts_of_compounds_come_back() {
     assert!((20..95).contains(&met), "{met}");
 }
 
-/// Numbers that are not finite and sizes of zero are answered, with no promise but an end.
+/// Queries with numbers that are not finite, or sizes of zero, end. Their answers are unspecified.
 #[test]
 fn invalid_numbers_are_harmless() {
     let hull = baked(&families::rock(50, 1));

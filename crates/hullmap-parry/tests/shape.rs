@@ -129,7 +129,7 @@ fn boxes_are_tight_under_every_pose() {
 /// The slow twin: tetrahedra from the origin over the triangles of the surface, in f64. parry's own
 /// sums are in f32, and off by a thousandth.
 #[test]
-fn mass_is_that_of_the_polyhedron() {
+fn mass_matches_the_polyhedron() {
     for case in cases() {
         let (vertices, triangles) = case.hull.to_trimesh();
         let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
@@ -235,8 +235,8 @@ fn points_project_to_the_surface() {
     assert!((300..2300).contains(&inside), "{inside}");
 }
 
-/// The face of a projection contains it if its normal is that of the projection, and a vertex has
-/// the normal of one of its faces.
+/// The face of a projection contains it if both have the same normal, and a vertex has the normal
+/// of one of its faces.
 #[test]
 fn faces_of_projections_and_of_vertices() {
     let (mut rng, mut inner) = (SplitMix64::new(5), 0);
@@ -267,7 +267,7 @@ fn faces_of_projections_and_of_vertices() {
     assert!(inner > 40, "{inner}");
 }
 
-/// Of a prism of many sides, the four corners span the cap; of its side, all four are corners.
+/// On the cap of a prism of many sides, the four corners span the cap; a side has exactly four.
 #[test]
 fn features_of_a_prism() {
     let hull = BakedHull::new(pack(&families::prism(1000, 1)).shared_hull(0).unwrap());
@@ -314,7 +314,6 @@ fn flat_hulls_are_shapes() {
     }
 }
 
-/// No query hangs or panics on what is not a number.
 #[test]
 fn numbers_that_are_not_finite_are_harmless() {
     let hull = BakedHull::new(pack(&families::rock(100, 1)).shared_hull(0).unwrap());

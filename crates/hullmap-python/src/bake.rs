@@ -1,6 +1,6 @@
 //! Bakes, on a thread of their own: the calling thread waits for signals, so that Ctrl-C ends the
-//! call, and reports the progress. An interrupted decomposition ends soon; all else of a bake runs
-//! on until it is done. Its result is dropped.
+//! call, and reports the progress. An interrupted decomposition ends soon; every other stage of a
+//! bake runs to its end, and its result is dropped.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::error::{self, ArrayError, BakeError, BakeWarning};
 use crate::pack::Pack;
 use crate::threads::{self, Threads};
 
-/// How often a waiting thread looks for signals, and reports the progress.
+/// Interval at which a waiting thread checks for signals and reports the progress.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Positions, corners of all faces, and the end of each face, with a name.
@@ -33,7 +33,9 @@ pub fn bake_arrays(
     report: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Pack> {
     let meshes = meshes.iter().map(copy).collect::<PyResult<Vec<MeshArrays>>>()?;
-    bake(py, threads, report, move |stage| hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack))
+    bake(py, threads, report, move |stage| {
+        hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack)
+    })
 }
 
 /// Bakes a mesh file. `report` is called with the share that is done.

@@ -14,19 +14,13 @@ pub trait Columns: Sized + Send {
     where
         Self: 'a;
 
-    /// Columns of this length, filled with zeros.
-    ///
-    /// # Errors
-    /// There is not enough memory.
+    /// Columns of this length, filled with zeros. Fails if there is not enough memory.
     fn zeros(count: usize) -> PyResult<Self>;
 
     /// The rows in `range`, cut into pieces of `size`.
     fn pieces(&mut self, range: Range<usize>, size: usize) -> Vec<Self::Rows<'_>>;
 
-    /// The columns as NumPy arrays, by name.
-    ///
-    /// # Errors
-    /// NumPy's.
+    /// The columns as NumPy arrays, by name. Returns the errors of NumPy.
     fn into_arrays(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>>;
 }
 

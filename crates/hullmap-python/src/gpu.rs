@@ -8,10 +8,7 @@ use pyo3::prelude::*;
 use crate::error::ArrayError;
 use crate::query::Found;
 
-/// Whether `device` is the GPU.
-///
-/// # Errors
-/// It is neither `cpu` nor `gpu`.
+/// Whether `device` is the GPU. Fails if it is neither `cpu` nor `gpu`.
 pub fn is_gpu(device: &str) -> PyResult<bool> {
     match device {
         "cpu" => Ok(false),
@@ -20,7 +17,7 @@ pub fn is_gpu(device: &str) -> PyResult<bool> {
     }
 }
 
-/// Answers of the GPU as those of the processor. `None` where the processor is to solve the row.
+/// Converts answers of the GPU to the processor's. `None` where the processor solves the row.
 pub trait FromGpu: Sized {
     /// Which query it answers.
     const QUERY: Query;
@@ -46,11 +43,11 @@ mod on_device {
     use crate::shape::Side;
     use crate::solve::Task;
 
-    /// Rows between two looks for signals.
+    /// Rows between two checks for signals.
     const BLOCK: usize = 1 << 17;
 
     /// The device, opened on first use, and the process that opened it: a forked child cannot use
-    /// that of its parent.
+    /// its parent's device.
     static DEVICE: Mutex<Option<(u32, Device)>> = Mutex::new(None);
 
     fn of_gpu(error: hullmap_wgpu::Error) -> PyErr {
@@ -67,15 +64,12 @@ mod on_device {
             return Ok(device.clone());
         }
         let device = Device::open().map_err(of_gpu)?;
-        // What belongs to the parent must not be closed here.
+        // The parent's device must not be closed here.
         std::mem::forget(opened.replace((process, device.clone())));
         Ok(device)
     }
 
-    /// Solves all rows.
-    ///
-    /// # Errors
-    /// A shape is not a hull, a pose is rejected, or there is no device.
+    /// Solves all rows. Fails if a shape is not a hull, a pose is rejected, or there is no device.
     pub fn solve(py: Python<'_>, task: &Task<'_>, query: Query, settings: &Settings) -> PyResult<Vec<Answer>> {
         let (packs, hulls) = packs(task.pairs.shapes())?;
         let device = device()?;
@@ -145,8 +139,7 @@ mod without {
         Contact,
     }
 
-    /// # Errors
-    /// Always.
+    /// Always fails.
     pub fn solve(_: Python<'_>, _: &Task<'_>, query: Query, _: &Settings) -> PyResult<Vec<Answer>> {
         let name = match query {
             Query::Intersects => "intersects",
@@ -161,9 +154,7 @@ mod without {
 }
 
 /// Solves the rows on the GPU, if it is requested. `None` for rows that the processor solves.
-///
-/// # Errors
-/// Those of [`is_gpu`] and [`solve`].
+/// Returns the errors of [`is_gpu`] and [`solve`].
 pub fn known<T: FromGpu>(
     py: Python<'_>,
     device: &str,

@@ -1,7 +1,7 @@
 //! `hullmap._hullmap`: the part of the Python package that is written in Rust.
 //!
 //! The Python files beside it turn arguments of any layout into contiguous arrays, and name the
-//! columns of the answers. What users see is documented there.
+//! columns of the answers. The interface for users is documented there.
 //!
 //! | module | concept |
 //! |---|---|

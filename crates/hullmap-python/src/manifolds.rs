@@ -119,7 +119,7 @@ pub fn manifolds<'py>(
         let mut found = CompoundManifolds::new(slots);
         for at in 0..count / max_pairs {
             let pose = first / max_pairs + at;
-            // Memory of one pair is of no use to the next.
+            // The memory of one pair is useless for the next.
             if !coherent || task.pairs.len() > 1 {
                 found.clear();
             }

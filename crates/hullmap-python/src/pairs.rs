@@ -13,13 +13,13 @@ use crate::shape::{Shape, Side};
 
 /// Shapes, and pairs of them by their indices.
 ///
-/// Answer `row` is that of pair `row % len`: all pairs at one moment, then all at the next.
+/// Answer `row` belongs to pair `row % len`: all pairs at one moment, then all at the next.
 #[pyclass(frozen, module = "hullmap._hullmap")]
 #[derive(Default)]
 pub struct Pairs {
     shapes: Vec<Side>,
     members: Vec<[u32; 2]>,
-    /// What each pair remembers from call to call. Made by the first query of a motion.
+    /// Memory of each pair from call to call. Created by the first query of a motion.
     memory: OnceLock<Vec<Mutex<Caches>>>,
 }
 
@@ -55,10 +55,7 @@ impl Pairs {
         &self.shapes
     }
 
-    /// What each pair remembers.
-    ///
-    /// # Errors
-    /// There is not enough memory.
+    /// The memory of each pair. Fails if there is not enough memory.
     pub fn memory(&self) -> PyResult<&[Mutex<Caches>]> {
         if let Some(memory) = self.memory.get() {
             return Ok(memory);
@@ -71,8 +68,7 @@ impl Pairs {
         Ok(self.memory.get_or_init(|| made))
     }
 
-    /// # Errors
-    /// A pair cannot be queried.
+    /// Fails if a pair cannot be queried.
     pub fn check(&self, query: &str, takes_compounds: bool) -> PyResult<()> {
         let found = (0..self.len()).find_map(|pair| {
             let [a, b] = self.sides(pair)?;

@@ -21,11 +21,8 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Copies the rows of `array`.
-    ///
-    /// # Errors
-    /// The array is not contiguous or has another number of columns, which the Python code
-    /// prevents.
+    /// Copies the rows of `array`. Fails if the array is not contiguous or has another number of
+    /// columns, which the Python code prevents.
     pub fn new(name: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let width = array.shape().last().copied().unwrap_or(0);
         let numbers = array.as_slice().map_err(|error| ArrayError::new_err(format!("{name}: {error}")))?;
@@ -76,7 +73,7 @@ pub enum PoseArrays<'py> {
     OfShapes(PyReadonlyArray2<'py, f64>),
 }
 
-/// Where the poses of B in A come from.
+/// Source of the poses of B in A.
 pub enum Poses {
     /// They are given.
     InA(Rows),
@@ -87,9 +84,8 @@ pub enum Poses {
 }
 
 impl Poses {
-    /// # Errors
-    /// The arrays have the wrong number of columns, or different numbers of rows; or a pose of a
-    /// shape is rejected.
+    /// Fails if the arrays have the wrong number of columns, or different numbers of rows; or a
+    /// pose of a shape is rejected.
     pub fn new(arrays: &PoseArrays<'_>) -> PyResult<Self> {
         match arrays {
             PoseArrays::OfPairs(b_in_a, None) => Ok(Self::InA(Rows::new("b_in_a", b_in_a)?)),
@@ -154,7 +150,7 @@ pub fn relative<'py>(
     into_rows(py, poses.count(&pairs), |row| poses.get(row, &pairs))
 }
 
-/// Matrices as rows of seven numbers. `name` is that of the argument.
+/// Matrices as rows of seven numbers. `name` is the name of the argument.
 #[pyfunction]
 pub fn pose_rows<'py>(
     py: Python<'py>,

@@ -34,7 +34,7 @@ const PIECE: usize = 256;
 /// for all threads.
 const PIECE_OF_MANY: usize = 32;
 
-/// Pieces between two looks for signals: less than a second of work.
+/// Pieces between two checks for signals: less than a second of work.
 const BLOCK: usize = 256;
 
 columns!(
@@ -188,7 +188,7 @@ pub struct Task<'p> {
     /// Rows of a piece.
     pub piece: usize,
     coherent: bool,
-    /// What each of many pairs remembers, if they move.
+    /// Memory of each of many pairs, if they move.
     memory: Option<&'p [Mutex<Caches>]>,
     threads: Threads,
 }
@@ -529,7 +529,7 @@ fn signed(
     Ok((found, 0))
 }
 
-/// Support points of a bounded shape; of a pack, those of the hull that reaches farthest.
+/// Support points of a bounded shape; for a pack, of the hull that reaches farthest.
 #[pyfunction]
 #[pyo3(signature = (shape, directions, threads))]
 pub fn support<'py>(

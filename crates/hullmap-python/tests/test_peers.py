@@ -46,7 +46,7 @@ def test_coal(scene):
         place = coal.Transform3s(frame[:3, :3], frame[:3, 3])
         found.append(coal.distance(first, identity, second, place, request, result))
     found = np.array(found)
-    # Its error is that of its tolerance, and of EPA's facets.
+    # Its error comes from its tolerance and from EPA's facets.
     assert np.allclose(found[~contacts.hit], gaps.distance[~contacts.hit], atol=1e-6)
     assert np.allclose(-found[contacts.hit], contacts.depth[contacts.hit], atol=1e-5)
     judge(scene, -found)

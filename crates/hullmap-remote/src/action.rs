@@ -234,8 +234,8 @@ mod tests {
         assert!(spec(&["a", "a"]).action().is_ok());
     }
 
-    /// The digest of an empty folder is that of no bytes, and a folder lists its files by name:
-    /// what other implementations compute.
+    /// The digest of an empty folder is the digest of no bytes, and a folder lists its files by
+    /// name, as in other implementations.
     #[test]
     fn folders_are_encoded_as_the_api_defines() {
         let action = spec(&[]).action().unwrap();

@@ -64,8 +64,8 @@ impl Client {
     /// Connects, and requests what the server can do.
     ///
     /// # Errors
-    /// The server is away, does not know the instance, or does not use SHA-256; or a header or
-    /// certificate is wrong.
+    /// The server cannot be reached, does not know the instance, or does not use SHA-256; or a
+    /// header or certificate is wrong.
     pub fn connect(settings: Settings) -> Result<Self, RemoteError> {
         let headers = settings.headers.iter().map(header).collect::<Result<_, _>>()?;
         let runtime = tokio::runtime::Builder::new_multi_thread()

@@ -1,4 +1,4 @@
-//! What can go wrong between here and a farm.
+//! Errors of the connection to a farm, and of its answers.
 
 use tonic::{Code, Status};
 
@@ -41,12 +41,12 @@ pub enum RemoteError {
 }
 
 impl RemoteError {
-    /// Whether the server is away.
+    /// Whether the server is unreachable.
     pub fn is_unreachable(&self) -> bool {
         matches!(self, Self::Unreachable { .. })
     }
 
-    /// This error of a first request, with what it may mean that the server closed the connection.
+    /// This error of a first request, with a possible reason if the server closed the connection.
     pub(crate) fn at_start(self, uses_tls: bool) -> Self {
         match self {
             // The last: an alert of TLS, read as a frame of HTTP/2.
@@ -107,9 +107,9 @@ fn reason(status: &Status) -> String {
     if text.contains("InvalidContentType") { format!("{text}; the server does not use TLS there") } else { text }
 }
 
-/// What a failed TLS handshake says about certificates, in words. rustls has types for this, but
-/// its errors arrive as text. What a server writes into its answers says nothing about this
-/// connection.
+/// Describes what a failed TLS handshake reports about certificates. rustls has types for this, but
+/// its errors arrive as text. Text in the answers of a server is ignored, since it does not
+/// describe this connection.
 fn certificate(status: &Status) -> Option<String> {
     let reason = if is_ours(status) { bounded(&reason(status)) } else { return None };
     if let Some((_, why)) = reason.split_once("invalid peer certificate: ") {

@@ -22,7 +22,7 @@ use crate::{Action, Blob, Client, Digest, RemoteError};
 /// Maximum number of output files.
 const MAX_OUTPUTS: usize = 1 << 16;
 
-/// Length of a standard error's end that is kept, which says what went wrong.
+/// Number of bytes kept from the end of standard error, which states what went wrong.
 const MAX_ERROR_BYTES: usize = 1 << 12;
 
 /// How often an action is requested again after its inputs have vanished from the store, or the
@@ -39,7 +39,7 @@ pub struct Outcome {
     pub files: BTreeMap<String, OutputFile>,
     /// Exit code of the command.
     pub exit_code: i32,
-    /// The end of what it wrote to standard error, if the server sent that along.
+    /// The end of its standard error, if the server sent it.
     pub stderr: String,
     /// Whether it comes from the cache.
     pub is_cached: bool,
@@ -59,7 +59,7 @@ impl Client {
     /// the server may send along.
     ///
     /// # Errors
-    /// The server is away or sends nonsense.
+    /// The server cannot be reached, or sends an invalid answer.
     pub fn look_up(&self, action: &Digest, inline: &[String]) -> Result<Option<Outcome>, RemoteError> {
         let request = api::GetActionResultRequest {
             instance_name: self.settings.instance.clone(),
@@ -86,8 +86,8 @@ impl Client {
     /// `again`, a result in the cache does not count.
     ///
     /// # Errors
-    /// The server is away for longer than all retries, rejects the action, takes longer than the
-    /// settings allow, or sends nonsense. A command that fails is no error: see
+    /// The server cannot be reached in spite of all retries, rejects the action, takes longer than
+    /// the settings allow, or sends an invalid answer. A command that fails is not an error: see
     /// [`Outcome::exit_code`].
     pub fn execute(&self, action: &Action, again: bool) -> Result<Outcome, RemoteError> {
         let deadline = Instant::now() + self.settings.action_timeout;
@@ -107,7 +107,7 @@ impl Client {
     /// code 0.
     ///
     /// # Errors
-    /// The server is away, or does not let this client write.
+    /// The server cannot be reached, or does not let this client write.
     pub fn publish(&self, action: &Action, files: &[(String, Blob)]) -> Result<(), RemoteError> {
         let blobs: Vec<&Blob> = action.messages.iter().chain(files.iter().map(|(_, blob)| blob)).collect();
         self.upload(&blobs)?;

@@ -11,7 +11,7 @@
 //! | `action` | commands and trees of input files as messages |
 //! | `settings` | address, headers, limits |
 //! | `client` | connection and retries |
-//! | `guard` | what must not reach the transport's decoder |
+//! | `guard` | removes a header that makes the transport panic |
 //! | `store` | the content-addressed store (CAS): which blobs are missing, upload, download |
 //! | `execution` | the action cache, and actions in progress |
 //!

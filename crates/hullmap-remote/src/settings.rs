@@ -77,7 +77,7 @@ impl FromStr for Address {
 /// A client's own certificate, for servers that require one.
 #[derive(Clone)]
 pub struct Identity {
-    /// The certificate in PEM format, followed by those between it and its authority.
+    /// The certificate in PEM format, followed by its intermediate certificates.
     pub certificate: Vec<u8>,
     /// Its private key in PEM format, not encrypted.
     pub key: Vec<u8>,
@@ -92,7 +92,7 @@ pub struct Settings {
     pub instance: String,
     /// Headers of every request, for instance `authorization`.
     pub headers: Vec<(String, String)>,
-    /// Certificates in PEM format of those who may sign the server's; `None`: the system's.
+    /// Certificate authorities to trust, in PEM format; `None`: the system's.
     pub certificates: Option<Vec<u8>>,
     /// This client's certificate.
     pub identity: Option<Identity>,

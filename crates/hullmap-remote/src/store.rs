@@ -24,14 +24,15 @@ const CHUNK: usize = 1 << 20;
 /// Maximum number of digests in one request.
 const MAX_DIGESTS: usize = 4000;
 
-/// What a blob costs in a request besides its bytes.
+/// Size of a blob in a request, in addition to its own bytes.
 const PER_BLOB: u64 = 128;
 
 impl Client {
     /// Uploads the blobs that the server lacks.
     ///
     /// # Errors
-    /// The server is away or rejects a blob, or a file has changed since its digest was computed.
+    /// The server cannot be reached or rejects a blob, or a file has changed since its digest was
+    /// computed.
     pub fn upload(&self, blobs: &[&Blob]) -> Result<(), RemoteError> {
         let by_digest: BTreeMap<&Digest, &Blob> = blobs.iter().map(|blob| (&blob.digest, *blob)).collect();
         if let Some(blob) = by_digest.keys().find(|digest| digest.size() > self.max_blob()) {
@@ -63,7 +64,8 @@ impl Client {
     /// The blobs with these digests, each of which is compared with its digest.
     ///
     /// # Errors
-    /// The server is away, lacks a blob, or sends another; or a blob has more than `max_bytes`.
+    /// The server cannot be reached, lacks a blob, or sends another; or a blob has more than
+    /// `max_bytes`.
     pub fn fetch(&self, digests: &[Digest], max_bytes: u64) -> Result<HashMap<Digest, Vec<u8>>, RemoteError> {
         if let Some(large) = digests.iter().find(|digest| digest.size() > max_bytes) {
             let message = format!("an output has {} bytes, which is more than {max_bytes}", large.size());
@@ -170,7 +172,7 @@ impl Client {
         let size = blob.digest.size();
         // The name of an upload must differ from all others.
         let name = format!("{}uploads/{}/blobs/{}/{size}", self.prefix(), unique(), blob.digest.hash());
-        // A file that cannot be read is no answer of the server.
+        // A file that cannot be read is not an answer of the server.
         Chunks::of(blob, name.clone())?;
         let answer = self
             .retry("upload", size, || {

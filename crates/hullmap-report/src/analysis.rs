@@ -178,10 +178,8 @@ impl Analysis {
     }
 }
 
-/// Counts what queries of a pack cost and draws it.
-///
-/// # Errors
-/// The pack's file cannot be read, or has changed since the pack was opened.
+/// Counts what queries of a pack cost and draws it. Fails if the pack's file cannot be read, or has
+/// changed since the pack was opened.
 pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
     let Input { path, pack, open_time, source, verification, mut remarks, polygons, up } = input;
     let contents = Contents::read(path, pack)?;

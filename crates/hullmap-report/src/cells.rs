@@ -53,10 +53,8 @@ pub struct Cells {
     pub is_cut: bool,
 }
 
-/// The borders of an index's cells; empty without an index.
-///
-/// # Complexity
-/// O(words · squares of one branch that share a node), bounded by [`MAX_LINES`].
+/// The borders of an index's cells; empty without an index. Complexity: O(words · squares of one
+/// branch that share a node), bounded by [`MAX_LINES`].
 pub fn cells(index: &IndexReader) -> Cells {
     let mut drawing = Drawing { index, cells: Cells::default(), pending: VecDeque::new() };
     match index.kind {
@@ -472,7 +470,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_those_of_fans() {
+    fn angles_match_fans() {
         for step in -9..70 {
             let angle = f64::from(step) / 10.0;
             let [x, y] = square_point(angle);

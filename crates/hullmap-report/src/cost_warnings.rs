@@ -32,7 +32,7 @@ pub fn cost_warning(hull: &Hull, census: &Census) -> Option<String> {
     })
 }
 
-/// One warning for all hulls of a pack: that of the first, and the number of the others.
+/// One warning for all hulls of a pack: the warning about the first, and the number of the others.
 pub fn summary(warnings: &[String]) -> Option<String> {
     match warnings {
         [] => None,

@@ -20,7 +20,6 @@ const PICTURE: &str = "data:image/png;base64,";
 pub struct Card {
     /// The pack's path below the folder, without extension.
     name: String,
-    /// The verdict.
     verdict: Verdict,
     /// Faults, then warnings.
     remarks: Vec<String>,
@@ -35,7 +34,6 @@ struct Content {
     page: String,
     /// Its picture, as a `data:` URL.
     picture: String,
-    /// Number of hulls.
     hulls: usize,
     /// Number of vertices, over all hulls.
     vertices: usize,
@@ -70,7 +68,7 @@ impl Card {
         self.verdict.words().0 == "bad"
     }
 
-    /// Whether the card, if it was read from a file, has a picture that is nothing but a picture.
+    /// Whether the card, if it was read from a file, has a picture that is a plain image.
     pub fn is_sound(&self) -> bool {
         self.content.as_ref().is_none_or(|content| {
             let data = content.picture.strip_prefix(PICTURE);
@@ -86,7 +84,7 @@ impl Card {
 
 /// The page of a folder.
 ///
-/// Its verdict is made of those of the cards.
+/// Its verdict combines the verdicts of the cards.
 pub fn folder_page(folder: &str, cards: &[Card]) -> String {
     let sum = |pick: fn(&Content) -> usize| {
         count(cards.iter().filter_map(|card| card.content.as_ref()).map(pick).sum::<usize>() as u64)
@@ -115,7 +113,7 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
     )
 }
 
-/// The verdicts of all cards, in their words: every one that is not good, or one for all.
+/// The verdicts of all cards in words: all that are not good, or one for all.
 fn verdict(cards: &[Card]) -> String {
     let doubts = Verdict::DOUBTS.iter().filter_map(|doubt| {
         let count = cards.iter().filter(|card| card.verdict == *doubt).count();

@@ -114,11 +114,9 @@ pub fn resolution(hull_count: usize) -> u32 {
     pixels.isqrt().clamp(MIN_RESOLUTION, MAX_RESOLUTION)
 }
 
-/// Queries `hull` in the directions of all pixels.
-///
-/// # Complexity
-/// 6 · resolution² queries, on all threads of the pool. On a hull without an index, a few queries
-/// for each border that a row crosses.
+/// Queries `hull` in the directions of all pixels. Complexity: 6 · resolution² queries, on all
+/// threads of the pool. On a hull without an index, a few queries for each border that a row
+/// crosses.
 pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap {
     let rows: Vec<(&Face, u32)> = FACES.iter().flat_map(|face| (0..resolution).map(move |row| (face, row))).collect();
     let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
@@ -175,10 +173,7 @@ pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap 
 /// the page draws, for pages that are not a report.
 ///
 /// `resolution` is the number of pixels along a face's edge, limited to 32 to 256. `None` if there
-/// is no such hull.
-///
-/// # Complexity
-/// 6 · resolution² queries, and a copy of the pack.
+/// is no such hull. Complexity: 6 · resolution² queries, and a copy of the pack.
 ///
 /// # Examples
 /// ```
@@ -312,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_those_of_single_queries() {
+    fn pixels_match_single_queries() {
         let mut sets: Vec<Vec<[f32; 3]>> = [2, 4, 6, 8, 20, 32, 150].map(cloud).to_vec();
         sets.push(vec![[1.0, 2.0, 3.0]]);
         // Ties along whole rows, and hulls far from the origin, flat and thin.

@@ -50,10 +50,8 @@ pub fn link(path: &str) -> String {
     out
 }
 
-/// Replaces each `{{name}}` in a template by its value. Values are not expanded again.
-///
-/// # Panics
-/// If the template has a name without a value: a fault of the program.
+/// Replaces each `{{name}}` in a template by its value. Values are not expanded again. Panics if
+/// the template has a name without a value: a fault of the program.
 pub fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut out = String::with_capacity(template.len() + values.iter().map(|(_, value)| value.len()).sum::<usize>());
     let mut rest = template;

@@ -51,10 +51,8 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// Reads a pack that has been opened before, and so has passed all checks.
-    ///
-    /// # Errors
-    /// The file cannot be read, or has changed since it was opened.
+    /// Reads a pack that has been opened before, and so has passed all checks. Fails if the file
+    /// cannot be read, or has changed since it was opened.
     pub fn read(path: &Path, pack: &Pack) -> Result<Self, ReadError> {
         let file = || path.display().to_string();
         let cannot_read = |error| ReadError::Io { file: file(), error };

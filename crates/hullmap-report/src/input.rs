@@ -1,5 +1,4 @@
-//! What the caller of the report knows about a pack: the source, the verification results, and
-//! remarks.
+//! Input of the report: a pack, its source, the verification results, and remarks.
 
 use std::path::Path;
 use std::time::Duration;

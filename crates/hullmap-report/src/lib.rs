@@ -9,7 +9,7 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | [`input`] | what the caller knows about a pack |
+//! | [`input`] | a pack, its source and its verification |
 //! | `analysis` | everything a page shows, before any of it is HTML |
 //! | `index_reader` | a direction index, and the leaf of a direction |
 //! | `cells` | the cells of an index, as lines on the cube |

@@ -66,7 +66,7 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     )
 }
 
-/// What was found out about a pack, in a word.
+/// Verdict on a pack.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {

@@ -1,6 +1,6 @@
-// Bakes in a worker, so that the page goes on while it bakes.
+// Bakes in a worker, so that the page stays responsive.
 
-/** The baker failed in a way that says nothing of the file. */
+/** A failure of the baker that does not depend on the file. */
 class BakerEnded extends Error {}
 
 class Baker {
@@ -18,7 +18,7 @@ class Baker {
     this.#start();
   }
 
-  /** Without workers, it bakes on the thread of the page, which stands still meanwhile. */
+  /** Without workers, it bakes on the thread of the page, which blocks meanwhile. */
   get hasWorker() {
     return this.#worker !== null;
   }
@@ -29,7 +29,7 @@ class Baker {
       const url = URL.createObjectURL(new Blob([this.#source], { type: "text/javascript" }));
       const worker = new Worker(url);
       URL.revokeObjectURL(url);
-      // What a worker posted before it was ended comes too late.
+      // Ignore what a worker posted before it was ended.
       worker.onmessage = ({ data }) => worker === this.#worker && this.#answer(data);
       worker.onerror = (event) => {
         event.preventDefault();

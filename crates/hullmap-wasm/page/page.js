@@ -73,7 +73,7 @@
   }
 
   let bakes = 0;
-  /** Bakes a mesh and makes it body `which`. The page goes on meanwhile. */
+  /** Bakes a mesh and makes it body `which`. The page stays responsive. */
   async function load(which, file, bytes) {
     fail("");
     bakes++;
@@ -155,7 +155,7 @@
   /** Ratio of the sizes of two bodies above which the smaller one is hard to see. */
   const FAR_APART = 8;
 
-  /** Says so if one body is much larger than the other. */
+  /** Shows a hint if one body is much larger than the other. */
   function showSizes() {
     const ratio = bodies.a.radius / bodies.b.radius, factor = Math.max(ratio, 1 / ratio);
     get("sizes").hidden = !(factor > FAR_APART);

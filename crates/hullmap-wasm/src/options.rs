@@ -37,9 +37,9 @@ export interface BakeOptions {
      * share of the diagonal, such as "1%". With `decompose`, maximum protrusion of a part; default "2%".
      */
     maxError?: number | `${number}%` | "none";
-    /** Maximum number of parts, with the smallest error that the search reaches. */
+    /** Maximum number of parts; the search then looks for the smallest error. */
     maxParts?: number | "none";
-    /** Leave out what only manifolds and hints need. Default false. */
+    /** Leave out data that only manifolds and hints need. Default false. */
     lean?: boolean;
 }
 "#;
@@ -62,7 +62,7 @@ impl Options {
     /// Reads a JavaScript object. Properties that are undefined or null have their defaults.
     ///
     /// # Errors
-    /// A property has a value that is no word, number or truth value, or it cannot work in
+    /// A property has a value that is not a word, number or truth value, or it cannot work in
     /// WebAssembly.
     pub fn read(given: Option<&BakeOptions>) -> Result<Self, JsError> {
         let mut options = Self::default();

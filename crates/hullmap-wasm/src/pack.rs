@@ -185,7 +185,7 @@ impl Hull {
         self.0.hull().part_count()
     }
 
-    /// What counts as the inside of the mesh of a part: `watertight`, `closed` (holes were closed)
+    /// Kind of solid that the part was measured against: `watertight`, `closed` (holes were closed)
     /// or `sheet` (no inside); undefined if the part was not measured.
     #[wasm_bindgen(getter)]
     pub fn solid(&self) -> Option<String> {
@@ -235,7 +235,8 @@ impl Hull {
         self.0.hull().vertices().flat_map(|vertex| vertex.to_array()).collect()
     }
 
-    /// For each vertex, its index in the source file; 4294967295 for a vertex that the bake made.
+    /// For each vertex, its index in the source file; 4294967295 for a vertex that the bake
+    /// created.
     #[wasm_bindgen(js_name = sourceVertices)]
     pub fn source_vertices(&self) -> Vec<u32> {
         self.0.hull().arrays().map(|arrays| arrays.source_vertices.to_vec()).unwrap_or_default()

@@ -76,7 +76,7 @@ export interface ManifoldPoint {
 
 /** Contact manifold of two bodies, in A's frame. */
 export interface ContactManifold {
-    /** Unit vector from A to B; of packs, that of the first point. */
+    /** Unit vector from A to B; for packs, the normal of the first point. */
     normal: Float64Array;
     /** Up to four points for each pair of hulls. */
     points: ManifoldPoint[];
@@ -159,7 +159,7 @@ const MANIFOLDS: usize = 64;
 /// Pairs of hulls of two packs whose queries are remembered.
 const CACHES: usize = 16;
 
-/// Two bodies A and B, and what their queries remember.
+/// Two bodies A and B, and the memory of their queries.
 ///
 /// A pose is seven numbers, `tx ty tz qx qy qz qw`: the translation and the quaternion that map B's
 /// frame into A's. The quaternion is normalised.
@@ -170,7 +170,7 @@ pub struct Pair {
     memory: Memory,
 }
 
-/// What the queries of a pair remember.
+/// Memory of the queries of a pair.
 struct Memory {
     convex: Cache,
     compound: CompoundCache,
@@ -191,7 +191,7 @@ impl Memory {
     }
 }
 
-/// Evaluates `$call` with the two bodies as what they are, of which one is a pack.
+/// Evaluates `$call` with the two bodies by their kinds; one of them is a pack.
 macro_rules! of_parts {
     ($a:expr, $b:expr, |$x:ident, $y:ident| $call:expr) => {
         match ($a, $b) {
@@ -347,7 +347,7 @@ impl Pair {
     /// A pair of bodies: hulls, packs as the union of their hulls, or shapes. Both remain usable.
     ///
     /// # Errors
-    /// A body is none, or B is a half-space.
+    /// A body is not a hull, pack or shape, or B is a half-space.
     #[wasm_bindgen(constructor)]
     pub fn new(a: &Body, b: &Body) -> Result<Pair, JsError> {
         let (a, b) = (Side::of("A", a)?, Side::of("B", b)?);

@@ -81,10 +81,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// What a body is.
+    /// The kind of a body.
     ///
     /// # Errors
-    /// It is no body.
+    /// It is not a body.
     pub fn of(name: &str, body: &Body) -> Result<Self, JsError> {
         let wrong = |_| error(format!("{name}: expected a Hull, a Pack or a Shape that was not freed"));
         body.shape_of().map(|shape| shape.0).map_err(wrong)
@@ -149,7 +149,7 @@ impl Shape {
     /// A box about the origin, which extends by its half edges along x, y and z, both ways.
     ///
     /// # Errors
-    /// As of `sphere`.
+    /// As for `sphere`.
     #[wasm_bindgen(js_name = box)]
     pub fn cuboid(
         #[wasm_bindgen(js_name = halfEdges, unchecked_param_type = "ArrayLike<number>")] half_edges: &[f64],
@@ -160,7 +160,7 @@ impl Shape {
     /// All points within `radius` of the segment on the z axis from −`halfLength` to `halfLength`.
     ///
     /// # Errors
-    /// As of `sphere`.
+    /// As for `sphere`.
     pub fn capsule(#[wasm_bindgen(js_name = halfLength)] half_length: f64, radius: f64) -> Result<Shape, JsError> {
         convex(Capsule::new(half_length, radius))
     }
@@ -168,7 +168,7 @@ impl Shape {
     /// A cylinder from −`halfHeight` to `halfHeight` on the z axis.
     ///
     /// # Errors
-    /// As of `sphere`.
+    /// As for `sphere`.
     pub fn cylinder(#[wasm_bindgen(js_name = halfHeight)] half_height: f64, radius: f64) -> Result<Shape, JsError> {
         convex(Cylinder::new(half_height, radius))
     }
@@ -176,7 +176,7 @@ impl Shape {
     /// A cone with its apex at `halfHeight` on the z axis and its base at −`halfHeight`.
     ///
     /// # Errors
-    /// As of `sphere`.
+    /// As for `sphere`.
     pub fn cone(#[wasm_bindgen(js_name = halfHeight)] half_height: f64, radius: f64) -> Result<Shape, JsError> {
         convex(Cone::new(half_height, radius))
     }
@@ -257,7 +257,7 @@ impl Shape {
         let settings = settings(max_t);
         let count = if starts == 1 { ways } else { starts };
         let (mut origins, mut directions) = (origins.iter().cycle(), directions.iter().cycle());
-        // The kinds of fields are those of any answer.
+        // All answers have the same kinds of fields.
         let any = Ray::new(DVec3::ZERO, DVec3::ZERO).map_err(error)?;
         let mut columns = Columns::like(&self.0.ray(&any, &settings));
         for index in 0..count {

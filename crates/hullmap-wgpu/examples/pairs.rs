@@ -1,11 +1,11 @@
-//! Pairs a second on this machine's GPU, and on one thread of its processor.
+//! Pairs per second on this machine's GPU, and on one thread of its processor.
 //!
 //!     cargo run --release --example pairs
 //!     cargo run --release --example pairs -- --pairs 4000000 --out results.jsonl
 //!
 //! Each row is the median of several batches of one pack: random pairs of smooth hulls, half of
 //! them overlapping, that move by a hundredth from batch to batch. `kernel` is the time of the
-//! kernels by the clock of the device. `batch` is that of the whole call: preparing on the
+//! kernels by the clock of the device. `batch` is the time of the whole call: preparing on the
 //! processor, copying, solving and reading back. `--out` appends a dated line of JSON for each row.
 
 use std::io::Write;

@@ -170,7 +170,7 @@ impl<'p> Batch<'p> {
     /// Batches of the hulls of `pack` on `device`.
     ///
     /// # Errors
-    /// Those of [`DevicePack::upload`].
+    /// The errors of [`DevicePack::upload`].
     ///
     /// # Examples
     /// ```
@@ -190,7 +190,7 @@ impl<'p> Batch<'p> {
     /// packs: the first hull of the second pack follows the last one of the first.
     ///
     /// # Errors
-    /// Those of [`DevicePack::upload`].
+    /// The errors of [`DevicePack::upload`].
     ///
     /// # Examples
     /// ```
@@ -365,13 +365,12 @@ impl<'p> Batch<'p> {
         self.solve(pairs, Query::Distance, settings)
     }
 
-    /// Penetration depth of the hulls of each pair: the interval of the answers is that of the
-    /// depth, and moving B by the depth along `normal` makes the hulls touch.
+    /// Penetration depth of the hulls of each pair: the interval of the answers contains the depth,
+    /// and moving B by the depth along `normal` makes the hulls touch.
     ///
     /// Kernels expand a polytope of at most 64 vertices. On smooth hulls that leaves intervals
     /// wider than the default tolerance, with [`Status::Budget`]: choose a tolerance of 1e-2 or
-    /// 1e-3, or
-    /// [`settle`](Self::settle) them. [`Status::Stalled`] is a proven overlap here.
+    /// 1e-3, or [`settle`](Self::settle) them. [`Status::Stalled`] is a proven overlap here.
     ///
     /// # Errors
     /// [`Error::Device`] if the device failed. There are no answers then.
@@ -460,8 +459,8 @@ impl<'p> Batch<'p> {
         Ok(&self.answers)
     }
 
-    /// Solves on the processor what the last batch left unsettled, in f64, and returns the number
-    /// of such pairs. Their answers are the processor's own, bit for bit.
+    /// Solves on the processor, in f64, the pairs that the last batch left unsettled, and returns
+    /// their number. Their answers are the processor's own, bit for bit.
     ///
     /// A pair that is still [`Status::Open`] touches within the rounding error of f64.
     ///

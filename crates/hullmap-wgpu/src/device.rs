@@ -20,7 +20,7 @@ const COMPACTION_GROUP: u32 = 256;
 /// Pairs of one dispatch. Larger batches take several, so that no dispatch runs for long.
 const CHUNK: usize = 1 << 17;
 
-/// The same of contacts, whose polytopes take about 200 MB then.
+/// The same for contacts, whose polytopes take about 200 MB then.
 const CONTACT_CHUNK: usize = 1 << 15;
 
 /// Bytes of a polytope of EPA: 64 corners and 124 faces.

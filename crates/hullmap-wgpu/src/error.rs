@@ -1,4 +1,4 @@
-//! What can go wrong with a device, a pack or a batch.
+//! Errors of a device, a pack or a batch.
 
 /// Why a batch could not be solved on a GPU.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -36,7 +36,7 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Resolutions of a cube map from here on have more cells than a pack has words.
 const MAX_RESOLUTION: u32 = 1 << 20;
 
-/// How a direction finds its leaf. The numbers are those of the file.
+/// How a direction finds its leaf. The numbers match the file.
 pub(crate) mod kind {
     pub(crate) const SCAN: u32 = 0;
     pub(crate) const CUBE_MAP: u32 = 1;
@@ -96,7 +96,7 @@ impl HullRecord {
 pub struct Tables<'a> {
     /// One record for each hull, pack by pack.
     pub hulls: Vec<HullRecord>,
-    /// The section `blocks`, unchanged: 32 words a block. Those of several packs are joined.
+    /// The section `blocks`, unchanged: 32 words per block. The blocks of several packs are joined.
     pub blocks: Cow<'a, [u32]>,
     /// The section `slots`, likewise.
     pub slots: Cow<'a, [u32]>,
@@ -140,7 +140,7 @@ impl<'a> Tables<'a> {
     /// The tables of several packs. Hulls are counted through the packs.
     ///
     /// # Errors
-    /// Those of [`Tables::of`]. [`Error::TooLarge`] if the sections have 2³² words or more.
+    /// The errors of [`Tables::of`]. [`Error::TooLarge`] if the sections have 2³² words or more.
     ///
     /// # Complexity
     /// O(number of hulls), and a copy of the sections of two or more packs.
@@ -258,7 +258,7 @@ pub enum Status {
     Overlapping,
     /// Neither is proven: the interval of the distance or depth holds 0.
     Open,
-    /// Proven separated (of a depth: proven overlapping), but f32 stopped all progress before the
+    /// Proven separated (for a depth: proven overlapping), but f32 stopped all progress before the
     /// interval was within the tolerance.
     Stalled,
     /// The steps, or the nodes and blocks of the index, ran out. The interval is valid.
@@ -314,7 +314,7 @@ pub(crate) mod code {
     pub(crate) const AXES: u32 = 8;
 }
 
-/// What stays on the device about one pair from batch to batch: 32 bytes. The simplex with which
+/// State of one pair that stays on the device from batch to batch: 32 bytes. The simplex with which
 /// the pair ended, as a vertex of A and one of B for each corner.
 ///
 /// Any numbers are valid: those that are not vertices of the pair's hulls are ignored.
@@ -353,7 +353,7 @@ pub struct AnswerRecord {
     pub steps: u32,
     /// Nodes and blocks of both indices that were read.
     pub reads: u32,
-    /// Those before EPA.
+    /// Support calls before EPA.
     pub gjk_steps: u32,
     /// Padding.
     pub padding: u32,

@@ -1,4 +1,4 @@
-//! Which thread solves which pair. No answer depends on it.
+//! Schedule: which thread solves which pair. No answer depends on it.
 
 use crate::records::{AnswerRecord, PairRecord};
 

@@ -17,7 +17,7 @@ pub use support::Found;
 
 use crate::records::{AnswerRecord, Pair, PairRecord, StateRecord, Tables, code};
 
-/// Which question a pair is asked.
+/// Query of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Query {
     /// Yes or no: stop at the first proof.
@@ -31,9 +31,9 @@ pub enum Query {
 /// Support calls of a pair. About 10 are usual.
 pub const MAX_STEPS: u32 = 64;
 
-/// Nodes and blocks that a pair may read. Of hulls with up to 65,536 vertices, 99 % of all pairs
-/// read less than 300; those beyond are near the axis of a fan of thousands of faces, and read all
-/// of them.
+/// Nodes and blocks that a pair may read. Of pairs of hulls with up to 65,536 vertices, 99 % read
+/// less than 300; the others are near the axis of a fan of thousands of faces, and read all of
+/// them.
 pub const MAX_READS: u32 = 1 << 11;
 
 /// Twice the largest possible f32 would be infinite; every dot product is above this.
@@ -126,7 +126,7 @@ pub fn solve<const FUSED: bool>(
 /// Answer of the kernels for one pair, starting from `state`, which becomes the state of the end.
 ///
 /// # Complexity
-/// That of [`solve`].
+/// The cost of [`solve`].
 ///
 /// # Examples
 /// ```

@@ -51,7 +51,7 @@ pub enum Stage {
     Full,
 }
 
-/// Answer of [`intersects`](intersects()), where the example reads one.
+/// Answer of [`intersects`](intersects()); see the example there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CascadeIntersection {
     /// The answer, with the status that [`intersects`](crate::intersects()) returns. Support calls

@@ -42,7 +42,7 @@ pub struct Pose {
     translation: DVec3,
 }
 
-/// Why numbers do not make a [`Pose`].
+/// Why numbers are not a valid [`Pose`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PoseError {
     /// A component of the translation is NaN, infinite, or beyond [`MAX_TRANSLATION`].

@@ -9,10 +9,7 @@ use parry3d_f64::{
     shape::ConvexPolyhedron,
 };
 
-/// A baked solid as parry's convex polyhedron.
-///
-/// # Panics
-/// If parry refuses the mesh.
+/// A baked solid as parry's convex polyhedron. Panics if parry refuses the mesh.
 pub fn polyhedron(hull: &Hull) -> ConvexPolyhedron {
     let points: Vec<_> = hull.vertices().map(|v| v.as_dvec3()).collect();
     let mut triangles = Vec::new();
@@ -35,9 +32,6 @@ pub struct Opinion {
 }
 
 /// parry's answers about `a`, and `b` at the pose `b_in_a`.
-///
-/// # Panics
-/// Never for convex polyhedra, since parry supports this pair.
 pub fn opinion(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> Opinion {
     let (here, there) = poses(b_in_a);
     Opinion {
@@ -48,9 +42,6 @@ pub fn opinion(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> Opin
 }
 
 /// Whether they overlap according to parry.
-///
-/// # Panics
-/// Never for convex polyhedra, since parry supports this pair.
 pub fn overlap(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> bool {
     let (here, there) = poses(b_in_a);
     query::intersection_test(&here, a, &there, b).expect("supported").intersecting

@@ -21,7 +21,7 @@ pub const CHUNKS: u64 = 64;
 
 const SEED: u64 = 0x901d;
 
-/// One hash for each kind: that of `per_kind` answers of chunk `index`.
+/// One hash for each kind, over `per_kind` answers of chunk `index`.
 pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] {
     let mut rng = SplitMix64::new(SEED ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();

@@ -31,10 +31,7 @@ impl Bits {
         self.0.write(&hash.to_le_bytes());
     }
 
-    /// Adds a number other than NaN.
-    ///
-    /// # Panics
-    /// If it is NaN, which no answer may contain.
+    /// Adds a number other than NaN. Panics if it is NaN, which no answer may contain.
     pub fn number(&mut self, number: f64) {
         assert!(!number.is_nan(), "an answer is NaN");
         self.0.write(&(number + 0.0).to_bits().to_le_bytes());

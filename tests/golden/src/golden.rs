@@ -52,10 +52,7 @@ impl Golden {
         self
     }
 
-    /// Parses the text of the golden file.
-    ///
-    /// # Errors
-    /// The first invalid line.
+    /// Parses the text of the golden file. The error is the first invalid line.
     pub fn read(text: &str) -> Result<Self, String> {
         let (mut format_version, mut hashes) = (0, BTreeMap::new());
         for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {

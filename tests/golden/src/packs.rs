@@ -44,9 +44,6 @@ pub enum Set {
 }
 
 /// The files of a set, by name.
-///
-/// # Panics
-/// If the baker refuses: a bug.
 pub fn files(set: Set) -> Vec<(&'static str, Vec<u8>)> {
     let recipes = match set {
         Set::Small => &SMALL[..],
@@ -69,9 +66,6 @@ pub fn hashes(files: &[(&'static str, Vec<u8>)]) -> Vec<(String, u64)> {
 }
 
 /// The files, opened.
-///
-/// # Panics
-/// If one does not open: a bug.
 pub fn opened(files: &[(&'static str, Vec<u8>)]) -> Vec<Pack> {
     let open =
         |(name, file): &(&str, Vec<u8>)| Pack::from_bytes(file).unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -6,10 +6,7 @@ use std::path::{Path, PathBuf};
 
 use hullmap_tests::outside::workspace;
 
-/// Every Rust file of the workspace, relative to it.
-///
-/// # Panics
-/// If a folder cannot be read.
+/// Every Rust file of the workspace, relative to it. Panics if a folder cannot be read.
 pub fn sources() -> Vec<PathBuf> {
     fn search(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {

@@ -39,10 +39,7 @@ impl Floor {
         }
     }
 
-    /// The floor's collider.
-    ///
-    /// # Panics
-    /// If parry refuses the triangle mesh.
+    /// The floor's collider. Panics if parry refuses the triangle mesh.
     pub fn collider(self, way: Way) -> ColliderBuilder {
         let down = Vector::new(0.0, -0.5, 0.0);
         match self {

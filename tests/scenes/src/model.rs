@@ -24,10 +24,8 @@ pub struct Model {
 
 impl Model {
     /// The hull of `points`, which are moved and scaled: the centre of their box becomes the
-    /// origin, and its longest side `size`. `None` if the hull is flat.
-    ///
-    /// # Panics
-    /// If the points cannot be baked, or parry refuses them.
+    /// origin, and its longest side `size`. `None` if the hull is flat. Panics if the points cannot
+    /// be baked, or parry refuses them.
     pub fn sized(name: &str, points: &[[f32; 3]], size: f32) -> Option<Self> {
         let bound = |k: usize, pick: fn(f32, f32) -> f32| points.iter().map(|p| p[k]).reduce(pick).unwrap_or(0.0);
         let (low, high) = ([0, 1, 2].map(|k| bound(k, f32::min)), [0, 1, 2].map(|k| bound(k, f32::max)));
@@ -38,10 +36,8 @@ impl Model {
         Self::new(name, &moved)
     }
 
-    /// The hull of `points` as they are. `None` if it is flat.
-    ///
-    /// # Panics
-    /// If the points cannot be baked, or parry refuses them.
+    /// The hull of `points` as they are. `None` if it is flat. Panics if the points cannot be
+    /// baked, or parry refuses them.
     pub fn new(name: &str, points: &[[f32; 3]]) -> Option<Self> {
         let pack: Arc<Pack> = Arc::new(packs::tree_pack(points));
         let hull = pack.shared_hull(0).expect("one hull");
@@ -71,10 +67,7 @@ impl Model {
 }
 
 /// The hulls of all solid meshes in a folder of OBJ files, each with `size` as the longest side of
-/// its box. Sorted by name.
-///
-/// # Panics
-/// If a file cannot be read or imported.
+/// its box. Sorted by name. Panics if a file cannot be read or imported.
 pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
@@ -85,10 +78,7 @@ pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
     files.iter().filter_map(|path| mesh(path, size)).collect()
 }
 
-/// The hull of one mesh file; `None` if it is flat.
-///
-/// # Panics
-/// If the file cannot be read or imported.
+/// The hull of one mesh file; `None` if it is flat. Panics if the file cannot be read or imported.
 pub fn mesh(path: &Path, size: f32) -> Option<Model> {
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
     let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
@@ -100,9 +90,6 @@ pub fn mesh(path: &Path, size: f32) -> Option<Model> {
 }
 
 /// Bodies that need no file: generated families of many kinds.
-///
-/// # Panics
-/// Never, for families that can be baked.
 pub fn generated(size: f32) -> Vec<Model> {
     use shapes::families::{cone, cube_grid, lens, prism, rock, rotated_prism, sphere};
     let families = [
@@ -119,9 +106,7 @@ pub fn generated(size: f32) -> Vec<Model> {
 }
 
 /// An upright prism of `sides` sides along y, with the circle around its sides of radius `radius`.
-///
-/// # Panics
-/// If it cannot be baked.
+/// Panics if it cannot be baked.
 pub fn prism(sides: usize, radius: f32, half_height: f32) -> Model {
     let mut points = Vec::new();
     for i in 0..sides {

@@ -1,5 +1,5 @@
-//! Bodies that slide and roll over a slab, whole or cut into parts. The cuts must not be felt: the
-//! trajectory on the cut slab is compared with that on the whole one.
+//! Bodies that slide and roll over a slab, whole or cut into parts. The cuts must have no effect:
+//! the trajectory on the cut slab is compared with the one on the whole slab.
 
 use std::sync::Arc;
 
@@ -132,10 +132,7 @@ fn vertices(planes: &[(DVec3, f64)]) -> Vec<DVec3> {
     found
 }
 
-/// The union of convex parts, as one shape.
-///
-/// # Panics
-/// If a part cannot be baked, or parry rejects it.
+/// The union of convex parts, as one shape. Panics if a part cannot be baked, or parry rejects it.
 pub fn union(parts: &[Vec<DVec3>], way: Way) -> SharedShape {
     let single: Vec<Vec<[f32; 3]>> =
         parts.iter().map(|part| part.iter().map(|p| p.as_vec3().to_array()).collect()).collect();
@@ -196,10 +193,8 @@ impl Slider {
         matches!(self, Self::Sphere | Self::Ball | Self::Cylinder)
     }
 
-    /// The shape, about its origin. Its lowest point is 0.5 m below.
-    ///
-    /// # Panics
-    /// If a hull cannot be baked.
+    /// The shape, about its origin. Its lowest point is 0.5 m below. Panics if a hull cannot be
+    /// baked.
     pub fn shape(self, way: Way) -> SharedShape {
         let solid = |points: &[[f32; 3]]| Model::new("body", points).expect("a solid").shape(way);
         match self {

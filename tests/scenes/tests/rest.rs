@@ -26,8 +26,8 @@ fn models(size: f32) -> Vec<Model> {
     models
 }
 
-/// At least seven in eight sleep after 10 s, and no more bodies are lost than of parry's hulls:
-/// floors of no thickness lose fast bodies, and Rapier takes 0.1 m to be small.
+/// At least seven in eight sleep after 10 s, and no more bodies are lost than with parry's hulls:
+/// floors of no thickness lose fast bodies, and Rapier considers 0.1 m small.
 fn most_come_to_rest(floor: Floor, size: f32) {
     for way in BAKED {
         let (mut asleep, mut count, mut lost) = (0, 0, 0);

@@ -71,7 +71,7 @@ fn a_world_goes_on_after_saving_and_loading() {
         assert_eq!(farthest(&world, &loaded), 0.0);
         let moving = world.bodies.iter().filter(|(_, body)| body.linvel().length() > 0.1).count();
         assert!(moving >= 10, "{moving} bodies move, and would show a difference");
-        // Setting a shape makes Rapier drop what a pair remembers, in any world.
+        // Setting a shape makes Rapier drop the stored contacts of a pair, in any world.
         let mut reset = load(&bytes, &packages).unwrap();
         let hulls = || world.colliders.iter().filter(|(_, collider)| is_custom(collider.shared_shape()));
         assert_eq!(hulls().count(), 18);

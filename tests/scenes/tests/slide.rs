@@ -1,5 +1,5 @@
-//! Bodies do not stumble over the seams of a slab that is cut into parts: their way is that over
-//! the whole slab.
+//! Bodies do not stumble over the seams of a slab that is cut into parts: their path is the same as
+//! over the whole slab.
 
 use hullmap_scenes::slide::{Cut, Slide, Slider, deviation};
 use hullmap_scenes::way::Way;

@@ -76,10 +76,8 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Bakes with `fault(n)` at the `n`th call, for every `n`, on `threads` threads.
-///
-/// # Panics
-/// The undisturbed bake fails.
+/// Bakes with `fault(n)` at the `n`th call, for every `n`, on `threads` threads. Panics if the
+/// undisturbed bake fails.
 pub fn at_every_call(
     binary: &Path,
     injector: &Injector,

@@ -115,10 +115,8 @@ pub struct Injector {
 }
 
 impl Injector {
-    /// Builds the tracer.
-    ///
-    /// # Errors
-    /// The reason why it is unavailable: another system, no C compiler, or no permission to trace.
+    /// Builds the tracer. The error is the reason why it is unavailable: another system, no C
+    /// compiler, or no permission to trace.
     pub fn build() -> Result<Self, String> {
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
         let source = folder.path().join("inject.c");
@@ -141,10 +139,7 @@ impl Injector {
     }
 
     /// Runs a command in `folder` with a fault at the `number`th call that accesses it. Also
-    /// returns the calls.
-    ///
-    /// # Panics
-    /// The command cannot be traced.
+    /// returns the calls. Panics if the command cannot be traced.
     pub fn run(
         &self,
         program: &Path,

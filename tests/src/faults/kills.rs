@@ -57,10 +57,7 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Kills `count` bakes, on `threads` threads.
-///
-/// # Panics
-/// A bake does not start.
+/// Kills `count` bakes, on `threads` threads. Panics if a bake does not start.
 pub fn kill(binary: &Path, count: usize, seed: u64, threads: usize) -> Tally {
     let killed = AtomicUsize::new(0);
     let mut tally = Tally::default();

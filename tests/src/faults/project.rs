@@ -65,10 +65,8 @@ pub enum End {
 }
 
 impl Project {
-    /// Creates the project, with `more` meshes in addition to the fixed ones.
-    ///
-    /// # Panics
-    /// `binary` does not bake it.
+    /// Creates the project, with `more` meshes in addition to the fixed ones. Panics if `binary`
+    /// does not bake it.
     pub fn new(binary: &Path, more: usize) -> Self {
         let folder = tempfile::Builder::new().prefix("faults").tempdir().expect("a temporary folder");
         let mut project = Self { folder, binary: binary.to_owned(), old: Files::new(), new: Files::new() };
@@ -148,10 +146,8 @@ impl Project {
         names.filter(|name| self.old.get(*name) != self.new.get(*name))
     }
 
-    /// Replaces the contents of the output folder by `files`.
-    ///
-    /// # Panics
-    /// Something else uses the folder.
+    /// Replaces the contents of the output folder by `files`. Panics if something else uses the
+    /// folder.
     pub fn put(&self, files: &Files) {
         let out = self.path("o");
         if out.exists() {
@@ -161,10 +157,8 @@ impl Project {
         files.iter().for_each(|(name, bytes)| self.write(name, bytes));
     }
 
-    /// Counts the old and new outputs in `files`.
-    ///
-    /// # Errors
-    /// An output is neither old nor new, is missing, or should not exist.
+    /// Counts the old and new outputs in `files`. Fails if an output is neither old nor new, is
+    /// missing, or should not exist.
     pub fn judge_files(&self, files: &Files) -> Result<Left, String> {
         let mut left = Left::default();
         for name in self.differing() {
@@ -189,10 +183,7 @@ impl Project {
     }
 
     /// Checks the output folder and the end of the bake. `calls` are the system calls that it made,
-    /// if known.
-    ///
-    /// # Errors
-    /// A defect of the packs, of the printed rows, or of the exit code.
+    /// if known. The error is a defect of the packs, of the printed rows, or of the exit code.
     pub fn judge(&self, run: &Output, calls: &[Call]) -> Result<(End, Left), String> {
         let files = self.output();
         let left = self.judge_files(&files)?;
@@ -242,10 +233,7 @@ impl Project {
     }
 
     /// Runs a bake without faults after one with a fault. All outputs must be new, with no other
-    /// files.
-    ///
-    /// # Errors
-    /// What is wrong.
+    /// files. The error states the defect.
     pub fn bake_again(&self) -> Result<(), String> {
         let run = self.command(&WORDS).output().map_err(|error| error.to_string())?;
         let (stderr, files) = (String::from_utf8_lossy(&run.stderr), self.output());
@@ -270,7 +258,7 @@ fn rows(stdout: &[u8]) -> Result<Vec<Value>, String> {
     text.lines().map(|line| serde_json::from_str(line).map_err(|error| format!("{error}: {line}"))).collect()
 }
 
-/// Whether a path can only be that of a temporary file of `bake`.
+/// Whether a path can only belong to a temporary file of `bake`.
 fn is_temporary(name: &str) -> bool {
     let name = name.rsplit('/').next().unwrap_or(name);
     name.starts_with('.') && name.ends_with(".tmp")

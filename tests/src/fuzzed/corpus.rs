@@ -20,10 +20,8 @@ pub fn archive_path(folder: &Path, target: &str) -> PathBuf {
     folder.join(format!("{target}.tar.gz"))
 }
 
-/// The inputs of an archive, in the archive's order.
-///
-/// # Errors
-/// If the bytes are not a gzip-compressed tar archive of files with names in UTF-8.
+/// The inputs of an archive, in the archive's order. Fails if the bytes are not a gzip-compressed
+/// tar archive of files with names in UTF-8.
 pub fn unpack(archive: &[u8]) -> io::Result<Vec<Input>> {
     let mut archive = tar::Archive::new(GzDecoder::new(archive));
     let read = |entry: io::Result<tar::Entry<'_, _>>| {
@@ -37,10 +35,8 @@ pub fn unpack(archive: &[u8]) -> io::Result<Vec<Input>> {
     archive.entries()?.map(read).collect()
 }
 
-/// The archive of these inputs, sorted by name.
-///
-/// # Errors
-/// If a name is too long for the archive's format.
+/// The archive of these inputs, sorted by name. Fails if a name is too long for the archive's
+/// format.
 pub fn pack(mut inputs: Vec<Input>) -> io::Result<Vec<u8>> {
     inputs.sort();
     let mut archive = tar::Builder::new(GzEncoder::new(Vec::new(), Compression::best()));
@@ -53,10 +49,8 @@ pub fn pack(mut inputs: Vec<Input>) -> io::Result<Vec<u8>> {
     archive.into_inner()?.finish()
 }
 
-/// The files of a folder as inputs, sorted by name.
-///
-/// # Errors
-/// If the folder or a file cannot be read, or a name is not UTF-8.
+/// The files of a folder as inputs, sorted by name. Fails if the folder or a file cannot be read,
+/// or a name is not UTF-8.
 pub fn read_folder(folder: &Path) -> io::Result<Vec<Input>> {
     let mut inputs = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -69,10 +63,8 @@ pub fn read_folder(folder: &Path) -> io::Result<Vec<Input>> {
     Ok(inputs)
 }
 
-/// Writes inputs as files into a folder. Creates the folder if it does not exist.
-///
-/// # Errors
-/// If the folder or a file cannot be written.
+/// Writes inputs as files into a folder. Creates the folder if it does not exist. Fails if the
+/// folder or a file cannot be written.
 pub fn write_folder(folder: &Path, inputs: &[Input]) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     inputs.iter().try_for_each(|(name, bytes)| fs::write(folder.join(name), bytes))

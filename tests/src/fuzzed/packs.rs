@@ -22,10 +22,8 @@ thread_local! {
     static INQUIRY: OnceCell<(Vec<u8>, Inquiry)> = const { OnceCell::new() };
 }
 
-/// Opens the bytes unchanged, then with a corrected header. Queries each pack that opens.
-///
-/// # Panics
-/// If a query panics, or its answer refers to something that does not exist.
+/// Opens the bytes unchanged, then with a corrected header. Queries each pack that opens. Panics if
+/// a query panics, or its answer refers to something that does not exist.
 pub fn open_and_query(data: &[u8]) {
     INQUIRY.with(|cell| {
         let (front, inquiry) = cell.get_or_init(|| {

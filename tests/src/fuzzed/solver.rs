@@ -18,7 +18,6 @@ use hullmap_testkit::{
 
 use super::bytes::Bytes;
 
-/// Maximum number of points of a shape.
 const MAX_POINTS: usize = 32;
 
 /// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
@@ -46,10 +45,8 @@ struct Body {
     points: Vec<DVec3>,
 }
 
-/// Builds two shapes, runs all queries in a few poses, and judges the answers.
-///
-/// # Panics
-/// If an answer is NaN, exceeds a cap, or contradicts brute force.
+/// Builds two shapes, runs all queries in a few poses, and judges the answers. Panics if an answer
+/// is NaN, exceeds a cap, or contradicts brute force.
 pub fn solver(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let (Some(a), Some(b)) = (Body::read(&mut bytes), Body::read(&mut bytes)) else { return };

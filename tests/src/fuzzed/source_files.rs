@@ -7,11 +7,9 @@ use hullmap_import::{EXTENSIONS, ImportOptions, Limits, SourceFile, Split, UpAxi
 /// Low limits, so that a few bytes cannot request all of the fuzzer's memory.
 const LIMITS: Limits = Limits { objects: 1 << 10, repeated_vertices: 1 << 16, ..Limits::DEFAULT };
 
-/// Imports a file. The first byte selects the format, the second the options.
-///
-/// # Panics
-/// If a point is not finite, a number is out of range, two hulls have the same name, or an error
-/// does not name the file.
+/// Imports a file. The first byte selects the format, the second the options. Panics if a point is
+/// not finite, a number is out of range, two hulls have the same name, or an error does not name
+/// the file.
 pub fn import(data: &[u8]) {
     let [format, choice, bytes @ ..] = data else { return };
     let file = format!("fuzzed.{}", EXTENSIONS[usize::from(*format) % EXTENSIONS.len()]);

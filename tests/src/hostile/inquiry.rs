@@ -54,10 +54,7 @@ pub struct Inquiry {
 
 impl Inquiry {
     /// Queries for packs like `pack`: in directions of its first hull's faces and edges, and in
-    /// random ones.
-    ///
-    /// # Panics
-    /// If the pack has no hull.
+    /// random ones. Panics if the pack has no hull.
     pub fn new(pack: &Pack, extent: Extent) -> Self {
         let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
         let cube = packs::pack("cube", &corners, IndexKind::Tree);
@@ -85,10 +82,8 @@ impl Inquiry {
         Self { is_judged: false, ..self }
     }
 
-    /// Runs the queries.
-    ///
-    /// # Panics
-    /// If an answer is out of range, or is not finite although all stored numbers are finite.
+    /// Runs the queries. Panics if an answer is out of range, or is not finite although all stored
+    /// numbers are finite.
     pub fn run(&self, pack: &Pack) {
         self.require(pack.hull_count() > 0, || "an opened pack has no hull".to_owned());
         self.require(pack.hull(pack.hull_count()).is_err(), || "there is a hull past the last one".to_owned());

@@ -57,7 +57,7 @@ pub enum Large {
     Honest(Family, IndexKind),
     /// Tetrahedra in a row.
     Row,
-    /// Tetrahedra in one place. An honest mesh can have them too, but no useful one.
+    /// Tetrahedra in one place. An honest mesh can have them too, but would be useless.
     Heap,
     /// A sphere, all of whose leaves are one list of all vertices.
     OneList,
@@ -84,9 +84,6 @@ impl Large {
     }
 
     /// The bytes of a pack of about `len` bytes.
-    ///
-    /// # Panics
-    /// If it cannot be baked: a bug.
     pub fn file(self, len: usize) -> Vec<u8> {
         let made = match self {
             Self::Honest(family, index) => sized(len, |n| packs::bytes(&[solid(family, n)], index, &source())),
@@ -118,10 +115,7 @@ pub struct Slowest {
     pub time: Duration,
 }
 
-/// Runs every kind of query on a pack and returns the slowest.
-///
-/// # Panics
-/// If the pack has no hull.
+/// Runs every kind of query on a pack and returns the slowest. Panics if the pack has no hull.
 pub fn slowest(pack: &Pack) -> Slowest {
     let mut clock = Clock { slowest: Slowest { query: "", time: Duration::ZERO } };
     let cube = packs::tree_pack(&corners());

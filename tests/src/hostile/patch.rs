@@ -14,10 +14,7 @@ pub fn payload(file: &[u8]) -> AlignedVec<HEADER_LEN> {
     payload
 }
 
-/// The archive in a payload.
-///
-/// # Panics
-/// If the payload is not an archive.
+/// The archive in a payload. Panics if the payload is not an archive.
 pub fn archive(payload: &[u8]) -> &ArchivedPack {
     rkyv::access::<ArchivedPack, rkyv::rancor::Error>(payload).expect("the payload is an archive")
 }
@@ -37,10 +34,7 @@ pub fn changed<T>(file: &[u8], select: impl Fn(&ArchivedPack) -> &T, bytes: &[u8
     changed
 }
 
-/// Opens [`changed`].
-///
-/// # Errors
-/// As [`Pack::from_bytes`].
+/// Opens [`changed`]. Fails as [`Pack::from_bytes`] does.
 pub fn open_with<T>(file: &[u8], select: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Result<Pack, InvalidPack> {
     Pack::from_bytes(&changed(file, select, bytes))
 }

@@ -18,9 +18,6 @@ pub struct Sample {
 
 /// Small packs of every rank and index kind: with one leaf and with nodes of each kind, with one
 /// hull and with several, with parts and with simplified hulls.
-///
-/// # Panics
-/// If a pack cannot be baked: a bug.
 pub fn small() -> Vec<Sample> {
     let map = |resolution| IndexKind::CubeMap { resolution };
     let one = |points: &[[f32; 3]]| vec![point_set("hüll", points)];
@@ -57,10 +54,7 @@ pub fn small() -> Vec<Sample> {
     ]
 }
 
-/// The small pack of this name.
-///
-/// # Panics
-/// If no pack has this name.
+/// The small pack of this name. Panics if no pack has this name.
 pub fn named(name: &str) -> Vec<u8> {
     let found = small().into_iter().find(|sample| sample.name == name);
     found.unwrap_or_else(|| panic!("there is no sample {name:?}")).file
@@ -68,9 +62,6 @@ pub fn named(name: &str) -> Vec<u8> {
 
 /// Pack `pack_index` of the random series of `seed`: one to three hulls of 9 to 300 points each, of
 /// any family and index kind.
-///
-/// # Panics
-/// If it cannot be baked: a bug.
 pub fn drawn(seed: u64, pack_index: u64) -> Sample {
     let mut rng = SplitMix64::new(seed ^ pack_index << 32);
     let index = ALL_INDICES[rng.below(ALL_INDICES.len())];

@@ -46,10 +46,7 @@ pub struct Subject<'s> {
 }
 
 impl<'s> Subject<'s> {
-    /// A subject from a pack and the seed of the random changes.
-    ///
-    /// # Panics
-    /// If the pack does not open.
+    /// A subject from a pack and the seed of the random changes. Panics if the pack does not open.
     pub fn new(sample: &'s Sample, seed: u64) -> Self {
         Self { sample, values: values(&sample.file), seed }
     }

@@ -45,9 +45,8 @@ impl Tally {
     }
 
     /// Asserts that neither outcome is rare. Otherwise one half of the requirement is not tested.
-    ///
-    /// # Panics
-    /// If fewer than a twentieth of the files opened, or fewer than a twentieth were refused.
+    /// Panics if fewer than a twentieth of the files opened, or fewer than a twentieth were
+    /// refused.
     pub fn assert_representative(&self) {
         assert!(self.opened * 20 > self.tried && self.refused() * 20 > self.tried, "{self}");
     }
@@ -74,11 +73,8 @@ impl fmt::Display for Tally {
 }
 
 /// Tries the files `indices` on `threads` threads. `try_one` makes a file, opens it, queries it,
-/// and returns whether it opened.
-///
-/// # Panics
-/// If a file causes a panic; the message contains its index. If a file hangs, the process is
-/// aborted, because its thread cannot be stopped.
+/// and returns whether it opened. Panics if a file causes a panic; the message contains its index.
+/// If a file hangs, the process is aborted, because its thread cannot be stopped.
 pub fn run(
     name: &str,
     indices: &[usize],

@@ -28,10 +28,7 @@ pub struct Findings {
 /// Writes `file` to `path`, opens it in both ways that skip checks, and queries each pack that
 /// opens. Returns whether one opened.
 ///
-/// `inquiry` must be [unjudged](Inquiry::unjudged).
-///
-/// # Panics
-/// If the file cannot be written.
+/// `inquiry` must be [unjudged](Inquiry::unjudged). Panics if the file cannot be written.
 pub fn query(path: &Path, file: &[u8], inquiry: &Inquiry, findings: &Mutex<Findings>) -> bool {
     std::fs::write(path, file).expect("the test's folder can be written to");
     let ways: [Way; 2] = [|path| Pack::open_skipping_contents(path), |path| Pack::open_skipping_checks(path)];

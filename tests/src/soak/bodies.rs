@@ -136,9 +136,6 @@ pub struct Stock {
 
 impl Stock {
     /// Bakes all generated hulls, and every `stride`-th of the clouds.
-    ///
-    /// # Panics
-    /// If the pack does not open: a bug.
     pub fn bake(clouds: &[Vec<[f32; 3]>], stride: usize) -> Self {
         let (mut kinds, mut baked, mut refused) = (Vec::new(), Vec::new(), Vec::new());
         let mut add = |kind: Kind, name: String, points: &[[f32; 3]]| {
@@ -237,9 +234,6 @@ pub struct Bodies<'p> {
 
 impl<'p> Bodies<'p> {
     /// All bodies that can be made from `stock`.
-    ///
-    /// # Panics
-    /// If a shape is refused: a bug.
     pub fn new(stock: &'p Stock) -> Self {
         let mut bodies: Vec<Body<'p>> = Vec::new();
         for (hull, (kind, name)) in stock.pack.hulls().zip(&stock.kinds) {

@@ -118,7 +118,7 @@ fn is_thin(body: &Body<'_>) -> bool {
 }
 
 /// Whether the normals of the body's faces may be rounding error. Its planes still contain it, and
-/// do not describe it. Those of polygons do.
+/// do not describe it. The planes of polygons do.
 fn is_sliver(body: &Body<'_>) -> bool {
     is_thin(body) && body.kind != Kind::Flat
 }
@@ -286,8 +286,8 @@ fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
             let slack = path.slack + 2.0 * shape.support_error();
             judge.at_most("the point is not in the shape", model.outside(found.point), width, slack);
         }
-        // A path that starts inside of the shape meets its surface nowhere, and the status need not
-        // know.
+        // A path that starts inside of the shape meets its surface nowhere, which the status need
+        // not reflect.
         if found.t_lower > 0.0 && found.status != Status::Touching {
             let inside = model.reach(found.normal) - found.normal.dot(found.point);
             judge.at_most("the point is not on the shape", inside, width, path.slack);

@@ -68,9 +68,6 @@ fn points(kind: Kind, most: usize, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
 
 impl Meeting {
     /// Pair `index` of the series of `seed`, of hulls of at most `most` ≥ 24 vertices.
-    ///
-    /// # Panics
-    /// If a body cannot be baked: a bug.
     pub fn new(seed: u64, index: u64, most: usize) -> Self {
         let mut rng = SplitMix64::new(seed ^ index << 24);
         let kind = Kind::ALL[index as usize % Kind::ALL.len()];
@@ -88,9 +85,6 @@ impl Meeting {
     }
 
     /// A and B.
-    ///
-    /// # Panics
-    /// Never: each pack has one hull.
     pub fn hulls(&self) -> [Hull<'_>; 2] {
         self.packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"))
     }
@@ -274,7 +268,6 @@ impl fmt::Display for Tally {
 mod tests {
     use super::*;
 
-    /// Slightly wrong answers are detected.
     #[test]
     fn wrong_answers_are_misses() {
         let mut wrong = 0;

@@ -32,10 +32,7 @@ pub struct Dyadic {
 }
 
 impl Dyadic {
-    /// The exact value of `x`.
-    ///
-    /// # Panics
-    /// If `x` is not finite.
+    /// The exact value of `x`. Panics if `x` is not finite.
     pub fn new(x: f64) -> Self {
         assert!(x.is_finite(), "{x} has no exact value");
         let bits = x.to_bits();
@@ -202,14 +199,9 @@ enum Source {
     Edges([usize; 2], [usize; 2]),
 }
 
-/// The exact depth of two hulls that have faces.
-///
-/// # Complexity
-/// O(e² n) in f64 for e segments and n vertices of each hull, and exact for the directions that are
-/// close to the minimum. Made for hulls of up to 32 vertices.
-///
-/// # Panics
-/// If a hull has no faces, or if both are in one plane.
+/// The exact depth of two hulls that have faces. Complexity: O(e² n) in f64 for e segments and n
+/// vertices of each hull, and exact for the directions that are close to the minimum. Made for
+/// hulls of up to 32 vertices. Panics if a hull has no faces, or if both are in one plane.
 pub fn depth(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> Depth {
     let [x, y, z, w] = b_in_a.rotation().to_array().map(Dyadic::new);
     let two = Dyadic::new(2.0);

@@ -135,9 +135,6 @@ impl Body {
     }
 
     /// The hull that the solver is queried with.
-    ///
-    /// # Panics
-    /// If the pack has no hull: a bug.
     pub fn hull(&self) -> Hull<'_> {
         self.pack.hull(0).expect("a pack has a hull")
     }
@@ -179,9 +176,6 @@ impl Scene {
     }
 
     /// The pair `index`, with its hulls.
-    ///
-    /// # Panics
-    /// If a hull cannot be baked: a bug.
     pub fn pair(&mut self, index: u64) -> (Pair, [&Body; 2]) {
         let mut rng = SplitMix64::new(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let scales = SCALES[rng.below(SCALES.len())];

@@ -13,9 +13,9 @@
 //!    separates.
 //!
 //! # Deviations
-//! - Arcs that nearly cross count as crossing, and the support value is that of all vertices, not
-//!   of the two edges. A superfluous direction then does no harm, because the support value of any
-//!   direction is an upper bound of the depth.
+//! - Arcs that nearly cross count as crossing, and the support value is taken over all vertices,
+//!   not over the two edges. A superfluous direction then does no harm, because the support value
+//!   of any direction is an upper bound of the depth.
 
 use std::ops::ControlFlow;
 

@@ -2,8 +2,8 @@
 
 use hullmap::{Hull, SupportMap, SupportPoint, glam::DVec3};
 
-/// A hull whose faces the solver does not see: contacts come from portal refinement (MPR) and EPA,
-/// never from the separating axis test.
+/// A hull whose faces are hidden from the solver: contacts come from portal refinement (MPR) and
+/// EPA, never from the separating axis test.
 #[derive(Clone, Copy, Debug)]
 pub struct Faceless<'a>(pub Hull<'a>);
 

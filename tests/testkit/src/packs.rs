@@ -26,39 +26,27 @@ pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
     PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices, ..PointSet::default() }
 }
 
-/// The bytes of a pack with one hull for each of `sets`.
-///
-/// # Errors
-/// If the baker refuses a point set.
+/// The bytes of a pack with one hull for each of `sets`. Fails if the baker refuses a point set.
 pub fn bytes(sets: &[PointSet], index: impl Into<IndexChoice>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     let index = index.into();
     let baked = sets.iter().map(|set| bake_hull(set, index)).collect::<Result<Vec<_>, _>>()?;
     write_pack(&baked, source)
 }
 
-/// An opened pack of one hull.
-///
-/// # Panics
-/// If the points cannot be baked, or the pack does not open.
+/// An opened pack of one hull. Panics if the points cannot be baked, or the pack does not open.
 pub fn pack(name: &str, positions: &[[f32; 3]], index: IndexKind) -> Pack {
     let bytes = bytes(&[point_set(name, positions)], index, &SourceRecord::default());
     let bytes = bytes.unwrap_or_else(|error| panic!("{name}: {error}"));
     Pack::from_bytes(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// As [`pack`], with a tree as index.
-///
-/// # Panics
-/// As [`pack`].
+/// As [`pack`], with a tree as index. Panics as [`pack`] does.
 pub fn tree_pack(positions: &[[f32; 3]]) -> Pack {
     pack("hull", positions, IndexKind::Tree)
 }
 
 /// The bytes of [`tree_pack`], for unit tests of `hullmap`: their `Pack` is another type than this
-/// crate's.
-///
-/// # Panics
-/// If the points cannot be baked.
+/// crate's. Panics if the points cannot be baked.
 pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
     let bytes = bytes(&[point_set("hull", positions)], IndexKind::Tree, &SourceRecord::default());
     bytes.unwrap_or_else(|error| panic!("{error}"))

@@ -43,10 +43,7 @@ pub struct Polytope {
 
 impl Polytope {
     /// The hull's own vertices and faces. The faces are exactly planar, so their normals are those
-    /// of the hull.
-    ///
-    /// # Panics
-    /// If the hull has no faces: a segment or a point.
+    /// of the hull. Panics if the hull has no faces: a segment or a point.
     pub fn new(hull: &Hull<'_>) -> Self {
         let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
         let faces: Vec<Vec<usize>> = hull.faces().map(|face| face.map(|v| v as usize).collect()).collect();

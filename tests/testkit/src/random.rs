@@ -13,10 +13,7 @@ pub trait RandomPoses {
     fn rotation(&mut self) -> DQuat;
 
     /// A [`rotation`](Self::rotation), and a translation of uniform length from 0 to `reach` in a
-    /// uniform direction.
-    ///
-    /// # Panics
-    /// If `reach` is not finite.
+    /// uniform direction. Panics if `reach` is not finite.
     fn pose(&mut self, reach: f64) -> Pose;
 }
 

@@ -1,5 +1,5 @@
-//! `bake export`: what leaves a pack bakes to the same hull, engines find the names that they look
-//! for, and names from elsewhere do no harm.
+//! `bake export`: exported hulls bake to the same hull, engines find the names that they look for,
+//! and untrusted names do no harm.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -322,7 +322,7 @@ fn what_cannot_be_exported_is_named() {
 }
 
 #[test]
-fn wrong_usage_says_what_to_do() {
+fn wrong_usage_names_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
     write_pack(&folder, "x.hullmap", &[tetrahedron("a")]);
     fs::create_dir(folder.path().join("folder")).unwrap();
@@ -374,9 +374,9 @@ fn existing_files_are_kept() {
     assert!(fs::read_to_string(folder.path().join("x.obj")).unwrap().contains("o b\n"));
 }
 
-/// Names in a pack come from whoever wrote it.
+/// Whoever wrote a pack chose the names in it.
 #[test]
-fn names_from_elsewhere_do_no_harm() {
+fn untrusted_names_do_no_harm() {
     let folder = tempfile::tempdir().unwrap();
     let names = [
         "../../escape",
@@ -433,7 +433,7 @@ fn rotations_are_exact_and_undone_by_the_build() {
 }
 
 #[test]
-fn a_recentred_pack_says_so() {
+fn a_recentred_pack_gets_a_note() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("far.obj"), "v 1000 0 0\nv 1002 0 0\nv 1000 2 0\nv 1000 0 2\n").unwrap();
     bake(&folder, "build far.obj --out . --recentre --quiet").expect(0);

@@ -90,7 +90,7 @@ fn equal_keys_mean_equal_packs() {
     let changed = keys("in --record-source name");
     assert_eq!(changed.iter().zip(&usual).filter(|(a, b)| a != b).count(), 1);
 
-    // The key is what the page says, and the text form is that of sha256sum.
+    // The key is computed as the page describes, and written as by sha256sum.
     let row = &run(folder.path(), "key in/0/0.obj --json").expect(0).json()[0];
     let text = run(folder.path(), "key in/0/0.obj").expect(0).stdout;
     assert_eq!(text, format!("{}  in/0/0.obj\n", row["key"].as_str().unwrap()));

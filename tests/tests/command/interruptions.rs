@@ -49,7 +49,6 @@ fn left_over(folder: &Path) -> Vec<String> {
     names.filter(|name| !name.ends_with(".hullmap")).collect()
 }
 
-/// Asserts that every existing pack opens.
 fn assert_packs_open(folder: &Path) -> usize {
     let mut count = 0;
     for entry in fs::read_dir(folder).into_iter().flatten() {
@@ -157,7 +156,7 @@ fn folder_path(root: &Path, folder: &str, index: usize) -> std::path::PathBuf {
     root.join(folder).join(format!("{index}.hullmap"))
 }
 
-/// A source is replaced continually. Each pack is that of a complete source, and records which.
+/// A source is replaced continually. Each pack belongs to a complete source, and records which one.
 #[test]
 fn a_source_that_changes_during_a_bake_gives_the_old_or_the_new_pack() {
     let folder = tempfile::tempdir().unwrap();
@@ -190,7 +189,6 @@ fn a_source_that_changes_during_a_bake_gives_the_old_or_the_new_pack() {
     bake_in(folder.path(), ["verify", "o", "--require-source"]).expect(0);
 }
 
-/// A reader that closes the pipe early is not an error.
 #[test]
 fn a_closed_pipe_ends_quietly() {
     let folder = meshes(3, 60);

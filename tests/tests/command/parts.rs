@@ -222,7 +222,7 @@ fn verify_edited(
     ran.json()
 }
 
-/// What the problems of any row say.
+/// The problems of all rows as text.
 fn problems(rows: &[serde_json::Value]) -> String {
     rows.iter().map(|row| row["problems"].to_string()).collect()
 }
@@ -354,7 +354,7 @@ fn packs_made_by_hand_are_judged_as_well() {
     let file =
         write_pack(&hulls, &SourceRecord { path: "x.obj".into(), hash, options, ..SourceRecord::default() }).unwrap();
     assert_claims_are_tight(&folder, &file, true);
-    // A kind of solid that is not that of the mesh.
+    // A kind of solid other than the mesh's.
     let sheet = SolidKind::Sheet.code().to_le_bytes();
     let file = (0..3).fold(file, |file, hull| changed(&file, |pack| &pack.hulls[hull].solid, &sheet));
     let rows = verify_edited(&folder, &file, 1.0, |record| &record.protrusion, 1);

@@ -293,7 +293,6 @@ fn a_folder_has_an_index_and_a_page_a_pack() {
     load(browser, &folder.path().join("site").join(decoded(&links[0])), &[]).assert_sound();
 }
 
-/// Links of a page.
 fn links(page: &str) -> Vec<String> {
     let hrefs = page.split(" href=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned());
     hrefs.filter(|href| !href.starts_with("data:")).collect()
@@ -346,7 +345,6 @@ fn hulls_of(folder: &TempDir) -> Vec<serde_json::Value> {
     run(folder, &["inspect", "packs", "--json"]).expect(0).json()[0]["hulls"].as_array().unwrap().clone()
 }
 
-/// Parts are pulled apart by the slider, and the dot is at the part that protrudes most.
 #[test]
 fn parts_are_pulled_apart_and_the_greatest_protrusion_is_marked() {
     let folder = tempfile::tempdir().unwrap();
@@ -617,7 +615,7 @@ fn missing_or_changed_sources_are_reported() {
 }
 
 #[test]
-fn exit_codes_are_those_of_every_command() {
+fn exit_codes_match_the_other_commands() {
     let folder = baked(&["cube", "cone"], &[]);
     for words in [
         &["report"][..],

@@ -86,7 +86,7 @@ fn a_mixed_folder_is_baked_verified_and_found_again() {
 }
 
 #[test]
-fn recentred_hulls_keep_the_digits_of_what_is_far_away() {
+fn recentred_hulls_keep_the_digits_of_distant_points() {
     let folder = tempfile::tempdir().unwrap();
     let far = |x: &str, y: &str, z: &str| format!("v 1000000.{x} -2000000.{y} 3000000.{z}\n");
     let corners =
@@ -189,9 +189,8 @@ fn meshes_of_other_formats_are_counted_and_listed() {
     assert_eq!(unread("build meshes --out out --json", 0), [all[0], all[2]]);
 }
 
-/// One folder without meshes stopped the build of all others.
 #[test]
-fn a_folder_without_meshes_stops_no_other() {
+fn a_folder_without_meshes_does_not_stop_the_others() {
     let folder = folder();
     fs::create_dir(folder.path().join("textures")).unwrap();
     let run = bake(folder.path(), "build textures meshes --out out --json").expect(2);
@@ -221,7 +220,7 @@ fn a_folder_without_meshes_stops_no_other() {
 }
 
 /// A stem of 240 characters failed: "cannot write: File name too long; check the folder's
-/// permissions", because the temporary name was longer than that of the pack.
+/// permissions", because the temporary name was longer than the pack's.
 #[test]
 fn names_may_be_long() {
     let folder = tempfile::tempdir().unwrap();

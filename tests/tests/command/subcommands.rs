@@ -155,7 +155,7 @@ fn a_second_build_is_fresh_until_something_changes() {
     assert_eq!(status("build in --out o --json"), ["baked", "fresh"], "a damaged pack");
 }
 
-/// A second build of a flat mesh was silent, as if somebody had mended it.
+/// A second build of a flat mesh was silent, as if the mesh had been repaired.
 #[test]
 fn warnings_are_shown_again_while_a_pack_is_fresh() {
     let flat = "v 0 0 0 0.5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -193,7 +193,7 @@ fn warnings_are_shown_again_while_a_pack_is_fresh() {
 
 /// A pack may come from anywhere: what it keeps as warnings is bounded, and forges no line.
 #[test]
-fn warnings_from_elsewhere_do_no_harm() {
+fn untrusted_warnings_do_no_harm() {
     let folder = folder(&[("in/cube.obj", CUBE)]);
     bake(&folder, "build in --out o").expect(0);
     let options = bake(&folder, "inspect o --json").expect(0).json()[0]["options"].as_str().unwrap().to_owned();

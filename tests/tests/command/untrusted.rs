@@ -1,5 +1,5 @@
-//! Packs, meshes and names from elsewhere: what they must not make the command read, write or
-//! print.
+//! Untrusted packs, meshes and names: files that they must not make the command read or write, and
+//! text that it must not print.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -327,9 +327,9 @@ fn json_keeps_every_character() {
     }
 }
 
-/// Nothing prints around `terminal.rs`, which escapes every line.
+/// All text is printed through `terminal.rs`, which escapes every line.
 #[test]
-fn text_leaves_through_one_file() {
+fn text_is_printed_by_one_file() {
     fn search(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -407,7 +407,7 @@ fn packs_are_not_written_through_links_inside_the_output() {
 /// docs/COMMAND.md states what *fresh* does not promise. A pack of another mesh that records the
 /// right source passes `--check`, and `verify` rejects it.
 #[test]
-fn fresh_trusts_whoever_wrote_the_pack() {
+fn a_forged_pack_can_be_fresh() {
     let folder = folder(&[("in/x.obj", CUBE)]);
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
     let record = SourceRecord {

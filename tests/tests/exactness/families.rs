@@ -102,10 +102,7 @@ impl Met {
 }
 
 /// Queries a hull of `points` in `count` directions, each in f64 and rounded to f32, with each of
-/// `indices`.
-///
-/// # Panics
-/// If a regret exceeds `slivers` plus the rounding error.
+/// `indices`. Panics if a regret exceeds `slivers` plus the rounding error.
 fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, slivers: f64) -> Met {
     let truth = Truth::new(points);
     let mut met = Met::default();

@@ -127,7 +127,7 @@ fn missing_faces_and_outer_vertices_are_refused() {
 /// The face towards a direction is chosen among the faces listed at one vertex. With the face of
 /// most corners listed at every vertex, each query would follow it, and be wrong.
 #[test]
-fn faces_beside_edges_are_those_of_the_faces() {
+fn faces_beside_edges_match_the_faces() {
     let file = samples::named("prism, tree");
     let payload = payload(&file);
     let hull = archive(&payload);
@@ -485,7 +485,6 @@ fn wrong_neighbours_are_refused() {
     }
 }
 
-/// Files of older and newer versions are refused. The error states the remedy.
 #[test]
 fn packs_of_other_versions_are_refused() {
     for version in 1..hullmap_format::FORMAT_VERSION {

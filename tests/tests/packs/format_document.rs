@@ -410,8 +410,8 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
     }
 }
 
-/// Hulls of every rank; among those of rank 3, hulls with small and deep indices, with planes, and
-/// with long leaves.
+/// Hulls of every rank; among the solids, hulls with small and deep indices, with planes, and with
+/// long leaves.
 fn shapes_of_all_ranks() -> Vec<PointSet> {
     vec![
         points("point", vec![[1.0, -2.0, 3.5]; 3]),
@@ -459,7 +459,6 @@ fn a_reader_written_from_the_document_agrees() {
     assert!(met.certain * 4 > met.directions && met.uncertain * 10 > met.directions, "{met:?}");
 }
 
-/// Files of earlier versions are refused because of their version. The error states the remedy.
 #[test]
 fn files_of_older_versions_are_refused_with_the_remedy() {
     let files = [
@@ -504,7 +503,7 @@ fn several_hulls_share_a_pack() {
 }
 
 #[test]
-fn grid_coordinates_are_those_of_the_runtime() {
+fn grid_coordinates_match_the_runtime() {
     let mut rng = SplitMix64::new(SEED);
     let check = |d: [f32; 3]| {
         let cell = hullmap_format::cube::locate(d);
@@ -579,7 +578,6 @@ fn the_file_shown_is_the_one_baked_today() {
     assert_eq!(shown.len(), baked.len(), "docs/FORMAT.md shows all of the file");
 }
 
-/// The listing's notes on the root's entries are correct.
 #[test]
 fn the_notes_on_the_root_hold() {
     let baked = shown_pack();

@@ -108,7 +108,7 @@ fn records() {
     );
     assert_eq!(
         refusal!(&parts, hulls[3].uncovered = 0.5_f64),
-        "hull 3: its uncovered distance or its kind of solid is not that of the part before it"
+        "hull 3: its uncovered distance or its kind of solid differs from the part before it"
     );
     assert_eq!(
         refusal!(&five, hulls[2].origin[1] = 1.0_f64),

@@ -20,8 +20,8 @@ use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 20_261_122;
 
-/// Triangles and segments against hulls, and against each other: their truth is that of the polygon
-/// or segment with the same corners.
+/// Triangles and segments against hulls, and against each other: their truth is the polygon or
+/// segment with the same corners.
 #[test]
 fn triangles_and_segments_against_hulls() {
     let mut rng = SplitMix64::new(SEED);
@@ -249,7 +249,6 @@ fn bounds_of_all_shapes() {
     }
 }
 
-/// A cache that starts from the axis of a nearby pose saves support calls in the first query.
 #[test]
 fn caches_started_from_an_axis_save_support_calls() {
     let packs =

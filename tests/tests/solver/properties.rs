@@ -226,7 +226,7 @@ proptest! {
     /// A cache changes the cost and not the answer, whether it is of the last pose or of another
     /// pair.
     #[test]
-    fn warm_is_cold(
+    fn warm_answers_equal_cold_ones(
         a in points(),
         b in points(),
         stranger in points(),

@@ -55,7 +55,6 @@ fn detailed_hulls() {
     judged(30, Detail::Many);
 }
 
-/// Slightly wrong answers are detected.
 #[test]
 fn wrong_answers_are_misses() {
     let mut scene = Scene::new(SEED, Detail::Few);

@@ -82,10 +82,8 @@ pub fn generate() -> Vec<GeneratedFile> {
         .collect()
 }
 
-/// Names of the files in `dir` that differ from the generated ones, each with its difference.
-///
-/// # Errors
-/// The folder or a file in it cannot be read.
+/// Names of the files in `dir` that differ from the generated ones, each with its difference. Fails
+/// if the folder or a file in it cannot be read.
 pub fn compare(dir: &Path) -> Result<Vec<(String, Difference)>, AssetError> {
     let expected = generate();
     let mut differences = Vec::new();
@@ -121,10 +119,7 @@ pub fn compare(dir: &Path) -> Result<Vec<(String, Difference)>, AssetError> {
 /// necessary.
 ///
 /// Each file is written to a temporary file and renamed. OBJ files that are not generated stay as
-/// they are.
-///
-/// # Errors
-/// A folder or file cannot be read or written.
+/// they are. Fails if a folder or file cannot be read or written.
 pub fn write(dir: &Path) -> Result<Vec<String>, AssetError> {
     fs::create_dir_all(dir).map_err(failed("make the folder", dir))?;
     let stale = compare(dir)?;

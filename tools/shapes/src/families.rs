@@ -128,10 +128,8 @@ impl Family {
         }
     }
 
-    /// Exactly `n` points of the family.
-    ///
-    /// # Panics
-    /// If `n` is below [`MIN_POINTS`], or above the number of distinct `f32` points of the family.
+    /// Exactly `n` points of the family. Panics if `n` is below [`MIN_POINTS`], or above the number
+    /// of distinct `f32` points of the family.
     pub fn points(self, n: usize, seed: u64) -> Vec<[f32; 3]> {
         self.generator()(n, seed)
     }
@@ -155,10 +153,8 @@ impl Family {
     }
 }
 
-/// Random points on the unit sphere, uniform by area; all extreme.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// Random points on the unit sphere, uniform by area; all extreme. Panics if `n` is below
+/// [`MIN_POINTS`].
 pub fn sphere(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || rng.direction())
@@ -167,10 +163,7 @@ pub fn sphere(n: usize, seed: u64) -> Vec<[f32; 3]> {
 /// Random points on an ellipsoid, clustered around eight random centres; all extreme.
 ///
 /// One point in eight is uniform, so that no side is empty. The semi-axes are
-/// [`ELLIPSOID_SEMI_AXES`].
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// [`ELLIPSOID_SEMI_AXES`]. Panics if `n` is below [`MIN_POINTS`].
 pub fn clustered_ellipsoid(n: usize, seed: u64) -> Vec<[f32; 3]> {
     /// Reach of a cluster about its centre, in radii of the unit sphere.
     const CLUSTER_RADIUS: f64 = 0.25;
@@ -194,10 +187,7 @@ pub fn clustered_ellipsoid(n: usize, seed: u64) -> Vec<[f32; 3]> {
 /// A rounded, lopsided boulder with about two dozen knobs; all extreme.
 ///
 /// Points are where random outward normals touch a [`Boulder`], so they crowd on the knobs and thin
-/// out between them.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// out between them. Panics if `n` is below [`MIN_POINTS`].
 pub fn rock(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let boulder = Boulder::new(seed);
     // The normals continue from another seed, or they would retrace the knobs.
@@ -208,19 +198,15 @@ pub fn rock(n: usize, seed: u64) -> Vec<[f32; 3]> {
 /// Two regular polygons one above the other, at z = ±1 and of radius 1; all extreme.
 ///
 /// Both caps are exactly planar. For odd `n` the lower one has a corner more. The seed is not used.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// Panics if `n` is below [`MIN_POINTS`].
 pub fn prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, prism_corners(n))
 }
 
 /// The points of [`prism`] scaled by 0.7 and rotated about (3, 1, 2) by a fixed angle.
 ///
-/// Rounding to `f32` leaves the caps coplanar only to about 6e-8. The seed is not used.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// Rounding to `f32` leaves the caps coplanar only to about 6e-8. The seed is not used. Panics if
+/// `n` is below [`MIN_POINTS`].
 pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     // A prism reaches √2 from its centre: 0.7 keeps any rotation of it within [-1, 1].
     distinct_from(n, prism_corners(n).map(|p| rotated_generic(vector::scale(p, 0.7))))
@@ -229,10 +215,7 @@ pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
 /// A regular polygon of `n` − 1 corners at z = -1, of radius 1, and an apex at z = 1; all extreme.
 ///
 /// The base is exactly planar; the apex is the last point and has `n` − 1 neighbours. The seed is
-/// not used.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// not used. Panics if `n` is below [`MIN_POINTS`].
 pub fn cone(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     let base = ring(n.saturating_sub(1).max(1), 1.0, -1.0);
     distinct_from(n, base.chain([[0.0, 0.0, 1.0]]))
@@ -240,10 +223,8 @@ pub fn cone(n: usize, _seed: u64) -> Vec<[f32; 3]> {
 
 /// Random points on two shallow spherical caps that share a rim of radius 1; all extreme.
 ///
-/// Twenty times as wide as it is thick: see [`LENS_HALF_THICKNESS`].
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// Twenty times as wide as it is thick: see [`LENS_HALF_THICKNESS`]. Panics if `n` is below
+/// [`MIN_POINTS`].
 pub fn lens(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let radius = lens_sphere_radius();
     let mut rng = SplitMix64::new(seed);
@@ -261,10 +242,7 @@ pub fn lens(n: usize, seed: u64) -> Vec<[f32; 3]> {
 /// Latitude and longitude grid on the unit sphere, poles first and last; all extreme.
 ///
 /// Rings of equal latitude are exactly planar. The lowest ring has the remaining points, and may be
-/// sparser than the others. The seed is not used.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// sparser than the others. The seed is not used. Panics if `n` is below [`MIN_POINTS`].
 pub fn uv_sphere(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     let on_rings = n.saturating_sub(2);
     // Rings span half a turn and segments a whole one: twice as many segments make the cells about
@@ -279,10 +257,8 @@ pub fn uv_sphere(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, points)
 }
 
-/// Random points inside the unit ball, uniform by volume; few extreme (about √n of them).
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// Random points inside the unit ball, uniform by volume; few extreme (about √n of them). Panics if
+/// `n` is below [`MIN_POINTS`].
 pub fn ball(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || vector::scale(rng.direction(), libm::cbrt(rng.unit())))
@@ -293,10 +269,7 @@ pub fn ball(n: usize, seed: u64) -> Vec<[f32; 3]> {
 ///
 /// The grid is the smallest that has `n` points. Its step is a power of two, so all coordinates are
 /// exact and every coplanar or collinear set is exactly so. Unless `n` is a cube, the topmost
-/// layers are incomplete. The seed is not used.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// layers are incomplete. The seed is not used. Panics if `n` is below [`MIN_POINTS`].
 pub fn cube_grid(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     let side = (1..=n).find(|side| side.pow(3) >= n).unwrap_or(1);
     let step = 2.0 / side.next_power_of_two() as f64;
@@ -305,10 +278,8 @@ pub fn cube_grid(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, points)
 }
 
-/// Random points in a square of the plane z = [`FLAT_SHEET_Z`]: affine rank 2, exactly.
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// Random points in a square of the plane z = [`FLAT_SHEET_Z`]: affine rank 2, exactly. Panics if
+/// `n` is below [`MIN_POINTS`].
 pub fn flat_sheet(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), f64::from(FLAT_SHEET_Z)])
@@ -316,10 +287,8 @@ pub fn flat_sheet(n: usize, seed: u64) -> Vec<[f32; 3]> {
 
 /// Random points on an ellipsoid a thousand times as long (in x) as it is wide; all extreme.
 ///
-/// The half-length is 1, the radius across is [`NEEDLE_RADIUS`].
-///
-/// # Panics
-/// If `n` is below [`MIN_POINTS`].
+/// The half-length is 1, the radius across is [`NEEDLE_RADIUS`]. Panics if `n` is below
+/// [`MIN_POINTS`].
 pub fn needle(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || stretched(rng.direction(), [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS]))

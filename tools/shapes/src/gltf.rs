@@ -77,10 +77,7 @@ impl Parts {
     }
 }
 
-/// GLB file of a text and a buffer.
-///
-/// # Panics
-/// If it would have 2^32 bytes or more.
+/// GLB file of a text and a buffer. Panics if it would have 2^32 bytes or more.
 pub fn glb(json: &[u8], buffer: &[u8]) -> Vec<u8> {
     let padded = |bytes: &[u8], pad: u8| {
         let mut bytes = bytes.to_vec();

@@ -62,10 +62,8 @@ impl fmt::Display for MeshDefect {
 impl std::error::Error for MeshDefect {}
 
 impl Mesh {
-    /// Adds a vertex, rounded to `f32`, and returns its index.
-    ///
-    /// # Panics
-    /// If the mesh already has 2^32 vertices.
+    /// Adds a vertex, rounded to `f32`, and returns its index. Panics if the mesh already has 2^32
+    /// vertices.
     pub fn push_vertex(&mut self, position: [f64; 3]) -> u32 {
         let index = u32::try_from(self.vertices.len()).expect("fewer than 2^32 vertices");
         self.vertices.push(crate::vector::to_f32(position));
@@ -83,10 +81,8 @@ impl Mesh {
     /// Volume enclosed, positive where faces wind counter-clockwise seen from outside.
     ///
     /// Sums the tetrahedra from the origin to the fan of each face. Up to rounding error this is
-    /// exact for a closed mesh of planar faces, convex or not.
-    ///
-    /// # Panics
-    /// If a face references a vertex that does not exist.
+    /// exact for a closed mesh of planar faces, convex or not. Panics if a face references a vertex
+    /// that does not exist.
     pub fn signed_volume(&self) -> f64 {
         let at = |index: u32| to_f64(self.vertices[index as usize]);
         let mut six_volumes = 0.0;
@@ -98,10 +94,8 @@ impl Mesh {
         six_volumes / 6.0
     }
 
-    /// Checks that every edge lies between exactly two faces with consistent winding.
-    ///
-    /// # Errors
-    /// The first defect found.
+    /// Checks that every edge lies between exactly two faces with consistent winding. The error is
+    /// the first defect found.
     pub fn check_closed(&self) -> Result<(), MeshDefect> {
         let mut edges = BTreeSet::new();
         for (face, corners) in self.faces.iter().enumerate() {

@@ -152,11 +152,8 @@ impl Document {
         self.objects.iter().flat_map(|object| &object.statements)
     }
 
-    /// The file's text.
-    ///
-    /// # Panics
-    /// If a number is not finite, or an element references something that its object does not list
-    /// above it.
+    /// The file's text. Panics if a number is not finite, or an element references something that
+    /// its object does not list above it.
     pub fn to_text(&self) -> String {
         let mut writer = Writer {
             text: String::new(),

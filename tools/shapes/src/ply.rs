@@ -14,9 +14,7 @@ pub enum Encoding {
 }
 
 /// A file of vertices and faces. The vertices have further properties, which readers must skip.
-///
-/// # Panics
-/// If a face has more than 255 corners.
+/// Panics if a face has more than 255 corners.
 pub fn file(mesh: &Mesh, encoding: Encoding) -> Vec<u8> {
     let format = match encoding {
         Encoding::Text => "ascii",

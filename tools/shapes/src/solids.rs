@@ -93,10 +93,8 @@ pub fn regular_polygon(corners: usize, radius: f64) -> Vec<[f64; 2]> {
 ///
 /// The profile lists `[radius, z]`, upwards along the outside; its first and last radius must be
 /// zero and all others positive. Vertices: lower pole, rings upwards, upper pole. Faces: triangles
-/// at the poles, quads between.
-///
-/// # Panics
-/// If the profile has fewer than three points or does not start and end on the axis.
+/// at the poles, quads between. Panics if the profile has fewer than three points or does not start
+/// and end on the axis.
 pub fn lathe(profile: &[[f64; 2]], segments: u32) -> Mesh {
     let [first, rings @ .., last] = profile else {
         panic!("a profile needs two poles");

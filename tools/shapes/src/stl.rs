@@ -3,10 +3,7 @@
 use crate::mesh::Mesh;
 
 /// A binary file: each face as a fan of triangles, with normals of zero. The 80 bytes before the
-/// count hold `header`, cut off or filled with blanks.
-///
-/// # Panics
-/// If there are 2^32 triangles or more.
+/// count hold `header`, cut off or filled with blanks. Panics if there are 2^32 triangles or more.
 pub fn binary(mesh: &Mesh, header: &str) -> Vec<u8> {
     let triangles = mesh.fans();
     let mut bytes: Vec<u8> = header.bytes().chain(std::iter::repeat(b' ')).take(80).collect();

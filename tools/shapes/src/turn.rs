@@ -11,10 +11,7 @@ use core::f64::consts::FRAC_PI_2;
 
 /// `(cos, sin)` of `index / count` of a full turn, counter-clockwise.
 ///
-/// `index` may be any integer; whole turns have no effect.
-///
-/// # Panics
-/// If `count` is zero.
+/// `index` may be any integer; whole turns have no effect. Panics if `count` is zero.
 pub(crate) fn cos_sin(index: usize, count: usize) -> (f64, f64) {
     assert!(count > 0, "a turn has at least one part");
     let quarters = 4 * (index % count);

@@ -1,4 +1,4 @@
-//! The committed files are those that the generator writes, and `make-assets` reports differences.
+//! The committed files equal the generated ones, and `make-assets` reports differences.
 
 use shapes::assets::{self, Difference};
 use shapes::models;

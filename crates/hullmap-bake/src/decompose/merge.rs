@@ -71,7 +71,7 @@ struct Merger {
 
 /// Groups the parts to be merged, in at most `max_parts` groups, which must be one or more. Each
 /// group is an ascending list of part indices, and the groups are ordered by their first index.
-/// `diagonal` is that of the whole mesh.
+/// `diagonal` is the diagonal of the whole mesh.
 ///
 /// # Errors
 /// The errors of [`hull::build`].
@@ -97,9 +97,7 @@ pub fn merge(parts: &[PointSet], max_parts: usize, diagonal: f64) -> Result<Vec<
             mergers = mergers_of(&alive, &all_pairs(alive.len()), margin)?;
             continue;
         };
-        let [Some(a), Some(b)] = [&alive[kept], &alive[gone]] else {
-            unreachable!("mergers are of parts that are there")
-        };
+        let [Some(a), Some(b)] = [&alive[kept], &alive[gone]] else { unreachable!("mergers refer to existing parts") };
         alive[kept] = Some(a.with(b)?);
         alive[gone] = None;
         count -= 1;

@@ -135,7 +135,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<Point
 /// Like [`decompose`], as a stage of a computation whose progress is shown.
 ///
 /// # Errors
-/// Those of [`decompose`].
+/// The errors of [`decompose`].
 pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
     let hull = hull::build(mesh)?;
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
@@ -147,8 +147,8 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     Ok(Some(parts.iter().enumerate().map(named).collect()))
 }
 
-/// The hull that is built of a part's vertices, once it has become a part of the mesh. Another
-/// order of the points may give faces, and so bounds, that differ by rounding.
+/// The hull of a part's vertices in their order in the mesh. Another order may give faces, and thus
+/// bounds, that differ by rounding.
 fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     for _ in 0..BUILDS {
         let Ok(built) = hull::build(&vertices.part(&hull)) else { break };
@@ -180,8 +180,8 @@ fn add_uncovered(mesh: &PointSet, vertices: &SourceVertices, parts: &mut Vec<Hul
     }
 }
 
-/// The hulls of a cover, within the maximum number of parts. `hull` is that of the mesh, and is the
-/// result if nothing better is found in time.
+/// The hulls of a cover, within the maximum number of parts. `hull` is the hull of the mesh, and
+/// the result if nothing better is found in time.
 fn cover_within(
     mesh: &PointSet,
     vertices: &SourceVertices,
@@ -214,7 +214,7 @@ fn cover_within(
     let stage_of = |index: usize| stage.from_to(index as f64 / searches as f64, (index + 1) as f64 / searches as f64);
     let Some(mut best) = search(limit, stage_of(0)) else { return whole(hull) };
     let Some(max_parts) = max_parts else { return Ok(best) };
-    // The greatest limit that is known not to suffice, and what the best parts reach.
+    // The greatest limit known to be too small, and the limit that the best parts reach.
     let (mut low, mut reached) = (0.0, limit);
     if best.len() > max_parts {
         low = limit;

@@ -161,8 +161,8 @@ fn worst_outside(points: &[DVec3], half_spaces: &[HalfSpace]) -> f64 {
 fn keep(half_spaces: &mut [HalfSpace], is_kept: impl Fn(&HalfSpace) -> bool) -> &mut [HalfSpace] {
     let mut count = 0;
     for at in 0..half_spaces.len() {
-        // A branch would be as unpredictable as a random one. What is dropped changes places with
-        // what was dropped before.
+        // A branch would be as unpredictable as a random one. A dropped half-space changes places
+        // with one dropped before.
         let is_kept = is_kept(&half_spaces[at]);
         half_spaces.swap(count, at);
         count += usize::from(is_kept);

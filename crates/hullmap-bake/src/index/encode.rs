@@ -214,7 +214,7 @@ impl<'a> Encoder<'a> {
 
     /// The slot of a leaf that lists these vertices. The two words of a list leaf are appended.
     fn leaf(&mut self, list: &[u32]) -> Slot {
-        // No leaf is empty, but an unproven index is better than an end of the program.
+        // No leaf is empty. If one were, an unproven index would be better than a panic.
         let list = if list.is_empty() { &[0][..] } else { list };
         let first = match self.known.get(list) {
             Some(&first) => first,

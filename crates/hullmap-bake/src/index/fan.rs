@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn a_prism_is_one_fan_a_face() {
+    fn a_prism_is_one_fan_per_face() {
         for (face, tree) in trees(families::prism(2_000, 0)).iter().enumerate() {
             assert!(matches!(tree, Tree::Fan(..)), "face {face}");
             assert_eq!(count(tree, &|tree| matches!(tree, Tree::Plane(..) | Tree::Axis(_))), 0, "face {face}");

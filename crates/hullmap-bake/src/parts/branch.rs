@@ -48,7 +48,7 @@ impl Accuracy {
     }
 }
 
-/// What is known of a cell.
+/// What is known about a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// Upper bound over the cell.
@@ -59,7 +59,7 @@ pub struct Measured {
     pub at: DVec3,
 }
 
-/// What is known of the maximum.
+/// What is known about the maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Maximum {
     /// Upper bound.

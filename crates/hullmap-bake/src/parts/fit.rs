@@ -1,4 +1,4 @@
-//! How all parts of a mesh fit it, as a pack records it.
+//! Fit of all parts of a mesh, as a pack records it.
 
 use hullmap_format::SolidKind;
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use crate::{PointSet, hull::Hull};
 /// the positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// How the solid of the mesh is known.
+    /// How the solid of the mesh was determined.
     pub solid: SolidKind,
     /// Upper bound on how far a point of the mesh's surface lies outside all of its parts; the same
     /// for all parts of the mesh.
@@ -45,8 +45,8 @@ pub struct Fit {
 /// ```
 ///
 /// # Complexity
-/// That of [`uncovered`](super::uncovered()), plus that of [`protrusion`](super::protrusion()) for
-/// each part, on all threads of the pool.
+/// The cost of [`uncovered`](super::uncovered()), plus the cost of
+/// [`protrusion`](super::protrusion()) for each part, on all threads of the pool.
 pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<Fit>> {
     if mesh.triangles.is_empty() || parts.is_empty() {
         return None;
@@ -56,8 +56,8 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
     let accuracy = Accuracy::tight(solid.diagonal());
     let fit = |part: &&Hull| {
         let mut found = protrusion(&solid, part, &accuracy);
-        // A bound may exceed a limit that holds by the accuracy of the bound, and beside closing
-        // triangles by more: distances are upper bounds there, and some points have better ones.
+        // A bound may exceed a valid limit by the accuracy of the bound, and by more beside closing
+        // triangles: distances are upper bounds there, and some points have better ones.
         let may_hold = |limit: &f64| found.reached <= *limit || solid.kind() == SolidKind::Closed;
         if let Some(limit) = limit.filter(|limit| found.bound > *limit).filter(may_hold) {
             let decided = protrusion(&solid, part, &Accuracy::decide(limit));
@@ -65,7 +65,7 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
                 found = decided;
             }
         }
-        // Where nothing protrudes, any point of the part is the one.
+        // If nothing protrudes, any point of the part will do.
         let first = part.positions().first().copied().unwrap_or_default();
         let at = if found.reached > 0.0 { found.at } else { first };
         Fit { solid: solid.kind(), uncovered, protrusion: found.bound, protrusion_at: at.to_array() }

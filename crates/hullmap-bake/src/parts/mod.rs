@@ -1,5 +1,5 @@
-//! How well convex parts stand for a mesh: whether they cover its surface, and how far they
-//! protrude from its solid. Both are certified upper bounds, for parts from any source.
+//! Measures how well convex parts represent a mesh: whether they cover its surface, and how far
+//! they protrude from its solid. Both are certified upper bounds, for parts from any source.
 //!
 //! | file | concept |
 //! |---|---|
@@ -13,7 +13,7 @@
 //! | `triangle_tree` | bounding volume hierarchy of a mesh's triangles |
 //! | [`triangle`], [`planes`] | distances from a triangle, half-spaces of a part |
 //!
-//! Lengths are in the unit of the positions, which are those of the mesh and of the parts alike.
+//! Lengths are in the unit of the positions, which the mesh and the parts share.
 
 pub mod branch;
 pub mod closing;

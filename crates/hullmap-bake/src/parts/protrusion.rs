@@ -167,8 +167,9 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     Maximum { bound: found.bound.max(on_mesh), ..found }
 }
 
-/// Upper bound of at most `enough` on the distance of a facet from the solid, if what is not inside
-/// is that close to triangles of the mesh. `None` if that is not so, or not known.
+/// Upper bound of at most `enough` on the distance of a facet from the solid, if the part of it
+/// outside the solid is that close to triangles of the mesh. `None` if it is not, or if that is
+/// unknown.
 fn in_pieces(solid: &Solid, corners: &Triangle, enough: f64) -> Option<f64> {
     let low = corners[0].min(corners[1]).min(corners[2]) - enough;
     let high = corners[0].max(corners[1]).max(corners[2]) + enough;
@@ -224,14 +225,13 @@ fn planes_around(triangle: &Triangle, distance: f64) -> Vec<HalfSpace> {
 }
 
 /// Whether a facet is inside, except for a rim whose width is `rim` times the facet's radius. Its
-/// centroid must be. `false` may mean that it is not known.
+/// centroid must be. `false` may mean unknown.
 fn is_inside_within(solid: &Solid, corners: &Triangle, rim: f64) -> bool {
     let centre = triangle::centroid(corners);
     is_inside_around(solid, &corners.map(|corner| corner + (centre - corner) * rim), centre)
 }
 
-/// Whether a convex polygon is inside, given that its point `centre` is. `false` may mean that it
-/// is not known.
+/// Whether a convex polygon is inside, given that its point `centre` is. `false` may mean unknown.
 fn is_inside_around(solid: &Solid, polygon: &[DVec3], centre: DVec3) -> bool {
     let thickness = solid.tolerance();
     let area: DVec3 = polygon.windows(2).map(|edge| (edge[0] - polygon[0]).cross(edge[1] - polygon[0])).sum();
@@ -383,7 +383,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
             DeepPart::Point(p) => solid.is_inside(p),
             DeepPart::Unknown => false,
         };
-        // All that is not close to the part's surface is inside.
+        // Everything not close to the part's surface is inside.
         let is_inside = Measured { bound: enough, ..nothing };
         if cell.deep.is_empty() && is_deep_part_inside(cell) {
             return is_inside;
@@ -442,7 +442,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
     }
 }
 
-/// Where the distance from a solid has local maxima, which is in its cavities, holes and grooves.
+/// The local maxima of the distance from a solid, in its cavities, holes and grooves.
 #[derive(Clone, Debug)]
 pub struct Peaks {
     /// Lower local maxima are left out.
@@ -505,8 +505,8 @@ const SMALLEST_PEAK: f64 = 0.25;
 /// At a local maximum, no plane separates a point from all points of the solid that are nearest to
 /// it: away from the plane, the distance would grow. Those of any point of the box are within the
 /// distance of its centre plus twice its radius. A plane that has the box on one side and all such
-/// triangles on the other rules out all points of the box. It is sought as a perceptron learns:
-/// each triangle in the way turns it.
+/// triangles on the other rules out all points of the box. It is sought like the plane of a
+/// perceptron: each triangle in the way turns it.
 fn has_no_peak(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool {
     let slack = solid.tolerance();
     let radius = near.distance + 2.0 * half.length() + slack;
@@ -525,7 +525,7 @@ fn has_no_peak(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool {
     false
 }
 
-/// What of a cell is deeper than some depth inside all planes.
+/// The part of a cell that is deeper than some depth inside all planes.
 enum DeepPart {
     /// Nothing.
     Empty,
@@ -535,10 +535,10 @@ enum DeepPart {
     Unknown,
 }
 
-/// What of the cell is deeper than `depth`, sought by projecting onto one violated plane after the
-/// other. If there is nothing, the steps balance each other: the mean of these planes, weighted by
-/// the steps, then has no point of the cell at that depth. A point that is deep for all planes
-/// would be deep for their mean.
+/// The part of the cell that is deeper than `depth`, sought by projecting onto one violated plane
+/// after another. If there is none, the steps balance each other: the mean of these planes,
+/// weighted by the steps, then has no point of the cell at that depth. A point that is deep for all
+/// planes would be deep for their mean.
 fn deep_part(cell: &Cell, planes: &[HalfSpace], depth: f64) -> DeepPart {
     let mut p = cell.centre;
     let (mut normal, mut offset, mut weight) = (DVec3::ZERO, 0.0, 0.0);

@@ -1,4 +1,5 @@
-//! Whether a region that triangles of the mesh cut is inside the solid, as where shells overlap.
+//! Tests whether a region that triangles of the mesh cut is inside the solid, for instance where
+//! shells overlap.
 //!
 //! # Steps
 //! 1. Clip the triangles by the region, and cut each of these polygons by the planes of those that
@@ -8,9 +9,9 @@
 //! 3. The region is inside if all these points are.
 //!
 //! # Why that is enough
-//! The winding number is constant between the triangles. The region is convex, so what lies between
-//! triangles reaches a side of a piece. No triangle crosses a piece, so all that is next to one of
-//! its sides is connected, and the point of that side with it: no triangle is closer.
+//! The winding number is constant between the triangles. The region is convex, so each space
+//! between triangles reaches a side of a piece. No triangle crosses a piece, so the space next to
+//! one of its sides is connected, and contains the point of that side, since no triangle is closer.
 //!
 //! Triangles closer than the solid's tolerance count as one, as everywhere else.
 
@@ -80,7 +81,7 @@ impl Polygon {
         if !self.corners.iter().all(|p| plane.height(*p).abs() <= margin) {
             return None;
         }
-        // What touches an edge does not cross.
+        // A polygon that only touches an edge does not cross.
         let slab = [*plane, HalfSpace { normal: -plane.normal, offset: -plane.offset }].map(|side| side.moved(margin));
         let edges = planes::around(&self.corners, plane.normal).into_iter().map(|edge| edge.moved(-2.0 * margin));
         let inner: Vec<HalfSpace> = slab.into_iter().chain(edges).collect();
@@ -100,12 +101,11 @@ impl Polygon {
     }
 }
 
-/// Whether all of a convex region is inside a solid, but for what is closer than the solid's
+/// Whether all of a convex region is inside a solid, except for points closer than the solid's
 /// tolerance to a triangle. `polygons` are all triangles of the solid that touch the region,
 /// clipped by it.
 ///
-/// `false` may mean that it is not known. Without polygons, it is: any one point of the region
-/// decides.
+/// `false` may mean unknown, unless there are no polygons: then any point of the region decides.
 ///
 /// # Complexity
 /// O(k³ log n) for k polygons and n triangles of the solid; k is bounded.
@@ -121,7 +121,7 @@ pub fn are_sides_inside(solid: &Solid, polygons: &[Polygon]) -> bool {
 }
 
 /// Whether a triangle of the solid has the inside on one side, wherever it is. `false` may mean
-/// that it is not known.
+/// unknown.
 ///
 /// # Complexity
 /// O(k² log n) for k triangles near it and n triangles of the solid; k is bounded.

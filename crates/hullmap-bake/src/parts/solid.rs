@@ -58,7 +58,7 @@ const RAYS: usize = 12;
 /// Volume of a mesh without inside, relative to its area times its diagonal.
 const SHEET: f64 = 1e-9;
 
-/// The solid that a mesh bounds. Its frame is that of the mesh's positions.
+/// The solid that a mesh bounds. Its frame is the frame of the mesh's positions.
 pub struct Solid {
     /// Triangles of the mesh, then those that close it.
     triangles: Vec<Triangle>,
@@ -66,7 +66,7 @@ pub struct Solid {
     /// area.
     counts: Vec<bool>,
     mesh_count: usize,
-    /// Of each closing triangle, whether all of it is in the solid.
+    /// For each closing triangle, whether all of it is in the solid.
     is_whole: Vec<bool>,
     tree: TriangleTree,
     kind: SolidKind,
@@ -98,8 +98,8 @@ pub struct Near {
     pub distance: f64,
     /// A triangle that is near.
     pub triangle: Triangle,
-    /// Whether all of the triangle is known to be in the solid. Of a closing triangle, a part may
-    /// be outside.
+    /// Whether all of the triangle is known to be in the solid. Part of a closing triangle may be
+    /// outside.
     pub is_whole: bool,
 }
 
@@ -183,8 +183,7 @@ impl Solid {
         self.bounds
     }
 
-    /// All triangles that bound or may bound the solid: those of the mesh, then those that close
-    /// it.
+    /// All triangles that bound or may bound the solid: the mesh's, then those that close it.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }

@@ -1,4 +1,4 @@
-//! Bounds against samplers and slow twins, which share no code with them.
+//! Compares bounds with samplers and slow twins that share no code with them.
 
 use glam::DVec3;
 use shapes::rng::SplitMix64;
@@ -179,7 +179,7 @@ fn opposite_boxes_are_both_solid() {
 }
 
 #[test]
-fn double_faces_are_no_hole() {
+fn double_faces_are_not_a_hole() {
     let cube = block([0.0; 3], [1.0; 3], false);
     let solid = Solid::new(&joined(&[cube.clone(), block([0.0; 3], [1.0; 3], true)]));
     assert_eq!(solid.kind(), SolidKind::Watertight);
@@ -334,7 +334,7 @@ fn protrusion_is_never_below_a_sample() {
     assert!(close >= 15, "{close}");
 }
 
-/// Of a closing triangle, a part may be outside. Then its distance is no bound on that of the
+/// Part of a closing triangle may be outside. Then its distance does not bound the distance of the
 /// solid.
 #[test]
 fn closing_triangles_that_are_whole_have_the_inside_beside_them() {

@@ -114,8 +114,8 @@ fn nearest_of_all(triangle: &Triangle, p: DVec3) -> DVec3 {
     edges.into_iter().chain(projection).fold(edges[0], closer)
 }
 
-/// By how much the distance from the point that [`nearest`] returns may exceed that from the
-/// triangle, besides rounding: 0, or the height of a needle.
+/// Maximum excess of the distance from the point that [`nearest`] returns over the distance from
+/// the triangle, besides rounding: 0, or the height of a needle.
 pub fn needle(triangle: &Triangle) -> f64 {
     let [a, b, c] = *triangle;
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));

@@ -20,7 +20,6 @@ use glam::DVec3;
 
 use super::triangle::Triangle;
 
-/// Number of bins.
 const BINS: usize = 8;
 
 /// Share of the spread by which the bins end before the last centre, so that it lies in a bin.

@@ -88,7 +88,7 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
 /// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending.
 ///
 /// # Complexity
-/// That of [`uncovered()`], without branch and bound.
+/// The cost of [`uncovered()`], without branch and bound.
 pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64) -> Vec<usize> {
     let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let corners = || mesh.triangles.iter().flatten().map(|v| at(*v));
@@ -143,8 +143,8 @@ impl Part {
     }
 }
 
-/// What the parts leave of a triangle, and the greatest distance of what was subtracted from the
-/// part that contains it.
+/// The rest of a triangle outside the parts, and the greatest distance of a subtracted piece from
+/// the part that contains it.
 fn left_over(corners: &Triangle, parts: &[Part], diagonal: f64) -> (Vec<Triangle>, f64) {
     let [margin, covered] = INSIDE[0].map(|distance| distance * diagonal);
     let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - margin;

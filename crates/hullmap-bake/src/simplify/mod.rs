@@ -61,7 +61,7 @@ pub struct Simplified {
     pub outer_error: f64,
 }
 
-/// Minimum number of vertices that may be requested: those of a tetrahedron.
+/// Minimum number of vertices that may be requested: a tetrahedron has that many.
 pub const MIN_VERTICES: usize = 4;
 
 /// Number of vertices at which a collapse starts, relative to the number at which it ends. A ratio
@@ -195,8 +195,7 @@ fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, max_vertices: usize) -> Option
 }
 
 /// A larger wrap, or the hull itself, collapsed to at most `max_vertices` vertices, or as far as
-/// `reach`
-/// allows.
+/// `reach` allows.
 fn collapsed(nearest: &Nearest, hull: &Hull, max_vertices: usize, reach: f64) -> Option<Surface> {
     let start = if hull.vertices.len() <= FINER * max_vertices {
         Wrapped { surface: Surface::new(hull), feet: (0..hull.vertices.len() as u32).collect() }

@@ -109,7 +109,7 @@ struct Guide {
 #[derive(Clone, Copy)]
 struct Corner {
     position: [f32; 3],
-    /// The vertex of a run's first corner. The place of all others.
+    /// In the first corner of a run, its vertex; in all others, the place.
     index: u32,
 }
 
@@ -243,13 +243,12 @@ impl Nearest {
         self.around[self.starts[place as usize] as usize].position()
     }
 
-    /// The vertex at a place.
     fn vertex_at(&self, place: u32) -> u32 {
         self.around[self.starts[place as usize] as usize].index
     }
 
-    /// The place of the highest neighbour of the vertex at a place, if that is higher; and by how
-    /// much the vertex is higher than all neighbours otherwise.
+    /// The place of the highest neighbour of the vertex at a place, if that is higher; otherwise,
+    /// how much higher the vertex is than all neighbours.
     fn step(&self, direction: DVec3, from: u32) -> (Option<u32>, f64) {
         let [own, neighbours @ ..] = self.run(from) else { return (None, f64::NAN) };
         let height = own.position().dot(direction);
@@ -261,7 +260,7 @@ impl Nearest {
         ((highest.0 > height).then_some(highest.1), height - highest.0)
     }
 
-    /// The place at which every climb ends, and by how much its vertex is higher than all its
+    /// The place at which every climb ends, and how much higher its vertex is than all its
     /// neighbours; `None` if that is not certain.
     fn guided(&self, direction: DVec3) -> Option<(u32, f64)> {
         let guide = self.guide.as_ref()?;
@@ -308,8 +307,8 @@ impl Nearest {
         self.vertex_at(self.climb_from(direction, self.places[from as usize]))
     }
 
-    /// The support vertex in `direction`, and by how much it is higher than all others; `None` if
-    /// that is not certain.
+    /// The support vertex in `direction`, and how much higher it is than all others; `None` if that
+    /// is not certain.
     pub fn certain_climb(&self, direction: DVec3) -> Option<(u32, f64)> {
         self.guided(direction).map(|(place, lower)| (self.vertex_at(place), lower))
     }
@@ -659,7 +658,7 @@ mod tests {
 
     /// Corners in general position, in a plane, on a line, and equal ones; near and far.
     #[test]
-    fn nearest_faces_are_those_of_the_slow_twin() {
+    fn nearest_faces_match_the_slow_twin() {
         const SEED: u64 = 12;
         let mut rng = SplitMix64::new(SEED);
         let mut faces = [0_usize; 16];

@@ -246,8 +246,8 @@ impl Surface {
         true
     }
 
-    /// Adds a point, and removes the triangles that it sees: the surface becomes that of the convex
-    /// hull with the point. Exact.
+    /// Adds a point, and removes the triangles that it sees: the result is the surface of the
+    /// convex hull with the point. Exact.
     ///
     /// Returns the new vertex's index. Returns `None`, without changes, if the point is not outside
     /// triangle `start`, or if the triangles that it sees have no simple boundary.
@@ -348,7 +348,7 @@ fn normals(triangles: &[Triangle], points: &[DVec3]) -> Vec<Normal> {
     triangles.iter().map(|triangle| Normal::new(triangle.corners.map(|v| points[v as usize]))).collect()
 }
 
-/// What a point outside a surface sees of it.
+/// The part of a surface that is visible from a point outside it.
 struct Visible {
     triangles: Vec<u32>,
     /// Corners of the triangles, ascending.
@@ -370,9 +370,8 @@ mod tests {
 
     use super::*;
 
-    /// Stored normals are those computed from the corners, bit by bit.
     #[test]
-    fn stored_normals_are_those_of_the_corners() {
+    fn stored_normals_match_the_corners() {
         const SEED: u64 = 6;
         let mut rng = SplitMix64::new(SEED);
         for round in 0..40 {

@@ -53,7 +53,7 @@ fn hulls_come_to_rest_on_a_floor() {
     let before = bodies.each_ref().map(|(entity, _)| transform(&app, *entity).translation);
     simulate(&mut app, 1.0);
     for ((entity, points), before) in bodies.iter().zip(before) {
-        // Of a body that sleeps, Avian keeps the velocity of its last step.
+        // Avian keeps the velocity that a sleeping body had in its last step.
         let place = transform(&app, *entity);
         assert_at_rest("in Avian", points, place, place.translation.distance(before));
     }
@@ -93,7 +93,7 @@ fn a_sleeping_body_notices_that_its_floor_has_changed() {
     assert!((transform(&app, body).translation.y + 0.5).abs() < 0.01);
 }
 
-/// The scale of a transform multiplies that of the component, for one hull and for a compound.
+/// The scale of a transform multiplies the scale of the component, for one hull and for a compound.
 #[test]
 fn a_scaled_body_rests_at_its_scaled_height() {
     let boxes = [-1.0, 1.0].map(|x| corners(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));

@@ -1,4 +1,5 @@
-//! Which shape a component gets, and what happens where there is none. The "engine" only stores it.
+//! Tests which shape a component gets, and what happens if there is none. The "engine" only stores
+//! it.
 
 use bevy_asset::{AssetServer, Assets, LoadState};
 use bevy_ecs::prelude::*;
@@ -16,7 +17,7 @@ use crate::stage::{Folder, load, loaded, start, update_until};
 #[derive(Component, Clone)]
 pub struct Stored(pub SharedShape);
 
-/// Number of times that the engine heard of replaced colliders.
+/// Number of times that the engine was notified of replaced colliders.
 #[derive(Resource, Default)]
 pub struct Replacements(pub usize);
 

@@ -16,7 +16,7 @@ use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use crate::packs::{corners, cube, pack, prism, rock};
 use crate::stage::{FRAME, Folder, assert_at_rest, load, loaded, simulate, start, tilted, transform, update_until};
 
-/// Who computes contacts.
+/// Solver that computes contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Contacts {
     Parry,
@@ -118,7 +118,7 @@ fn a_sleeping_body_notices_that_its_floor_has_changed() {
     assert!((transform(&app, body).translation.y + 0.5).abs() < 0.01);
 }
 
-/// The scale of a transform multiplies that of the component, for one hull and for a compound.
+/// The scale of a transform multiplies the scale of the component, for one hull and for a compound.
 #[test]
 fn a_scaled_body_rests_at_its_scaled_height() {
     let boxes = [-1.0, 1.0].map(|x| corners(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));

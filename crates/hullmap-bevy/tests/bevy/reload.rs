@@ -35,7 +35,7 @@ fn a_collider_follows_its_file() {
     folder.replace(&cube(4.0));
     update_until(&mut app, |app| has_half(app.world(), 4.0));
 
-    // A pack without the object leaves the collider, and says so.
+    // A pack without the object leaves the collider unchanged, and the failure is reported.
     folder.write(&pack(&[("ball", corners(Vec3::ZERO, Vec3::ONE))]));
     update_until(&mut app, |app| app.world().get::<ColliderFailure>(entity).is_some());
     assert!(has_half(app.world(), 4.0));

@@ -19,7 +19,7 @@ pub unsafe extern "C" fn hullmap_manifold_new(max_pairs: u32, manifold: *mut *mu
     })
 }
 
-/// Finds up to four contact points of A and of B placed at b_in_a; of compounds, for each pair of
+/// Finds up to four contact points of A and of B placed at b_in_a; for compounds, of each pair of
 /// hulls that touch.
 ///
 /// Shapes touch if they overlap, or if they are separated by at most the prediction. A point that

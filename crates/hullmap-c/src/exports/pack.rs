@@ -12,7 +12,7 @@ use crate::handles::Pack;
 use crate::types::{Bounds, HullArrays, HullFacts, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result, Solid, Text};
 
 /// Opens a pack file. By default the file is copied into memory and checked completely, so that no
-/// file whatever can harm a later query.
+/// file can harm a later query.
 ///
 /// path: in UTF-8 on Windows, in the system's bytes elsewhere. flags: 0, or HULLMAP_OPEN_MAP,
 /// HULLMAP_OPEN_SKIP_CONTENTS or both.
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn hullmap_pack_find(pack: *const Pack, name: *const c_cha
     })
 }
 
-/// What the bake recorded about the hull of index `hull`, counted from 0. The caller sets
+/// Facts that the bake recorded about the hull of index `hull`, counted from 0. The caller sets
 /// facts->struct_size first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize, facts: *mut HullFacts) -> Result {

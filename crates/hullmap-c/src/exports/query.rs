@@ -198,7 +198,7 @@ pub unsafe extern "C" fn hullmap_ray(
 /// negative inside. The cache is for this shape and points near each other. settings and cache may
 /// be NULL.
 ///
-/// Of a compound, it is the minimum over its hulls: outside, the distance from the union; inside,
+/// For a compound, it is the minimum over its hulls: outside, the distance from the union; inside,
 /// the depth in the hull in which the point is deepest. The union contains the ball of this radius
 /// around the point, but its surface may be farther away where hulls overlap or touch.
 #[unsafe(no_mangle)]

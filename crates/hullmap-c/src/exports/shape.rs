@@ -12,7 +12,7 @@ use crate::types::{Result, Vec3};
 /// `shape` is as the rules at the head of the header require.
 unsafe fn make(shape: *mut *mut Shape, body: impl FnOnce() -> Fallible<Shape>) -> Result {
     call(|| {
-        // SAFETY: this function's contract is that of `of_handle`.
+        // SAFETY: this function's contract is the contract of `of_handle`.
         let out = unsafe { Out::of_handle("shape", shape)? };
         out.give(body()?);
         Ok(())

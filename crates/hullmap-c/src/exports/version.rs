@@ -23,7 +23,7 @@ pub extern "C" fn hullmap_format_version() -> u32 {
     hullmap::FORMAT_VERSION
 }
 
-/// What went wrong in the last call that failed on this thread: what, where, and what to do. In
+/// Message of the last call that failed on this thread: what went wrong, where, and what to do. In
 /// UTF-8, at most 1023 bytes; "" if no call has failed. A call that succeeds does not change it.
 /// Valid until the next failure on this thread.
 #[unsafe(no_mangle)]

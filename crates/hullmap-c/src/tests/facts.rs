@@ -6,7 +6,7 @@ use std::ffi::CString;
 use super::*;
 
 #[test]
-fn facts_and_arrays_are_those_of_the_pack() {
+fn facts_and_arrays_match_the_pack() {
     let (pack, file) = (open(), file());
     let twin = hullmap::Pack::from_bytes(&file).unwrap();
     // SAFETY: the pointers are valid, and the arrays live as long as the pack.

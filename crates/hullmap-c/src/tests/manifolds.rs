@@ -1,9 +1,9 @@
-//! What the caller writes into manifold points.
+//! Data that the caller writes into manifold points.
 #![allow(unsafe_code)]
 
 use super::*;
 
-/// What the caller writes into the points is there after the next update.
+/// Data that the caller writes into the points persists over the next update.
 #[test]
 fn impulses_of_manifold_points_are_kept() {
     let pack = open();

@@ -3,7 +3,7 @@
 
 use super::*;
 
-/// Prints nanoseconds a query through the interface and through the crate for Rust: medians over
+/// Prints nanoseconds per query through the interface and through the crate for Rust: medians over
 /// interleaved rounds.
 ///
 ///     cargo test --release --package hullmap-c --lib overhead -- --ignored --nocapture

@@ -1,4 +1,4 @@
-//! Names that people guess, and those that are meant: `--simplify` is `--max-vertices`.
+//! Guessed names and the names to use instead: `--simplify` is `--max-vertices`.
 //!
 //! clap suggests names of similar letters; these are names of similar meaning.
 
@@ -50,7 +50,7 @@ const FLAGS: [(&[&str], &str, &str); 18] = [
     (&["mesh", "input"], "source", "--source PATH"),
 ];
 
-/// The error with the name that is meant, if a guess is known.
+/// The error with the name to use instead, if the guess is known.
 pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),

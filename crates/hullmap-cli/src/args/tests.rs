@@ -1,4 +1,4 @@
-//! Command lines: those that are accepted, those that are rejected, and the help.
+//! Tests of accepted and rejected command lines, and of the help.
 
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::simplify::Limit;
@@ -190,7 +190,7 @@ fn help_fits_a_screen() {
 
 /// 225 lines without an order: the farm's flags stood between those that everybody needs.
 #[test]
-fn help_of_build_is_grouped_by_what_people_do() {
+fn help_of_build_is_grouped_by_purpose() {
     let help = error("bake build --help");
     assert!(help.lines().count() < 150, "{help}");
     assert!(!error("bake build -h").contains("--remote ") && help.contains("--remote "), "{help}");

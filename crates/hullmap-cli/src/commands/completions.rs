@@ -4,10 +4,8 @@ use crate::args::{self, CompletionsArgs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::Output;
 
-/// Runs the command. The shell completes the last word of `program`.
-///
-/// # Errors
-/// The script cannot be written.
+/// Runs the command. The shell completes the last word of `program`. Fails if the script cannot be
+/// written.
 pub fn run(args: &CompletionsArgs, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     let program = program.rsplit(' ').next().unwrap_or(program);
     // Into memory first: the generator panics if it cannot write.

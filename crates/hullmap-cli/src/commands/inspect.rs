@@ -13,7 +13,7 @@ use crate::packs::find_packs;
 use crate::table::{grouped, rounded, shortest};
 use crate::terminal::{self, Output};
 
-/// Description of a pack. Field names are those of the JSON.
+/// Description of a pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct PackDescription {
     file: String,
@@ -75,11 +75,8 @@ struct IndexDescription {
     max_dots: u32,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// An input cannot be read, or a folder holds no packs. Invalid packs are reported, and the others
-/// described.
+/// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Invalid packs
+/// are reported, and the others described.
 pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
@@ -263,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fields_others_rely_on() {
+    fn json_has_the_stable_fields() {
         let report = serde_json::to_value(report()).unwrap();
         for key in ["file", "format_version", "bytes", "source", "hulls"] {
             assert!(report.get(key).is_some(), "{key}");

@@ -15,7 +15,7 @@ use crate::terminal::{self, Output};
 /// Number of keys that are computed before they are printed.
 const AT_ONCE: usize = 1024;
 
-/// Key of one pack. Field names are those of the JSON.
+/// Key of one pack. Field names are the JSON's.
 #[derive(Serialize)]
 struct Row<'a> {
     source: String,
@@ -24,11 +24,8 @@ struct Row<'a> {
     from: &'a Ingredients,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read. Failures of single files are printed, and end in the
-/// exit code.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read. Failures of single files
+/// are printed, and end in the exit code.
 pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (project, limits) = (Path::new("."), args.meshes.limits.limits());
     let out_folder = args.out.as_deref().unwrap_or(Path::new(""));

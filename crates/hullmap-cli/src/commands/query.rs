@@ -12,8 +12,8 @@ use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash, rounded};
 use crate::terminal::Output;
 
-/// Answer for one pose. Field names are those of the JSON; fields that the mode does not compute
-/// are `None`.
+/// Answer for one pose. Field names are the JSON's; fields that the mode does not compute are
+/// `None`.
 #[derive(Debug, Serialize)]
 struct PoseAnswer {
     /// Index of the pose.
@@ -69,11 +69,8 @@ fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
     values.map_or([None; 3], |values| values.map(Some))
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// A pose or selection is invalid, or a pack cannot be read or is invalid. All are checked before
-/// the first answer.
+/// Runs the command. Fails if a pose or selection is invalid, or a pack cannot be read or is
+/// invalid. All are checked before the first answer.
 pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
@@ -188,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fields_others_rely_on() {
+    fn json_has_the_stable_fields() {
         let answer = PairAnswer { hit: Some(true), depth: Some([0.5, 0.4, 0.6]), ..PairAnswer::default() };
         let report = serde_json::to_value(PoseAnswer::new(0, answer)).unwrap();
         for key in [

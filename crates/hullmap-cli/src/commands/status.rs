@@ -1,8 +1,8 @@
 //! `bake status`: which packs of a build are missing or stale, by their headers.
 //!
-//! Meshes are not read, and of packs only those whose options seem to differ, so this is fast
-//! enough for a million packs on a network file system. Changed meshes are not noticed: `bake build
-//! --check` compares bytes.
+//! Meshes are not read, and packs only if their options seem to differ, so this is fast enough for
+//! a million packs on a network file system. Changed meshes are not noticed: `bake build --check`
+//! compares bytes.
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
@@ -27,13 +27,13 @@ use crate::terminal::Output;
 enum State {
     /// Complete, of this format version, with these options.
     Present,
-    /// Not that.
+    /// Incomplete, of another format version, or with other options.
     Stale,
-    /// Not there.
+    /// Not in the folder.
     Missing,
 }
 
-/// One pack. Field names are those of the JSON.
+/// One pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct Row {
     source: String,
@@ -43,10 +43,7 @@ struct Row {
     shard: Option<u32>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read.
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();
@@ -98,7 +95,7 @@ fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Lists what is not present, then the shards that it belongs to, then counts.
+/// Lists packs that are not present, then the shards that it belongs to, then counts.
 fn write_table(rows: &[Row], shards: Option<u32>, out: &mut Output) -> Result<(), Failure> {
     let mut table = Table::new(&[("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)]);
     let mut incomplete: BTreeMap<u32, usize> = BTreeMap::new();

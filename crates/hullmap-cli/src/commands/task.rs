@@ -18,11 +18,8 @@ use crate::runner::rows::Row;
 use crate::runner::{self, print_messages, write_rows};
 use crate::terminal::Output;
 
-/// Runs the command.
-///
-/// # Errors
-/// The plan cannot be read, or holds no such task. Failures of single meshes are reported in their
-/// rows and in the exit code.
+/// Runs the command. Fails if the plan cannot be read, or holds no such task. Failures of single
+/// meshes are reported in their rows and in the exit code.
 pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let mut exit = Exit::Done;

@@ -15,11 +15,8 @@ use crate::verification::pack::{
     BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITHIN_BOUNDS, verify_hulls,
 };
 
-/// Runs the command.
-///
-/// # Errors
-/// An input cannot be read, or a folder holds no packs. Problems with single packs are reported in
-/// their rows.
+/// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Problems with
+/// single packs are reported in their rows.
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut results = Vec::new();

@@ -47,11 +47,8 @@ struct Rule {
 }
 
 impl Config {
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// It cannot be read, is not valid TOML, or contains unknown keys or values; with file and
-    /// line.
+    /// Reads a file. Fails, with file and line, if it cannot be read, is not valid TOML, or
+    /// contains unknown keys or values.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let text = read_bounded(path)
             .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))?;

@@ -37,10 +37,8 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
     Fault { span, message: message.into() }
 }
 
-/// Parses the text of the file at `path`.
-///
-/// # Errors
-/// The first fault in the file, with file and line.
+/// Parses the text of the file at `path`. The error is the first fault in the file, with file and
+/// line.
 pub fn parse(path: &Path, text: &str) -> Result<Config, Failure> {
     let line_of = |at: usize| 1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count();
     let with_line = |fault: Fault| {

@@ -56,10 +56,8 @@ enum Choice {
 }
 
 impl Configs {
-    /// The files of a build: no file, the named one, or the nearest ones.
-    ///
-    /// # Errors
-    /// The named file cannot be read or is invalid.
+    /// The files of a build: no file, the named one, or the nearest ones. Fails if the named file
+    /// cannot be read or is invalid.
     pub fn new(named: Option<&Path>, none: bool, project: &Path) -> Result<Self, Failure> {
         let choice = match named {
             _ if none => Choice::None,
@@ -79,10 +77,7 @@ impl Configs {
         })
     }
 
-    /// What applies to `mesh`.
-    ///
-    /// # Errors
-    /// The file cannot be read or is invalid.
+    /// What applies to `mesh`. Fails if the file cannot be read or is invalid.
     pub fn layer(&mut self, mesh: &Path) -> Result<Chosen, Failure> {
         if matches!(self.choice, Choice::None) {
             return Ok(Chosen::default());

@@ -1,4 +1,4 @@
-//! Batches: meshes that are baked together elsewhere, because an action of its own costs each mesh
+//! Batches: meshes that are baked together elsewhere, because an action for each mesh would cost
 //! more than its bake.
 //!
 //! 1. A large mesh is a batch of its own.
@@ -23,21 +23,18 @@ pub struct BatchSize {
 }
 
 impl Default for BatchSize {
-    /// An action costs about 60 ms more than its meshes; with 256 of them that is nothing. Larger
-    /// batches would make an edit costlier, and fewer workers busy.
+    /// An action costs about 60 ms more than its meshes; with 256 meshes that is negligible. Larger
+    /// batches would make an edit costlier and keep fewer workers busy.
     fn default() -> Self {
         Self { meshes: 256, bytes: 32 << 20 }
     }
 }
 
-/// Of the bytes of a batch, the share from which on a mesh is a batch of its own.
+/// Share of a batch's bytes from which a mesh is a batch of its own.
 const LARGE: u64 = 4;
 
 /// The batches of meshes at these places, of these sizes: indices in ascending order of places. The
-/// buckets come first, then the large meshes.
-///
-/// # Complexity
-/// O(n log n).
+/// buckets come first, then the large meshes. Complexity: O(n log n).
 pub fn batches(meshes: &[(&str, u64)], size: BatchSize) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..meshes.len()).collect();
     order.sort_by_key(|&index| meshes[index].0);

@@ -44,10 +44,8 @@ pub struct Ingredients {
 }
 
 impl Ingredients {
-    /// Reads the sources of a job; `project` is the folder where `bake` was started.
-    ///
-    /// # Errors
-    /// They cannot be read, exceed the limits, or are not those that were planned.
+    /// Reads the sources of a job; `project` is the folder where `bake` was started. Fails if they
+    /// cannot be read, exceed the limits, or are not those that were planned.
     pub fn of(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
         Self::of_source(job, &read(job, limits)?, project)
     }
@@ -78,10 +76,8 @@ impl Ingredients {
     }
 }
 
-/// Reads the sources of a job. Of a planned job no more is read than the plan states, and one byte.
-///
-/// # Errors
-/// They cannot be read, exceed the limits, or are larger than planned.
+/// Reads the sources of a job. For a planned job, reads at most one byte more than the plan states.
+/// Fails if they cannot be read, exceed the limits, or are larger than planned.
 pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
     let file = job.source.display().to_string();
     let mut limits = *limits;
@@ -104,10 +100,8 @@ pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
     })
 }
 
-/// Compares a source, as it was read, with what was planned.
-///
-/// # Errors
-/// Its bytes differ, or the key of its pack would differ.
+/// Compares a source, as it was read, with what was planned. Fails if its bytes differ, or the key
+/// of its pack would differ.
 pub fn check_planned(job: &Job, source: &SourceFile, project: &Path) -> Result<(), Failure> {
     if job.inputs.is_empty() && job.key.is_empty() {
         return Ok(());
@@ -148,7 +142,7 @@ mod tests {
 
     /// The examples of the standard that defines SHA-256.
     #[test]
-    fn hashes_are_those_of_the_standard() {
+    fn hashes_match_the_standard() {
         assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
         assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     }

@@ -1,4 +1,4 @@
-//! What is to be baked: meshes, their options, and their packs.
+//! Jobs: the meshes to bake, their options, and their packs.
 //!
 //! | module | concept |
 //! |---|---|
@@ -63,9 +63,7 @@ pub struct Job {
 
 impl Job {
     /// The source's path, as the pack records it. `project` is the folder where `bake` was started.
-    ///
-    /// # Errors
-    /// The canonical path of the source or of the pack's folder cannot be determined.
+    /// Fails if the canonical path of the source or of the pack's folder cannot be determined.
     pub fn recorded_path(&self, project: &Path) -> io::Result<String> {
         let name = || self.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match (&self.records, self.options.record_source()) {
@@ -83,10 +81,8 @@ impl Job {
     }
 
     /// Bytes of the mesh and of its buffers, without reading buffers. 0 for files that cannot be
-    /// read: baking them fails with an error.
-    ///
-    /// # Complexity
-    /// One look at the file, unless it is planned; a glTF file is read, to find its buffers.
+    /// read: baking them fails with an error. Complexity: one look at the file, unless it is
+    /// planned; a glTF file is read, to find its buffers.
     pub fn source_bytes(&self) -> u64 {
         if let Some(planned) = self.planned_bytes() {
             return planned;
@@ -99,7 +95,7 @@ impl Job {
     }
 }
 
-/// What is to be baked, and what is not.
+/// The jobs of a build, and what it does not bake.
 #[derive(Debug)]
 pub struct Jobs {
     /// The meshes to bake.
@@ -128,7 +124,7 @@ impl Jobs {
     }
 }
 
-/// What [`jobs`] says while it searches.
+/// Messages that [`jobs`] prints while it searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Talk {
     /// Nothing.
@@ -136,16 +132,13 @@ pub enum Talk {
     /// Warnings about options without effect, and how many meshes have formats that are not
     /// supported.
     Warnings,
-    /// And a note for each mesh that is left out.
+    /// Also a note for each mesh that is left out.
     All,
 }
 
 /// The meshes to bake, each with its options and its pack in `out`. `project` is the folder where
-/// `bake` was started. Writes no file.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line has
-/// no effect on any mesh.
+/// `bake` was started. Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh
+/// is left, or an option on the command line has no effect on any mesh.
 pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<Jobs, Failure> {
     let warns = talk != Talk::Silent;
     if out.is_file() {

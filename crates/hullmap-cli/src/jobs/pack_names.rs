@@ -2,7 +2,7 @@
 //!
 //! A mesh keeps its extension in the name of its pack if another mesh of the build would otherwise
 //! have the same pack, or a pack whose name differs in case alone, which is the same file on some
-//! systems. Only names count, so a third mesh renames no other pack than one of the same stem.
+//! systems. Only names count, so another mesh renames only packs of the same stem.
 
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -27,10 +27,7 @@ pub struct PackName {
 }
 
 /// The packs of all meshes of a build. For each mesh, whether its pack keeps the extension; `None`
-/// if the other names decide.
-///
-/// # Complexity
-/// O(meshes), apart from meshes of the same stem.
+/// if the other names decide. Complexity: O(meshes), apart from meshes of the same stem.
 pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
     // The meshes with a stem, or with a name, in a folder of packs; without case.
     let mut by_stem: HashMap<(&Path, String), Vec<usize>> = HashMap::new();

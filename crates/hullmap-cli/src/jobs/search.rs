@@ -18,7 +18,7 @@ pub struct Mesh {
     pub folder: PathBuf,
 }
 
-/// What inputs hold.
+/// The meshes in the inputs, and what else they contain.
 #[derive(Debug, Default)]
 pub struct Found {
     /// The meshes in the order of the inputs, sorted by name within each folder.
@@ -33,10 +33,8 @@ pub struct Found {
 ///
 /// Packs of files lie in `out`; files in a folder keep their path relative to it. Links to folders
 /// are followed, except in cycles. A file that is reached twice with the same folder is baked once.
-///
-/// # Errors
-/// An input is missing or cannot be read, all of them are folders without meshes, or `filter`
-/// leaves none.
+/// Fails if an input is missing or cannot be read, all of them are folders without meshes, or
+/// `filter` leaves none.
 pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Found, Failure> {
     let mut found = Found::default();
     let mut left_out = 0;

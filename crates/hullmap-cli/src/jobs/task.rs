@@ -1,9 +1,9 @@
-//! Tasks: batches of meshes as JSON, one task a line, that any machine with the same files can
+//! Tasks: batches of meshes as JSON, one task per line, that any machine with the same files can
 //! bake.
 //!
-//! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are those
-//! of the machine that planned, relative to the folder where it did; a pack's path is checked
-//! before anything is written.
+//! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are
+//! relative to the folder where the plan was made; a pack's path is checked before anything is
+//! written.
 
 use std::io::BufRead;
 use std::path::{Component, Path, PathBuf};
@@ -58,10 +58,7 @@ pub struct TaskMesh {
 }
 
 impl TaskMesh {
-    /// A mesh of a plan.
-    ///
-    /// # Errors
-    /// A path cannot be written as JSON.
+    /// A mesh of a plan. Fails if a path cannot be written as JSON.
     pub fn new(job: &Job, out: &Path, from: Ingredients) -> Result<Self, String> {
         let text = |path: &Path| {
             path.to_str().map(str::to_owned).ok_or_else(|| {
@@ -98,10 +95,8 @@ impl Task {
         }
     }
 
-    /// The jobs of the task, with packs in `out`.
-    ///
-    /// # Errors
-    /// A path leads out of `out`, or this version does not know the options.
+    /// The jobs of the task, with packs in `out`. Fails if a path leads out of `out`, or this
+    /// version does not know the options.
     pub fn jobs(&self, out: &Path) -> Result<Vec<Job>, String> {
         self.meshes.iter().map(|mesh| mesh.job(out)).collect()
     }
@@ -139,10 +134,7 @@ const MILLIS_PER_MESH: f64 = 0.4;
 const MILLIS_PER_BYTE: f64 = 6e-5;
 
 /// The next task; `None` at the end. `line` is the number of the last line that was read, and empty
-/// lines are skipped.
-///
-/// # Errors
-/// The line cannot be read, is too long, or is not a task.
+/// lines are skipped. Fails if the line cannot be read, is too long, or is not a task.
 pub fn read_task(reader: &mut impl BufRead, line: &mut usize) -> Result<Option<Task>, String> {
     loop {
         let mut bytes = Vec::new();

@@ -34,10 +34,7 @@ pub struct BuildOption {
 }
 
 impl BuildOption {
-    /// Reads a value.
-    ///
-    /// # Errors
-    /// `text` is not an accepted value. The error states what was expected.
+    /// Reads a value. Fails if `text` is not an accepted value. The error states what was expected.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         self.syntax.parse(text).map_err(|expected| match instead_of_value(self.key, text) {
             Some(instead) => instead.to_owned(),
@@ -121,7 +118,6 @@ impl Section {
 /// Maximum resolution of a cube map.
 const MAX_RESOLUTION: u32 = 1024;
 
-/// Minimum vertices of a solid.
 const MIN_VERTICES: u32 = 4;
 
 /// Every option, in the order of a pack's record. **This order and the defaults never change**:
@@ -254,7 +250,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: 1 },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Maximum number of parts; the smallest error that the search reaches with them",
+        help: "Maximum number of parts; the search then looks for the smallest error",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -287,7 +283,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Leave out what only manifolds, hints and walks over the surface need; packs have less than half the size",
+        help: "Leave out data that only manifolds, hints and walks over the surface need; packs have less than half the size",
         section: Section::Files,
         is_advanced: true,
         ..OPTION

@@ -45,7 +45,7 @@ impl clap::FromArgMatches for OptionLayer {
 }
 
 fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
-    // Off and unlimited go without saying.
+    // The defaults off and unlimited are not stated.
     let help = match option.default {
         DefaultValue::Value(value) if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
             format!("{} [default: {value}]", option.help)
@@ -61,8 +61,8 @@ fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
         .hide_possible_values(true)
         .hide_short_help(option.is_advanced);
     match (option.syntax, option.default) {
-        // `--recentre` alone switches it on. What is on by default can only be switched off, with a
-        // value.
+        // `--recentre` alone switches it on. A switch that is on by default can only be switched
+        // off, with a value.
         (Syntax::Switch | Syntax::SwitchOr(_), DefaultValue::Value("false")) => {
             arg.num_args(0..=1).require_equals(true).default_missing_value("true")
         }

@@ -74,10 +74,8 @@ impl OptionLayer {
         self.values[index] = value;
     }
 
-    /// Sets an option to the value that `text` states.
-    ///
-    /// # Errors
-    /// No option has this key, or it does not accept the value.
+    /// Sets an option to the value that `text` states. Fails if no option has this key, or it does
+    /// not accept the value.
     pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
         let unknown = || instead_of_option(key).map_or_else(|| format!("unknown option {key}"), str::to_owned);
         let index = position(key).ok_or_else(unknown)?;

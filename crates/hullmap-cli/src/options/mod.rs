@@ -8,7 +8,7 @@
 //! | [`layer`] | options given by one source: command line, `hullmap.toml`, or record |
 //! | [`flags`] | a layer as flags of `bake build` |
 //! | [`mod@template`] | the `hullmap.toml` that `bake init` writes |
-//! | [`record`] | the text by which a pack remembers its options |
+//! | [`record`] | the text in which a pack records its options |
 //! | [`removed`] | options of earlier versions, and what to use instead |
 //!
 //! Layers are laid over each other, then [`OptionLayer::resolve`] fills in the defaults. To add an
@@ -208,7 +208,7 @@ pub mod tests {
     }
 
     #[test]
-    fn defaults_are_those_of_the_libraries() {
+    fn defaults_match_the_libraries() {
         let usual = BuildOptions::default();
         assert_eq!(usual.import(), ImportOptions::DEFAULT);
         assert_eq!(usual.index(), IndexChoice::default());

@@ -1,4 +1,4 @@
-//! The text by which a pack remembers its options: `split none, vertices referenced, index tree 8,
+//! The text in which a pack records its options: `split none, vertices referenced, index tree 8,
 //! unit_scale 0.01`.
 //!
 //! Equal options have equal texts in every version of the tool: a pack is fresh only if its header

@@ -65,10 +65,7 @@ impl fmt::Display for Value {
 }
 
 impl Syntax {
-    /// Reads a value.
-    ///
-    /// # Errors
-    /// `text` is not an accepted value. The error states what was expected.
+    /// Reads a value. Fails if `text` is not an accepted value. The error states what was expected.
     pub fn parse(self, text: &str) -> Result<Value, String> {
         let value = match self {
             Self::CountOrNone { .. } | Self::PositiveOrNone | Self::LengthOrNone if text == "none" => Some(Value::None),

@@ -1,4 +1,4 @@
-//! Batches as actions: what a worker gets, and the paths in its folder.
+//! Batches as actions: the inputs of a worker, and the paths in its folder.
 //!
 //! | path | file |
 //! |---|---|
@@ -67,7 +67,7 @@ pub struct Batch<'j> {
     pub action: Action,
 }
 
-/// What all actions share.
+/// Inputs that all actions share.
 pub struct Worker {
     /// The program, if it is an input.
     program: Option<Blob>,
@@ -78,10 +78,7 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Reads the program that `--remote-worker` names.
-    ///
-    /// # Errors
-    /// It cannot be read.
+    /// Reads the program that `--remote-worker` names. Fails if it cannot be read.
     pub fn new(remote: &RemoteArgs, build: &Build) -> Result<Self, Failure> {
         let program = match &remote.worker {
             Some(path) => {
@@ -130,7 +127,7 @@ impl<'j> Batch<'j> {
         }
         let outputs = members.iter().map(|member| member.pack.clone()).chain([RESULTS.to_owned()]).collect();
         let mut task = Task::new(0, Path::new(OUT), meshes);
-        // Sizes and hashes are those of the inputs already.
+        // Sizes and hashes are already the inputs'.
         task.key = String::new();
         let task = Blob::of(serde_json::to_vec(&task).ok()?);
         files.push(InputFile { path: "task.jsonl".to_owned(), blob: task, is_executable: false });

@@ -29,10 +29,8 @@ const MAX_AT_ONCE: u64 = 64 << 20;
 static LARGE: Mutex<()> = Mutex::new(());
 
 /// Checks the outcome of a batch and puts its packs in place; returns the results of the jobs whose
-/// packs are not fresh. With `fallback`, a job whose pack was rejected has no result.
-///
-/// # Errors
-/// The server is away, the command failed on the worker, or the outcome lacks a pack and its
+/// packs are not fresh. With `fallback`, a job whose pack was rejected has no result. Fails if the
+/// server cannot be reached, the command failed on the worker, or the outcome lacks a pack and its
 /// reason.
 pub fn accept(
     client: &Client,
@@ -183,7 +181,7 @@ pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(Str
     Some(files)
 }
 
-/// Whether a result is that of the source that the action was described with.
+/// Whether a result belongs to the source for which the action was described.
 fn is_of(member: &Member, row: &Row, build: &Build) -> bool {
     if row.status == Status::Failed {
         let read = import::read(&row.source, &member.job.source, &build.limits);

@@ -6,7 +6,7 @@
 //!    lie.
 //! 3. For each batch with a pack that is not fresh, the result is looked up in the action cache, or
 //!    a worker makes it. [`answer`] checks every pack that arrives.
-//! 4. What the farm does not bake is baked here, and uploaded if that was requested.
+//! 4. Packs that the farm does not bake are baked here, and uploaded on request.
 
 mod action;
 mod answer;
@@ -36,11 +36,9 @@ type Results = Vec<Option<(Row, Exit)>>;
 /// Results of some jobs, each with the index of its job.
 type Delivered = Vec<(usize, Row, Exit)>;
 
-/// Runs jobs by way of a farm and returns their results in the same order.
-///
-/// # Errors
-/// The farm is away and `--remote-fallback` is not given, it cannot do what is requested, or a file
-/// that an argument names cannot be read.
+/// Runs jobs on a farm and returns their results in the same order. Fails if the farm cannot be
+/// reached and `--remote-fallback` is not given, it cannot do what is requested, or a file that an
+/// argument names cannot be read.
 pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let worker = Worker::new(remote, build)?;
     let settings = settings(remote)?;
@@ -103,7 +101,7 @@ type Answer<'a> = (&'a Batch<'a>, Delivered);
 /// Interval between updates of the progress.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A farm and how it is used.
+/// A farm and its settings.
 struct Farm<'a> {
     client: Client,
     remote: &'a RemoteArgs,
@@ -130,10 +128,8 @@ impl Farm<'_> {
         stale.into_par_iter().filter_map(batch).collect()
     }
 
-    /// The answers to all batches, several of which are in flight at a time.
-    ///
-    /// # Errors
-    /// The farm does not deliver a batch. Packs that have arrived are in place.
+    /// The answers to all batches, several of which are in flight at a time. Fails if the farm does
+    /// not deliver a batch. Packs that have arrived are in place.
     fn answers<'a>(&self, jobs: &[&Job], batches: &'a [Batch<'a>], args: &RunArgs) -> Result<Vec<Answer<'a>>, Failure> {
         let progress = Progress::new(args.quiet, batches.len(), batches.len() as u64);
         let (next, answers) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(batches.len())));
@@ -188,7 +184,7 @@ impl Farm<'_> {
         let mut again = self.build.force;
         if !again && let Some(outcome) = self.client.look_up(digest, &[action::RESULTS.to_owned()])? {
             match answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback) {
-                // The cache knows the result, but its files were removed from the store.
+                // The cache has the result, but its files were removed from the store.
                 Err(RemoteError::Missing(_)) => again = true,
                 accepted => return accepted,
             }
@@ -289,7 +285,7 @@ fn failure(error: &RemoteError) -> Failure {
             Failure::usage(format!("{error}; check the address, or bake here with --remote-fallback"))
         }
         RemoteError::Certificate(_) => Failure::usage(format!(
-            "{error}; check the address, --remote-ca (who may sign the server's certificate) and --remote-client-cert"
+            "{error}; check the address, --remote-ca (the authorities to trust) and --remote-client-cert"
         )),
         RemoteError::Settings(_) | RemoteError::File(_) => Failure::usage(error.to_string()),
         RemoteError::Rejected { .. } | RemoteError::Missing(_) | RemoteError::Invalid(_) => {

@@ -17,7 +17,7 @@ use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 
-/// Why a pack is stale whose source has other bytes now.
+/// Why a pack is stale if the bytes of its source have changed.
 const SOURCE_CHANGED: &str = "the source has changed";
 
 /// What a fresh pack must record.
@@ -42,10 +42,8 @@ pub enum Found {
     Missing,
 }
 
-/// Judges the pack at `path`.
-///
-/// # Complexity
-/// One read of 64 bytes; for a pack with the right header one pass over its bytes.
+/// Judges the pack at `path`. Complexity: one read of 64 bytes; for a pack with the right header
+/// one pass over its bytes.
 pub fn judge(path: &Path, expected: &Expected) -> Found {
     let mut bytes = Vec::with_capacity(HEADER_LEN);
     let read = open_regular(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));

@@ -24,10 +24,7 @@ use one::Build;
 use progress::Progress;
 use rows::{Row, Status, write_json, write_table};
 
-/// Runs jobs and returns their results in the same order.
-///
-/// # Errors
-/// No threads can be started.
+/// Runs jobs and returns their results in the same order. Fails if no threads can be started.
 pub fn run(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let pool = pool(args)?;
     let costs: Vec<u64> = jobs.iter().map(|job| memory::estimate(job)).collect();
@@ -45,10 +42,7 @@ pub fn run(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exi
     Ok(results)
 }
 
-/// The threads that `--jobs` allows.
-///
-/// # Errors
-/// They cannot be started.
+/// The threads that `--jobs` allows. Fails if they cannot be started.
 pub fn pool(args: &RunArgs) -> Result<rayon::ThreadPool, Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(count) = args.jobs {
@@ -85,9 +79,6 @@ pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
 }
 
 /// Writes results as JSON, as a table, or not at all.
-///
-/// # Errors
-/// The writer's.
 pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     match (args.json, args.quiet) {
         (true, _) => write_json(rows, out),

@@ -188,7 +188,7 @@ impl State {
         files.truncate(MAX_NAMES);
         let line = |file: &InWork| {
             let (seconds, percent) = (age(file.start).as_secs_f64(), (100.0 * file.done.share()) as u32);
-            // Not known of a batch on a farm.
+            // Unknown for a batch on a farm.
             let done = if percent > 0 { format!(", {percent}%") } else { String::new() };
             format!("{} ({seconds:.1} s{done})", file.name)
         };

@@ -34,7 +34,7 @@ pub enum Status {
 pub enum Origin {
     /// On this machine.
     Local,
-    /// Some time before; it comes from the cache of a farm.
+    /// Earlier; it comes from the cache of a farm.
     Cache,
     /// By a worker of a farm.
     Worker,
@@ -56,7 +56,7 @@ impl Status {
     }
 }
 
-/// Result of one file. Field names are those of the JSON; `None` if the file did not get that far.
+/// Result of one file. Field names are the JSON's; `None` if the file did not get that far.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// The mesh; for an orphan, its former path.
@@ -129,10 +129,7 @@ impl Row {
     }
 }
 
-/// Writes one JSON object a line.
-///
-/// # Errors
-/// The writer's.
+/// Writes one JSON object per line.
 pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     for row in rows {
         out.json(row)?;
@@ -140,11 +137,8 @@ pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Writes the rows, those of fresh packs and of meshes that were not read only if `lists_all`, then
-/// a summary of all.
-///
-/// # Errors
-/// The writer's.
+/// Writes the rows, then a summary of all. Rows of fresh packs and of meshes that were not read are
+/// written only if `lists_all`.
 pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     let is_usual = |row: &Row| matches!(row.status, Status::Fresh | Status::Unread);
     let listed: Vec<&Row> = rows.iter().filter(|row| lists_all || !is_usual(row)).collect();

@@ -24,10 +24,7 @@ struct State<R> {
 /// Of the items that fit, the most expensive is started first, so that no large file is left to the
 /// end. Of equally expensive items, the first is started. The limit never blocks the pool's
 /// threads: an item in flight may use all of them, and while it waits, they work on other items in
-/// flight. `tick` runs on the caller's thread ten times a second.
-///
-/// # Panics
-/// If `work` does.
+/// flight. `tick` runs on the caller's thread ten times a second. Panics if `work` does.
 pub fn run_bounded<R: Send>(
     pool: &rayon::ThreadPool,
     costs: &[u64],

@@ -1,12 +1,12 @@
-//! A judge of how parts fit their mesh: looks for a point that refutes a recorded bound.
+//! Judges how parts fit their mesh: looks for a point that refutes a recorded bound.
 //!
-//! It shares no measurement with the baker. Distances from parts are the runtime solver's; those
-//! from the solid are those of [`Soup`]. The claim is refuted by one point, which is reported.
+//! It shares no measurement with the baker. Distances from parts come from the runtime solver,
+//! distances from the solid from [`Soup`]. The claim is refuted by one point, which is reported.
 //!
 //! # Steps
-//! 1. The point that the pack records as the worst. For what parts leave uncovered, the point that
-//!    the baker finds: gaps may be too small for samples. Wherever a point comes from, it refutes a
-//!    claim only by its distance.
+//! 1. The point that the pack records as the worst. For uncovered surface, the point that the baker
+//!    finds: gaps may be too small for samples. Wherever a point comes from, it refutes a claim
+//!    only by its distance.
 //! 2. Vertices, and a seeded sample of the surface.
 //! 3. Branch and bound over the surface, greatest bound first: cells that can hold no point beyond
 //!    the claim are dropped. A cell with the greatest value so far is halved towards greater values

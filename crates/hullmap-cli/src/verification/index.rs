@@ -16,9 +16,7 @@ use crate::geometry::positions;
 /// Proves the index of each hull, or states why it is not proven.
 ///
 /// The hulls are built again from the stored vertices: a proof relies on no other stored data.
-///
-/// # Complexity
-/// That of baking the hulls without their indices, plus that of the proofs.
+/// Complexity: the cost of baking the hulls without their indices, plus the cost of the proofs.
 pub fn prove(pack: &Pack) -> Vec<Result<Proof, String>> {
     let sections = match Sections::read(pack.bytes().get(HEADER_LEN..).unwrap_or_default()) {
         Ok(sections) => sections,

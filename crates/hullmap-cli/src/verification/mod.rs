@@ -67,10 +67,7 @@ pub struct Measurement {
 }
 
 /// Tests a hull in all `directions`, which must be finite and non-zero, and in the special
-/// directions.
-///
-/// # Complexity
-/// O(points · directions), on all threads of the pool.
+/// directions. Complexity: O(points · directions), on all threads of the pool.
 pub fn measure(hull: &impl SupportQueries, truth: &Points, directions: &[Vec3]) -> Measurement {
     let diameter = truth.diameter();
     let greatest = truth.greatest_dots(directions);

@@ -21,10 +21,8 @@ pub struct Outside {
 }
 
 /// Support of the hull's vertices minus that of the source's points, in all `directions`, which
-/// must be finite and non-zero.
-///
-/// # Complexity
-/// O((vertices + points) · directions), on all threads of the pool.
+/// must be finite and non-zero. Complexity: O((vertices + points) · directions), on all threads of
+/// the pool.
 pub fn measure_outside(vertices: &[Vec3], source: &Points, directions: &[Vec3]) -> Outside {
     let hull = Points::new(&vertices.iter().map(|vertex| vertex.to_array()).collect::<Vec<_>>());
     let [ours, theirs] = [&hull, source].map(|points| points.greatest_dots(directions));

@@ -1,9 +1,9 @@
 //! The triangles that bound the solid of a mesh: nearest triangle, crossings of a ray, and winding
 //! number.
 //!
-//! Only the definition of the solid is the baker's: which triangles close its holes. Distances and
-//! winding numbers are computed by other means than the baker's: a tree of boxes of its own, and
-//! the sum of all solid angles.
+//! Only the definition of the solid comes from the baker: which triangles close its holes.
+//! Distances and winding numbers are computed independently, by another tree of boxes and the sum
+//! of all solid angles.
 //!
 //! # Reference
 //! - Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: closest point on a triangle.
@@ -51,7 +51,7 @@ pub struct Soup {
 }
 
 impl Soup {
-    /// The soup of `solid`, which is that of a mesh of `mesh_count` triangles.
+    /// The soup of `solid`, which belongs to a mesh of `mesh_count` triangles.
     pub fn new(solid: &Solid, mesh_count: usize) -> Self {
         let all = solid.triangles();
         let bits = |p: &DVec3| (*p + 0.0).to_array().map(f64::to_bits);
@@ -90,9 +90,7 @@ impl Soup {
         self.kind != SolidKind::Sheet && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
     }
 
-    /// Whether the point is certainly outside, by the sum of all solid angles.
-    ///
-    /// # Complexity
+    /// Whether the point is certainly outside, by the sum of all solid angles. Complexity:
     /// O(triangles).
     pub fn is_outside(&self, p: DVec3) -> bool {
         if self.kind == SolidKind::Sheet {
@@ -261,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_and_sides_are_those_of_boxes() {
+    fn distances_and_sides_match_boxes() {
         let mesh = boxes();
         let soup = Soup::new(&Solid::new(&mesh), mesh.triangles.len());
         let mut random = SplitMix::new(5);

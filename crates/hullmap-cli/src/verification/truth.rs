@@ -1,8 +1,8 @@
 //! Reference support values: the maximum dot product over every point, in f64.
 //!
 //! Coordinates and directions are f32; their products are exact in f64, and each dot product
-//! carries two roundings of 1.1e-16. The result equals that of a plain scan (except for the sign of
-//! a zero), but is computed faster:
+//! carries two roundings of 1.1e-16. The result equals the result of a plain scan (except for the
+//! sign of a zero), but is computed faster:
 //!
 //! 1. Duplicate points are dropped, and the others sorted along a Morton curve, in blocks.
 //! 2. For a direction, every block gets a bound: the dot product with that corner of its bounding
@@ -12,7 +12,7 @@
 //! 3. The block with the maximum bound is scanned, then every other whose bound is above the best
 //!    so far.
 //!
-//! This module knows nothing about the hull, so that it cannot repeat the baker's mistakes.
+//! This module does not use the hull, so that it cannot repeat the baker's mistakes.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -38,10 +38,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Points, at least one, all finite.
-    ///
-    /// # Panics
-    /// Without points.
+    /// Points, at least one, all finite. Panics without points.
     pub fn new(positions: &[[f32; 3]]) -> Self {
         assert!(!positions.is_empty(), "the truth needs at least one point");
         // Adding +0 turns -0 into +0, so that the two compare equal bit by bit.
@@ -63,9 +60,8 @@ impl Points {
     }
 
     /// For each direction, the maximum dot product with any point. Directions must be finite.
-    ///
-    /// # Complexity
-    /// O(points / 32 + points near the maximum) for each direction, on all threads of the pool.
+    /// Complexity: O(points / 32 + points near the maximum) for each direction, on all threads of
+    /// the pool.
     pub fn greatest_dots(&self, directions: &[Vec3]) -> Vec<f64> {
         let tasks = directions.par_iter().with_min_len(DIRECTIONS_A_TASK);
         let greatest = |bounds: &mut Vec<f64>, dir: &Vec3| self.greatest(dir.to_array().map(f64::from), bounds);
@@ -205,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn diameter_is_that_of_all_pairs_on_random_clouds() {
+    fn diameter_matches_all_pairs_on_random_clouds() {
         let mut random = SplitMix::new(2);
         for _ in 0..50 {
             let positions: Vec<[f32; 3]> = (0..60).map(|_| random.in_ball().to_array()).collect();

@@ -69,10 +69,8 @@ fn component_size(component_type: u32) -> Option<usize> {
 }
 
 impl<'a> Data<'a> {
-    /// Accessor `index`, whose elements must be of this kind.
-    ///
-    /// # Errors
-    /// It does not exist, is of another kind, or reaches beyond its buffer.
+    /// Accessor `index`, whose elements must be of this kind. Fails if it does not exist, is of
+    /// another kind, or reaches beyond its buffer.
     pub fn accessor(&self, index: u32, kind: Kind) -> Result<AccessorReader<'a>, Fault> {
         let fault = |text: String| Fault::format(format!("accessor {index} {text}"));
         let Some(accessor) = self.document.accessors.get(index as usize) else {
@@ -146,10 +144,7 @@ impl<'a> Data<'a> {
         Ok(Some((elements, values)))
     }
 
-    /// Bytes of a buffer view.
-    ///
-    /// # Errors
-    /// It does not exist, or reaches beyond its buffer.
+    /// Bytes of a buffer view. Fails if it does not exist, or reaches beyond its buffer.
     pub fn view_bytes(&self, index: u32) -> Result<&'a [u8], String> {
         self.view(index).map(|(bytes, _)| bytes)
     }

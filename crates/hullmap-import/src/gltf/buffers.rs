@@ -16,13 +16,7 @@ use crate::fault::{Fault, LineFault, counted};
 use crate::foreign::{LFS_REMEDY, is_lfs_pointer};
 
 /// Paths of the buffers beside a file that are required, relative to it, without repetition, in the
-/// document's order.
-///
-/// # Errors
-/// A URI leads out of the file's folder.
-///
-/// # Complexity
-/// O(document).
+/// document's order. Fails if a URI leads out of the file's folder. Complexity: O(document).
 pub fn paths(container: &Container) -> Result<Vec<String>, LineFault> {
     let (mut paths, mut known) = (Vec::new(), HashSet::new());
     for (index, uri) in required(&container.document) {
@@ -35,13 +29,8 @@ pub fn paths(container: &Container) -> Result<Vec<String>, LineFault> {
     Ok(paths)
 }
 
-/// Bytes of every buffer. `None` for a buffer without bytes, and for one that is not required.
-///
-/// # Errors
-/// The first buffer that is required, and missing or too short.
-///
-/// # Complexity
-/// O(bytes).
+/// Bytes of every buffer. `None` for a buffer without bytes, and for one that is not required. The
+/// error is the first buffer that is required, and missing or too short. Complexity: O(bytes).
 pub fn read<'a>(
     container: &'a Container,
     beside: &'a [(String, Vec<u8>)],

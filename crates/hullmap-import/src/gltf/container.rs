@@ -12,7 +12,7 @@ use crate::fault::{Fault, LineFault, counted, excerpt};
 const GLB_HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
-/// Message about a file of the previous version. The command is that of Cesium's gltf-pipeline,
+/// Message about a file of the previous version. The command belongs to Cesium's gltf-pipeline,
 /// which upgrades every file that it reads.
 const VERSION_1: &str = "the file is glTF 1.0, which is not supported; expected glTF 2.0: export it again, or convert it with `gltf-pipeline -i IN -o OUT` (npm install --global gltf-pipeline)";
 
@@ -25,14 +25,9 @@ pub struct Container<'a> {
     pub buffer: Option<&'a [u8]>,
 }
 
-/// Opens glTF text or a GLB file. The first bytes distinguish them.
-///
-/// # Errors
-/// The container is damaged, the text is not glTF 2.0, or the file requires an extension that is
-/// not supported.
-///
-/// # Complexity
-/// O(bytes).
+/// Opens glTF text or a GLB file. The first bytes distinguish them. Fails if the container is
+/// damaged, the text is not glTF 2.0, or the file requires an extension that is not supported.
+/// Complexity: O(bytes).
 pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
     let (text, buffer) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
@@ -148,10 +143,8 @@ pub enum BufferLocation<'a> {
 }
 
 impl BufferLocation<'_> {
-    /// Location of the buffer with this URI.
-    ///
-    /// # Errors
-    /// The URI is neither data nor a relative path that stays below the file's folder.
+    /// Location of the buffer with this URI. Fails if the URI is neither data nor a relative path
+    /// that stays below the file's folder.
     pub fn of(uri: Option<&str>) -> Result<BufferLocation<'_>, String> {
         let Some(uri) = uri else {
             return Ok(BufferLocation::Chunk);

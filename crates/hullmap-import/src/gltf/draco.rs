@@ -59,13 +59,8 @@ const EDGEBREAKER: u8 = 1;
 /// for a nested entry of three bytes. Exporters of glTF write no metadata.
 const MAX_HEADER: usize = 1 << 16;
 
-/// Reads the header of compressed data.
-///
-/// # Errors
-/// It is damaged, longer than [`MAX_HEADER`], or not that of a mesh.
-///
-/// # Complexity
-/// O(metadata).
+/// Reads the header of compressed data. Fails if it is damaged, longer than [`MAX_HEADER`], or not
+/// the header of a mesh. Complexity: O(metadata).
 pub fn claim(bytes: &[u8]) -> Result<Claim, DracoFault> {
     let mut header = DecoderBuffer::new(bytes.get(..MAX_HEADER).unwrap_or(bytes));
     header.decode_slice(b"DRACO".len())?;
@@ -99,12 +94,7 @@ pub fn claim(bytes: &[u8]) -> Result<Claim, DracoFault> {
 }
 
 /// Decodes a primitive with this header. `position` is the id of the attribute with positions.
-///
-/// # Errors
-/// See [`DracoFault`].
-///
-/// # Complexity
-/// O(bytes + vertices + triangles).
+/// Errors: see [`DracoFault`]. Complexity: O(bytes + vertices + triangles).
 pub fn decode(bytes: &[u8], position: u32, claim: Claim) -> Result<DracoMesh, DracoFault> {
     let points = claim.vertices.max(claim.triangles.saturating_mul(3)) as u64;
     let limits = DecodeLimits::default().with_max_points(points).with_max_faces(claim.triangles as u64);

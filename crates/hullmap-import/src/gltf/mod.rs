@@ -48,24 +48,14 @@ use accessor::Data;
 use scene::SceneReader;
 
 /// Paths of the buffers beside a file that are required, relative to it, without repetition, in the
-/// document's order.
-///
-/// # Errors
-/// See [`container::open`]. Also a URI that leads out of the file's folder.
-///
-/// # Complexity
-/// O(bytes).
+/// document's order. Fails as [`container::open`] does, or if a URI leads out of the file's folder.
+/// Complexity: O(bytes).
 pub fn buffer_paths(bytes: &[u8]) -> Result<Vec<String>, LineFault> {
     buffers::paths(&container::open(bytes)?)
 }
 
-/// Reads a glTF file. `beside` holds the files of [`buffer_paths`].
-///
-/// # Errors
-/// The first fault, with its node, mesh, accessor or buffer.
-///
-/// # Complexity
-/// O(bytes + vertices of all instances).
+/// Reads a glTF file. `beside` holds the files of [`buffer_paths`]. The error is the first fault,
+/// with its node, mesh, accessor or buffer. Complexity: O(bytes + vertices of all instances).
 pub fn read(bytes: &[u8], beside: &[(String, Vec<u8>)], limits: &Limits) -> Result<SourceMesh, LineFault> {
     let container = container::open(bytes)?;
     let buffers = buffers::read(&container, beside)?;

@@ -64,9 +64,9 @@ pub struct SceneReader<'a> {
     allows_restart: bool,
     /// Number of indices that restart a primitive.
     restart_count: usize,
-    /// Number of accessors whose count is not that of their compressed data.
+    /// Number of accessors whose count differs from the count of their compressed data.
     miscounts: usize,
-    /// The first of them, its count, and that of its data.
+    /// The first of them, its count, and the count of its data.
     first_miscount: Option<(u32, u64, usize)>,
 }
 
@@ -94,13 +94,8 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// Reads the scene.
-    ///
-    /// # Errors
-    /// The first fault, with its node, mesh or accessor; or more repetition than the limit.
-    ///
-    /// # Complexity
-    /// O(bytes + repetition).
+    /// Reads the scene. The error is the first fault, with its node, mesh or accessor; or more
+    /// repetition than the limit. Complexity: O(bytes + repetition).
     pub fn read(mut self) -> Result<SourceMesh, Fault> {
         if self.data.document.nodes.is_empty() {
             // A library of meshes without a scene.
@@ -499,9 +494,7 @@ fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count:
 }
 
 /// For each mesh whether the default scene shows it, as far as the references are valid.
-///
-/// # Complexity
-/// O(nodes + meshes).
+/// Complexity: O(nodes + meshes).
 pub fn shown_meshes(document: &Document) -> Vec<bool> {
     let mut is_shown = vec![document.nodes.is_empty(); document.meshes.len()];
     let mut is_visited = vec![false; document.nodes.len()];

@@ -6,10 +6,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 /// Whether a JSON text is glTF 1.0: its version says so, or it has no version, which 1.0 allows,
-/// and nodes, meshes and the like are objects instead of lists.
-///
-/// # Complexity
-/// O(bytes).
+/// and nodes, meshes and the like are objects instead of lists. Complexity: O(bytes).
 pub fn is_version_1(text: &[u8]) -> bool {
     let Ok(document) = serde_json::from_slice::<Document>(text) else {
         return false;
@@ -39,7 +36,7 @@ struct Asset {
     version: Option<Outline>,
 }
 
-/// A JSON value without its content, except that of numbers and strings.
+/// A JSON value without its content, except for numbers and strings.
 enum Outline {
     Object,
     Number(f64),

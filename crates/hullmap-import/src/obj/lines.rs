@@ -115,13 +115,8 @@ pub struct Part<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Cuts `text` into parts of about `part_bytes` and counts the lines of each.
-    ///
-    /// # Errors
-    /// More vertices than `u32` can index.
-    ///
-    /// # Complexity
-    /// O(bytes), in parallel.
+    /// Cuts `text` into parts of about `part_bytes` and counts the lines of each. Fails for more
+    /// vertices than `u32` can index. Complexity: O(bytes), in parallel.
     pub fn new(text: &'a [u8], part_bytes: usize) -> Result<Self, Fault> {
         let texts = cut(text, part_bytes);
         let counts: Vec<(usize, usize)> = texts.par_iter().map(|text| count_vertices_and_lines(text)).collect();

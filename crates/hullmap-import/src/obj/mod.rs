@@ -10,8 +10,7 @@
 //!    first fault.
 //!
 //! # Division of work with tobj
-//! tobj reads the numbers. Each coordinate is read once. The scan keeps
-//! what tobj cannot give:
+//! tobj reads the numbers. Each coordinate is read once. The scan keeps what tobj does not provide:
 //! - *References.* A hull records the `v` line of each vertex. tobj indexes the vertices of each
 //!   object by their first use and drops those indices that lead back to the file. It resolves
 //!   references when an object ends, so that references ahead fail. Hence the scan resolves
@@ -50,14 +49,9 @@ pub const PART_BYTES: usize = 4 << 20;
 /// Reads an OBJ file. Vertices are the `v` lines. Objects are the `o` lines; the first object is
 /// what precedes them.
 ///
-/// `is_double` selects the precision of the positions: `f64` or `f32`.
-///
-/// # Errors
-/// The first fault in the file, with its line. References beyond the last vertex are reported after
-/// all other faults.
-///
-/// # Complexity
-/// O(bytes), in parallel.
+/// `is_double` selects the precision of the positions: `f64` or `f32`. The error is the first fault
+/// in the file, with its line. References beyond the last vertex are reported after all other
+/// faults. Complexity: O(bytes), in parallel.
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let text = encoding::from_utf16(text).map_or(Cow::Borrowed(text), Cow::Owned);

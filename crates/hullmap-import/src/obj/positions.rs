@@ -26,14 +26,9 @@ const BATCH_VERTICES: usize = 1 << 12;
 /// several times.
 const LONG_WORD_BYTES: usize = 1 << 10;
 
-/// Positions of all `v` lines as `f32`, read by tobj.
-///
-/// # Errors
-/// A coordinate is faulty. The fault names no line, and need not be the first one: [`super::read`]
-/// finds that.
-///
-/// # Complexity
-/// O(bytes), in parallel.
+/// Positions of all `v` lines as `f32`, read by tobj. Fails if a coordinate is faulty. The fault
+/// names no line, and need not be the first one: [`super::read`] finds that. Complexity: O(bytes),
+/// in parallel.
 pub fn singles(parts: &Parts) -> Result<Vec<[f32; 3]>, Fault> {
     fill(parts, |part, positions| {
         let mut batch = Batch::default();
@@ -46,13 +41,8 @@ pub fn singles(parts: &Parts) -> Result<Vec<[f32; 3]>, Fault> {
     })
 }
 
-/// Positions of all `v` lines as `f64`.
-///
-/// # Errors
-/// As for [`singles`].
-///
-/// # Complexity
-/// O(bytes), in parallel.
+/// Positions of all `v` lines as `f64`. Fails as [`singles`] does. Complexity: O(bytes), in
+/// parallel.
 pub fn doubles(parts: &Parts) -> Result<Vec<[f64; 3]>, Fault> {
     fill(parts, |part, positions| {
         let mut positions = positions.iter_mut();

@@ -6,11 +6,8 @@ use crate::fault::{Fault, excerpt};
 ///
 /// `declared` is the number of `v` lines above the reference. The indices of texture coordinates
 /// and normals must be integers; their range has no effect on a hull and is not checked. An index
-/// that `u32` cannot hold is returned as `u32::MAX`, which no file has.
-///
-/// # Errors
-/// The word is not a reference, the index is 0, or a negative index reaches back before the first
-/// vertex.
+/// that `u32` cannot hold is returned as `u32::MAX`, which no file has. Fails if the word is not a
+/// reference, the index is 0, or a negative index reaches back before the first vertex.
 pub fn resolve_reference(word: &str, declared: usize) -> Result<u32, Fault> {
     let bad = || Fault::BadReference { text: excerpt(word) };
     let mut parts = word.split('/');

@@ -65,13 +65,8 @@ pub struct Scan {
     largest_reference: u32,
 }
 
-/// Scans an OBJ file and calls `check` for each `v` line.
-///
-/// # Errors
-/// The first fault in the file, with its line. References beyond the last vertex are found after
-/// all other faults.
-///
-/// # Complexity
+/// Scans an OBJ file and calls `check` for each `v` line. The error is the first fault in the file,
+/// with its line. References beyond the last vertex are found after all other faults. Complexity:
 /// O(bytes), in parallel. Memory is at most 4 bytes a reference and 4 a face, twice.
 pub fn scan(parts: &Parts, limits: &Limits, check: VertexCheck) -> Result<Scan, LineFault> {
     // Every part is scanned even after a fault in an earlier one: the first fault in the file must

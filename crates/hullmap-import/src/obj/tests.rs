@@ -35,7 +35,6 @@ fn bits(positions: &Positions) -> Vec<[u32; 3]> {
 /// Corners of the `f` elements and of the `l` elements, each by the bits of its position.
 type Corners = [Vec<[u32; 3]>; 2];
 
-/// The text without weights, by which tobj divides.
 fn without_weights(text: &str) -> String {
     let without = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
         ["v", x, y, z, _] => format!("v {x} {y} {z}\n"),

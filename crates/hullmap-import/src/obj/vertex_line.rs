@@ -13,9 +13,7 @@ pub struct VertexLine<'a> {
 
 impl<'a> VertexLine<'a> {
     /// Takes the words behind the keyword. The last three of six are a colour, which is not read.
-    ///
-    /// # Errors
-    /// The line has neither 3, 4 nor 6 numbers.
+    /// Fails if the line has neither 3, 4 nor 6 numbers.
     pub fn new(words: impl Iterator<Item = &'a str>) -> Result<Self, Fault> {
         let mut first = [""; 4];
         let mut found = 0;
@@ -38,10 +36,7 @@ impl<'a> VertexLine<'a> {
         &self.words
     }
 
-    /// Whether the line has a weight other than 1.
-    ///
-    /// # Errors
-    /// The weight is not a number.
+    /// Whether the line has a weight other than 1. Fails if the weight is not a number.
     pub fn has_ignored_weight(&self) -> Result<bool, Fault> {
         let Some(weight) = self.weight else {
             return Ok(false);
@@ -50,10 +45,8 @@ impl<'a> VertexLine<'a> {
         Ok(weight != 1.0)
     }
 
-    /// The point, each coordinate rounded to the nearest `T`.
-    ///
-    /// # Errors
-    /// A coordinate is not a finite number.
+    /// The point, each coordinate rounded to the nearest `T`. Fails if a coordinate is not a finite
+    /// number.
     pub fn point<T: Coordinate>(&self) -> Result<[T; 3], Fault> {
         let [x, y, z] = self.words;
         Ok([parse_coordinate(x)?, parse_coordinate(y)?, parse_coordinate(z)?])

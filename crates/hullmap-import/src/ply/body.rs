@@ -117,10 +117,7 @@ impl<'a> Body<'a> {
     }
 
     /// Checks that the rest of the body is long enough for the elements that the header claims.
-    /// Callers do this before they allocate memory for them.
-    ///
-    /// # Errors
-    /// The body is too short.
+    /// Callers do this before they allocate memory for them. Fails if the body is too short.
     pub fn check_room(&self, element: &Element) -> Result<(), LineFault> {
         let (have, encoding) = match self {
             // The last number needs no separator.
@@ -141,10 +138,7 @@ impl<'a> Body<'a> {
         .of_file())
     }
 
-    /// Skips all instances of an element.
-    ///
-    /// # Errors
-    /// The file ends first.
+    /// Skips all instances of an element. Fails if the file ends first.
     pub fn skip(&mut self, element: &Element) -> Result<(), LineFault> {
         if let (Self::Binary { rest, .. }, Some(size)) = (&mut *self, element.fixed_size()) {
             // `check_room` has checked that the bytes exist.
@@ -167,10 +161,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Skips a list.
-    ///
-    /// # Errors
-    /// The file ends first.
+    /// Skips a list. Fails if the file ends first.
     pub fn skip_list(
         &mut self,
         length: Scalar,
@@ -191,10 +182,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Skips a number.
-    ///
-    /// # Errors
-    /// The file ends first.
+    /// Skips a number. Fails if the file ends first.
     pub fn skip_number(&mut self, scalar: Scalar, element: &Element, index: u64) -> Result<(), LineFault> {
         match self {
             Self::Text(_) => self.word(element, index).map(drop),
@@ -202,10 +190,8 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Length of a list whose numbers fit in the rest of the file.
-    ///
-    /// # Errors
-    /// The length is negative, or more than the rest of the file can hold.
+    /// Length of a list whose numbers fit in the rest of the file. Fails if the length is negative,
+    /// or more than the rest of the file can hold.
     pub fn length(&mut self, length: Scalar, scalar: Scalar, element: &Element, index: u64) -> Result<u64, LineFault> {
         let number_count = self.integer(length, element, index)?;
         let have = match self {
@@ -221,10 +207,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// An integer.
-    ///
-    /// # Errors
-    /// The word is not an integer, or the file ends first.
+    /// An integer. Fails if the word is not an integer, or the file ends first.
     pub fn integer(&mut self, scalar: Scalar, element: &Element, index: u64) -> Result<i64, LineFault> {
         if let Self::Text(_) = self {
             let word = text(self.word(element, index)?);
@@ -240,11 +223,8 @@ impl<'a> Body<'a> {
         Ok(self.number(scalar, true, element, index)? as i64)
     }
 
-    /// A number. A number in text is rounded to `f32`, or to `f64` if `is_double`.
-    ///
-    /// # Errors
-    /// The word is not a finite number, or the file ends first. Binary numbers may be NaN or
-    /// infinite.
+    /// A number. A number in text is rounded to `f32`, or to `f64` if `is_double`. Fails if the
+    /// word is not a finite number, or the file ends first. Binary numbers may be NaN or infinite.
     #[expect(clippy::indexing_slicing, reason = "a number has at most 8 bytes")]
     pub fn number(&mut self, scalar: Scalar, is_double: bool, element: &Element, index: u64) -> Result<f64, LineFault> {
         if let Self::Text(_) = self {

@@ -125,10 +125,8 @@ pub struct Header {
 }
 
 /// Reads the header. Lines with an unknown keyword are skipped, as other readers do: some exporters
-/// write a remark without `comment`.
-///
-/// # Errors
-/// The first line with a known keyword that is not valid.
+/// write a remark without `comment`. The error is the first line with a known keyword that is not
+/// valid.
 pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     let mut lines = HeaderLines { bytes, at: 0, number: 0 };
     if lines.next() != Some(b"ply") {

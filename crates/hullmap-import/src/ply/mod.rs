@@ -33,13 +33,9 @@ const FREE_STRIP_CORNERS: usize = 1 << 22;
 /// would take far more memory than the file. Such corners can address only 256 vertices.
 const STRIP_BYTES_A_CORNER: usize = 4;
 
-/// Reads a PLY file. `is_double` selects `f64` for the positions of a text file.
-///
-/// # Errors
-/// The first fault, with its line in a header or text body, or with its element in a binary body.
-///
-/// # Complexity
-/// O(bytes).
+/// Reads a PLY file. `is_double` selects `f64` for the positions of a text file. The error is the
+/// first fault, with its line in a header or text body, or with its element in a binary body.
+/// Complexity: O(bytes).
 pub fn read(bytes: &[u8], is_double: bool) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::format("the file is empty; expected a PLY file: export it again").of_file());

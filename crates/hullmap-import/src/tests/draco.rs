@@ -262,7 +262,7 @@ fn a_wrong_count_of_an_accessor_is_reported() {
           export the file again"]
     );
     assert!(warnings("96", "95")[0].starts_with("accessor 0 declares 95 elements"));
-    // A strip declares the number of its corners, which is not that of its triangles.
+    // A strip declares the number of its corners, which differs from the number of its triangles.
     assert_eq!(warnings(r#""indices":0"#, r#""mode":5,"indices":0"#), [""; 0]);
     assert_eq!(warnings(r#""count":96"#, r#""count":12,"x":5"#).len(), 1);
 }

@@ -9,9 +9,9 @@
 //!   logarithms.
 //!
 //! A test fails only if all of several attempts exceed the bound, and each attempt keeps the
-//! shortest times so far. On Linux the time is that of the processor. Other processes still disturb
-//! it, because they take their part of the caches: the tests of every change only tell linear from
-//! quadratic work, and `the_exponent_of_every_count_is_1` is run on a quiet machine.
+//! shortest times so far. On Linux this is processor time. Other processes still disturb it,
+//! because they take their part of the caches: the tests that run on every change only distinguish
+//! linear from quadratic work, and `the_exponent_of_every_count_is_1` is run on a quiet machine.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -394,7 +394,7 @@ fn slope(times: &[Duration]) -> f64 {
 }
 
 #[test]
-fn slopes_are_those_of_the_exponent() {
+fn slopes_match_the_exponent() {
     for exponent in [0.0, 1.0, 2.0_f64] {
         let times = [1.0_f64, 2.0, 4.0, 8.0].map(|n| Duration::from_secs_f64(n.powf(exponent)));
         assert!((slope(&times) - exponent).abs() < 1e-6, "{exponent}");

@@ -13,8 +13,8 @@ use super::parry::shape::SharedShape;
 /// It keeps its pack alive. Clones share the pack. Use it directly, or as a `SharedShape` by
 /// `into()`.
 ///
-/// Points, directions and lengths are in the local frame of the shape: that of the hull, multiplied
-/// by the [`scale`](Self::scale).
+/// Points, directions and lengths are in the local frame of the shape: the hull's, multiplied by
+/// the [`scale`](Self::scale).
 ///
 /// # Examples
 /// ```

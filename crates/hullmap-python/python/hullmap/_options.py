@@ -30,7 +30,7 @@ class BakeOptions(TypedDict, total=False):
     decompose: Optional[Union[bool, Literal["cover"]]]
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
     max_parts: Optional[int]
-    """Maximum number of parts. The search then finds the smallest error that it reaches with them."""
+    """Maximum number of parts. The search then looks for the smallest error."""
     decompose_seconds: Optional[float]
     """Time after which the search for parts stops. Packs may then differ from run to run."""
     vertices: Optional[Literal["referenced", "all"]]
@@ -44,5 +44,5 @@ class BakeOptions(TypedDict, total=False):
     recentre: Optional[bool]
     """Move the origin to the centre of the bounds, for meshes far from the origin."""
     lean: Optional[bool]
-    """Leave out what only manifolds, hints and walks over the surface need. Packs have less than half
+    """Leave out data that only manifolds, hints and walks over the surface need. Packs have less than half
     the size."""

@@ -307,7 +307,7 @@ class RayHit(_Answer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SignedDistance(_Answer):
-    """Distances of points from the surface of a shape: positive outside, negative inside. Of a pack,
+    """Distances of points from the surface of a shape: positive outside, negative inside. For a pack,
     they are the minimum over its hulls."""
 
     distance: Floats
@@ -332,7 +332,7 @@ class Support(_Answer):
     point: Floats
     """The points; (..., 3)."""
     vertex: Counts
-    """Of a hull: the index of the vertex."""
+    """For a hull: the index of the vertex."""
     parts: Counts
     """Index of the hull that reaches farthest, for a pack."""
 

@@ -571,7 +571,7 @@ class Hull(ConvexShape):
 
     @property
     def source_vertices(self) -> Counts:
-        """For each vertex its index in the mesh; 4294967295 for a vertex that the bake made."""
+        """For each vertex its index in the mesh; 4294967295 for a vertex that the bake created."""
         return self._flat("source_vertices")
 
     @property
@@ -659,7 +659,7 @@ class Hull(ConvexShape):
 
     @property
     def outer_error(self) -> float:
-        """Of a simplified hull: largest distance by which it exceeds the exact hull."""
+        """For a simplified hull: largest distance by which it exceeds the exact hull."""
         return float(self._facts["outer_error"])
 
     @property
@@ -669,28 +669,28 @@ class Hull(ConvexShape):
 
     @property
     def solid(self) -> Optional[str]:
-        """What counts as the inside of the mesh of a part: ``watertight``, ``closed`` (holes were
+        """Kind of solid that a part was measured against: ``watertight``, ``closed`` (holes were
         closed) or ``sheet`` (no inside); ``None`` if the part was not measured."""
         found: Optional[str] = self._facts["solid"]
         return found
 
     @property
     def uncovered(self) -> Optional[float]:
-        """Of a part: bound on how far a point of the mesh's surface lies outside all parts.
+        """For a part: bound on how far a point of the mesh's surface lies outside all parts.
         ``None`` if that was not measured."""
         found: Optional[float] = self._facts["uncovered"]
         return found
 
     @property
     def protrusion(self) -> Optional[float]:
-        """Of a part: bound on how far a point of it lies outside the mesh's solid. ``None`` if that
+        """For a part: bound on how far a point of it lies outside the mesh's solid. ``None`` if that
         was not measured."""
         found: Optional[float] = self._facts["protrusion"]
         return found
 
     @property
     def protrusion_at(self) -> Optional[Floats]:
-        """Of a part: the point of it that protrudes most; (3,)."""
+        """For a part: the point of it that protrudes most; (3,)."""
         at = self._facts["protrusion_at"]
         return None if at is None else floats("protrusion_at", at)
 

@@ -4,7 +4,7 @@ const TRIANGLE_SHADER = [
   `#version 300 es
   in vec3 corner; uniform mat4 toView; uniform mat4 toClip; out vec3 seen;
   void main() { vec4 at = toView * vec4(corner, 1.0); seen = at.xyz; gl_Position = toClip * at; }`,
-  // The normal is that of the flat triangle, from screen-space derivatives. Both sides are lit.
+  // The normal of the flat triangle comes from screen-space derivatives. Both sides are lit.
   `#version 300 es
   precision highp float; in vec3 seen; uniform vec3 colour; out vec4 shown;
   void main() {

@@ -5,7 +5,7 @@
 //! computing the distance between complex objects in three-dimensional space", 1988.
 //!
 //! # Steps
-//! 1. The balls around and inside the hulls decide, or not.
+//! 1. The balls around and inside the hulls may decide.
 //! 2. A support call in the direction of the origin. Its plane is a lower bound of the distance. A
 //!    pair that has a simplex from the last batch starts with step 3.
 //! 3. The point of the simplex closest to the origin is the next upper bound.
@@ -58,7 +58,7 @@ fn restore<const FUSED: bool>(
     size
 }
 
-/// Solves `pair` up to EPA. `state` is the simplex to start from, and then that of the end.
+/// Solves `pair` up to EPA. `state` is the simplex to start from, and becomes the final one.
 pub(super) fn gjk<const FUSED: bool>(
     run: &mut Run<'_>,
     pair: &PairRecord,
@@ -286,7 +286,7 @@ pub(super) fn gjk<const FUSED: bool>(
     Ended { out, simplex, depth_upper, depth_lower }
 }
 
-/// How a pair ends that makes no more progress.
+/// Outcome of a pair that makes no more progress.
 fn ended(query: Query, apart: bool) -> u32 {
     match query {
         Query::Contact => code::AXES,

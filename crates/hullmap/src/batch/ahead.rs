@@ -1,9 +1,9 @@
 //! Fetches the shapes of the next queries ahead, while plain queries run.
 //!
 //! A contact takes 20 to 40 support queries, which read much of a hull of a hundred vertices. So
-//! the next pairs are fetched as a whole: a part with each support query of the current pair, which
-//! has time to come while EPA computes. The query itself is the plain one, on a wrapper of the
-//! first shape ([`Fetching`]).
+//! the next pairs are fetched as a whole, one part per support query of the current pair, and the
+//! memory arrives while EPA computes. The query itself is the plain one, on a wrapper of the first
+//! shape ([`Fetching`]).
 //!
 //! Small hulls are fetched as a whole before their pair. Their queries need no wrapper.
 
@@ -25,8 +25,8 @@ const DISTANCE: usize = 4;
 /// little time for the next.
 const LEAD: usize = 4;
 
-/// Tells the processor to fetch what the query `distance` pairs ahead reads first, and the shapes
-/// of the pair that is twice as far.
+/// Prefetches what the query `distance` pairs ahead reads first, and the shapes of the pair twice
+/// as far ahead.
 #[inline(always)]
 pub(super) fn fetch_pairs<A, B>(pairs: &[Pair<'_, A, B>], at: usize, distance: usize)
 where
@@ -153,7 +153,7 @@ struct Ahead<'p, 's, A: ?Sized, B: ?Sized> {
 }
 
 impl<'p, 's, A: Shape + ?Sized, B: Shape + ?Sized> Ahead<'p, 's, A, B> {
-    /// The first shape of the pair `at`, which is solved next. There is no use in fetching it.
+    /// The first shape of the pair `at`, which is solved next and therefore not fetched.
     fn fetching<'f>(&'f self, at: usize, shape: &'f A) -> Fetching<'f, 'p, 's, A, A, B> {
         if self.at.get() <= at {
             self.at.set(at + 1);
@@ -180,7 +180,7 @@ impl<'p, 's, A: Shape + ?Sized, B: Shape + ?Sized> Ahead<'p, 's, A, B> {
     }
 }
 
-/// A shape each of whose support queries fetches a part of the next pairs.
+/// A shape whose support queries each fetch a part of the next pairs.
 struct Fetching<'f, 'p, 's, S: ?Sized, A: ?Sized, B: ?Sized> {
     shape: &'f S,
     ahead: &'f Ahead<'p, 's, A, B>,

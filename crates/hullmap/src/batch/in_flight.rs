@@ -5,20 +5,20 @@
 //! needs the answer before it can state its next direction, so it waits for each of them. The
 //! queries of a batch do not depend on each other.
 //!
-//! 1. Each lane holds a suspended query, which has told the processor what to fetch: a word of a
+//! 1. Each lane holds a suspended query, which has prefetched what it reads next: a word of a
 //!    direction index, a node, or the blocks of a leaf.
-//! 2. The lanes take turns. Each continues up to the next memory that it reads, by when the others
-//!    have given its turn some 100 ns.
+//! 2. The lanes take turns. Each runs until its next read from memory. The turns of the other lanes
+//!    give that memory some 100 ns to arrive.
 //! 3. A lane that is done takes the next pair, whose shapes have been fetched in the meantime.
 //!
-//! The bits of the answers are those of single queries. Suspending costs time when everything is in
-//! the first caches, so a batch does it only if its shapes are larger
-//! ([`Plan`](super::plan::Plan)).
+//! Answers have the same bits as single queries. Suspending costs time when everything is in the
+//! first caches, so a batch does it only if its shapes are larger ([`Plan`](super::plan::Plan)).
 //!
 //! # Tried and rejected
 //! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a
 //! branch that is predicted wrongly keeps the processor from starting on the next lane until the
-//! word has come. The slots of the six cube faces are an exception, since they are fetched ahead.
+//! word has arrived. The slots of the six cube faces are an exception, since they are fetched
+//! ahead.
 
 use super::ahead::{fetch_pairs, fetch_queries};
 use super::{Pair, SupportQuery};

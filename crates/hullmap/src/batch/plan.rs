@@ -4,8 +4,7 @@
 //! Queries wait for memory only if the shapes are larger together than the caches. Then there are
 //! two ways to use the time: plain queries that fetch the next shapes as a whole ([`ahead`]), or
 //! several queries in flight that fetch what each of them reads next ([`in_flight`]). The first
-//! costs hardly anything where memory is fast after all, but a whole shape must be little more than
-//! what its query reads.
+//! costs little where memory is fast after all, but pays only if a query reads most of a shape.
 //!
 //! [`ahead`]: super::ahead
 //! [`in_flight`]: super::in_flight
@@ -18,8 +17,8 @@ use crate::shapes::Shape;
 const MEDIUM: usize = 512 << 10;
 
 /// Working set from which intersection tests and distances are in flight, in bytes: more than the
-/// second-level caches of current processors hold. Support queries are from [`MEDIUM`] on, since
-/// they have no state that would have to be put aside.
+/// second-level caches of current processors hold. Support queries are in flight from [`MEDIUM`]
+/// on, since they have no state to save.
 const LARGE: usize = 3 << 20;
 
 /// Working set from which contacts are in flight, in bytes. EPA computes for longer between two
@@ -34,7 +33,7 @@ const SCANNED: usize = 1536;
 /// as long as a contact computes.
 const FETCHED: usize = 18 << 10;
 
-/// Number of shapes that are looked at to estimate the working set.
+/// Number of shapes sampled to estimate the working set.
 const SAMPLES: usize = 128;
 
 /// Number of bits of the set of shapes seen: enough that two of the samples rarely share a bit.
@@ -92,15 +91,16 @@ impl Plan {
 /// An estimate of what queries read, in bytes.
 #[derive(Clone, Copy, Debug)]
 struct WorkingSet {
-    /// Mean of a shape.
+    /// Mean per shape.
     mean: usize,
-    /// All different shapes together.
+    /// Total over all distinct shapes.
     total: usize,
 }
 
 impl WorkingSet {
-    /// Looks at s ≤ [`SAMPLES`] of `count` shapes. Of s samples from many shapes N, about s² / 2N
-    /// are the same as an earlier one, which gives an estimate of N. Few shapes have all been seen.
+    /// Samples s ≤ [`SAMPLES`] of `count` shapes. If there are many shapes, N, about s² / 2N of the
+    /// samples repeat an earlier one, which gives an estimate of N. If there are few, all have been
+    /// seen.
     ///
     /// # Complexity
     /// O(1).
@@ -130,7 +130,7 @@ impl WorkingSet {
         Self { mean, total: mean.saturating_mul(shapes) }
     }
 
-    /// Of the first shapes or of the second ones, whichever are larger together.
+    /// For the first or the second shapes, whichever are larger in total.
     fn of_pairs<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
         let a = Self::estimate(pairs.len(), |at| pairs.get(at).map(|pair| pair.a));
         let b = Self::estimate(pairs.len(), |at| pairs.get(at).map(|pair| pair.b));

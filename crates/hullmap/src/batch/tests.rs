@@ -1,4 +1,4 @@
-//! A batch has the bits of single queries, however it works.
+//! Tests that batches return the same bits as single queries, under every plan.
 
 use std::fmt::Debug;
 
@@ -17,7 +17,7 @@ type AnyShape<'h> = dyn Shape + Sync + 'h;
 type AnyPair<'s, 'h> = Pair<'s, AnyShape<'h>, AnyShape<'h>>;
 
 fn packs() -> Vec<Pack> {
-    // With trees of many sizes, without an index, flat, and a segment.
+    // Hulls with trees of many sizes, one without an index, a flat one, and a segment.
     let sheet = (0..9).map(|i| [(i % 3) as f32, (i / 3) as f32, 0.0]).collect();
     let trees: [Vec<[f32; 3]>; 8] = [
         families::rock(300, 1),

@@ -79,7 +79,7 @@ impl CompoundCache {
     pub fn pair(&mut self, pair: [usize; 2]) -> &mut Cache {
         // The factor sends neighbouring pairs to different slots.
         let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
-        // The scratch memory goes along to the cache in use.
+        // Move the scratch memory to the cache in use.
         if self.lent_to.is_some_and(|lent_to| lent_to != index)
             && let Some(scratch) = self.take_scratch()
         {
@@ -94,7 +94,7 @@ impl CompoundCache {
         &mut slot.cache
     }
 
-    /// The pair that decided the last query, if compounds of these numbers of parts contain it.
+    /// The pair that decided the last query, if it exists in compounds with this many parts.
     pub(super) fn first(&self, counts: [usize; 2]) -> Option<[usize; 2]> {
         self.first.filter(|pair| pair[0] < counts[0] && pair[1] < counts[1])
     }

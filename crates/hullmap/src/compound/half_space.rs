@@ -1,7 +1,6 @@
 //! Queries of a half-space and a compound, by descent of one BVH.
 //!
-//! The lowest point of a compound is that of its lowest part, so this part decides all queries but
-//! the cast, which tries each part.
+//! The lowest part of a compound decides all queries except the cast, which tries each part.
 
 use super::CompoundAnswer;
 use super::bvh::{Child, Nodes};
@@ -116,8 +115,8 @@ fn lowest<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnsw
     best
 }
 
-/// Contact of the half-space and `b`, placed at `b_in_a`: that of the part that reaches farthest
-/// into the half-space. If no part reaches into it, `hit` is false.
+/// Contact of the half-space with the part of `b`, placed at `b_in_a`, that reaches farthest into
+/// it. If no part reaches into it, `hit` is false.
 ///
 /// Points and normal are in the frame of the half-space. Moving B by the depth along the normal
 /// separates all parts.

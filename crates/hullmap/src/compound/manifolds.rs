@@ -121,8 +121,8 @@ impl CompoundManifolds {
     }
 
     /// Sets whether normals at edges between the parts of a compound are corrected, as
-    /// [`weld`](seams::weld) does. This is so by default. Otherwise each manifold is that of its
-    /// two parts alone, and bodies stumble over these edges.
+    /// [`weld`](seams::weld) does. The default is true. Without welding, each manifold considers
+    /// its two parts alone, and bodies stumble over these edges.
     pub fn set_welding(&mut self, welds: bool) {
         self.welds = welds;
     }
@@ -151,8 +151,8 @@ impl CompoundManifolds {
             (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union),
         ];
         let nodes = [a.nodes(), b.nodes()];
-        // A part is in its box and in those above, so the radius of a ball around an interior point
-        // is at most the diagonal of each.
+        // A part is in its box and in all boxes above, so the radius of a ball around an interior
+        // point is at most the diagonal of each.
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
         let mut traversal = Traversal::new(Placement::new(nodes[0], nodes[1], b_in_a));
         while let Some(pair) = traversal.next_within(reach) {

@@ -25,15 +25,15 @@ const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// When `b`, which starts at `b_in_a` and translates by `motion`, first meets `a`.
 ///
-/// The answer is that of the pair of parts that meet first, and its interval contains the time of
-/// impact of the compounds. If only grazing pairs were found, which rounding error decides, the
-/// interval contains those of all of them. If there is no hit, points and normal mean nothing.
+/// The answer comes from the pair of parts that meet first, and its interval contains the time of
+/// impact of the compounds. If only grazing pairs were found, where rounding error decides, it
+/// contains the intervals of all of them. If there is no hit, points and normal mean nothing.
 ///
 /// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
 /// # Complexity
-/// Branch and bound: at most G H casts for compounds of G and H, and usually those of the few pairs
-/// that are as near as the distance covered until the hit. No allocation.
+/// Branch and bound: at most G H casts for compounds of G and H, and usually only the few pairs
+/// within the distance covered until the hit. No allocation.
 ///
 /// # Examples
 /// ```
@@ -79,14 +79,13 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 
 /// Where `ray` first enters `a`.
 ///
-/// The ray is in the frame of the compound. The answer is that of the part that is hit first, and
+/// The ray is in the frame of the compound. The answer comes from the part that is hit first, and
 /// its interval contains the t of the whole compound. `hulls` has the index of the part first. If
-/// only grazing parts were found, which rounding error decides, the interval contains those of all
-/// of them. If there is no hit, the normal means nothing.
+/// only grazing parts were found, where rounding error decides, it contains the intervals of all of
+/// them. If there is no hit, the normal means nothing.
 ///
-/// # Complexity
-/// Branch and bound: at most one ray cast for each part, and none for those that are farther away
-/// than the first hit. No allocation.
+/// # Complexity Branch and bound: at most one ray cast for each part, and none for parts farther
+/// away than the first hit. No allocation.
 ///
 /// # Examples
 /// ```
@@ -141,8 +140,8 @@ fn first_hit(
     let mut traversal = Traversal::new(placement);
     let path = motion.path();
     loop {
-        // How far B moves until the first certain hit. Without motion it stays where it is, however
-        // long that lasts.
+        // How far B moves until the first certain hit. Without motion this is 0, even for an
+        // infinite time.
         let until = settings.limit().min(first.certain_upper);
         let reach = path.map_or(0.0, |path| path.length(until) * (1.0 + LENGTH_ERROR));
         let Some(pair) = traversal.next(reach) else { break };
@@ -164,7 +163,7 @@ pub(super) struct First {
     lower: (f64, Status),
     /// Minimum upper bound of the certain hits.
     certain_upper: f64,
-    /// Maximum upper bound of the grazing hits: which of them meet is not known.
+    /// Maximum upper bound of the grazing hits: it is unknown which of them meet.
     grazing_upper: f64,
     pub(super) pairs: u32,
     iterations: u32,

@@ -1,4 +1,4 @@
-//! What a query of compounds takes as A and B: a compound, or a single shape.
+//! Arguments of compound queries: a compound, or a single shape.
 
 use super::Compound;
 use super::bvh::Nodes;

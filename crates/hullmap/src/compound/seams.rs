@@ -20,8 +20,8 @@
 //! 2. Otherwise collect the faces of the part near the contact, ordered by the depth to which the
 //!    other body penetrates below them.
 //! 3. Take the least deep face that is exposed where the other body is over it, or at the contact.
-//! 4. Compute the manifold along its normal. Without points the part does not support the body:
-//!    the neighbour does, which has a manifold of its own.
+//! 4. Compute the manifold along its normal. If it has no points, the part does not support the
+//!    body: its neighbour does, with its own manifold.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (enhanced internal edge
@@ -48,15 +48,15 @@ use crate::vector::unit;
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
 
-/// Gaps and steps between parts up to this fraction of the prediction are not felt. In Rapier 0.1
-/// mm: a tenth of the penetration that it allows, and far above the rounding of f32.
+/// Gaps and steps between parts up to this fraction of the prediction are ignored. In Rapier this
+/// is 0.1 mm: a tenth of the penetration that it allows, and far above the rounding of f32.
 const SEAM: f64 = 0.005;
 
 /// A seam is at least as wide as this fraction of the smaller outer radius, whatever the
 /// prediction.
 const LEAST_SEAM: f64 = 1e-5;
 
-/// It is at least as wide as the rounding of the parts' coordinates to f32, relative to a
+/// A seam is at least as wide as the rounding of the parts' coordinates to f32, relative to a
 /// coordinate: half a unit for each of two parts, and as much for the planes through them.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
@@ -64,8 +64,8 @@ const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 const ABOVE: f64 = 2.0;
 
 /// How far a point is moved towards the middle of its face before that, in units of the seam's
-/// width: the points of a contact are often on an edge of the face, and above an edge of an
-/// internal face that leans is the open.
+/// width: contact points are often on an edge of the face, and the point above an edge of an
+/// inclined internal face can be outside the union.
 const INWARD: f64 = 16.0;
 
 /// Sine of the angle up to which a normal is that of a face. Normals of small gaps are less exact
@@ -95,7 +95,8 @@ pub struct Neighbour<'n> {
 /// engine.
 pub trait Union {
     /// Whether `test` returns true for a part whose box is within `reach` of `point`. Calls it for
-    /// these parts, in any order, until it does. More parts do no harm.
+    /// these parts, in any order, until one call returns true. Calling it for more parts does no
+    /// harm.
     fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool;
 
     /// Unit normal of the face of part `part` that is closest to `dir`; `None` if it has no faces.
@@ -116,15 +117,15 @@ pub struct Side<'s, S: ?Sized> {
 }
 
 /// Replaces the normal of `manifold` if it is not a normal of the union that A or B is a part of,
-/// and returns whether it was replaced. The points are those along the new normal; there may be
-/// none.
+/// and returns whether it was replaced. The new points are computed along the new normal; there may
+/// be none.
 ///
 /// `manifold` has just been updated for the two shapes. `before` is the same manifold before that
 /// update: points that it had keep their impulses, user data and ages.
 ///
-/// # Complexity
-/// One descent of the union's BVH for the first point, and a support query for each part whose box
-/// is there. A replacement costs at most 128 support queries and 8 manifolds. No allocation.
+/// # Complexity One descent of the union's BVH for the first point, and a support query for each
+/// part whose box is near it. A replacement costs at most 128 support queries and 8 manifolds. No
+/// allocation.
 ///
 /// # Examples
 /// Two cubes side by side, and a small box that has sunk 1 mm into the left one, 0.5 mm from the
@@ -213,7 +214,7 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
         let (mut len, mut visited) = (1_usize, 0_usize);
         while let Some(top) = len.checked_sub(1) {
             len = top;
-            // A cycle, which only a pack opened unchecked can have, ends as well.
+            // Also ends in a cycle, which only a pack opened unchecked can have.
             visited += 1;
             let Some(node) = stack.get(top).and_then(|index| nodes.get(*index)).filter(|_| visited <= nodes.count())
             else {
@@ -310,7 +311,8 @@ pub fn faces_of_shape<S: Shape + ?Sized>(shape: &S, visit: &mut dyn FnMut(DVec3,
     }
 }
 
-/// Unit normal and a point of the face of `shape` that faces `dir`, if that is a face.
+/// Unit normal and a point of the face of `shape` towards `dir`; `None` if the shape has only an
+/// edge or a vertex there.
 ///
 /// # Examples
 /// ```
@@ -346,7 +348,7 @@ impl<S: Shape + ?Sized> Side<'_, S> {
     /// frame; `normal` is outward. See the [module](self).
     fn allows(&self, normal: DVec3, points: &[ManifoldPoint], on: impl Fn(&ManifoldPoint) -> DVec3, seam: f64) -> bool {
         let Some((union, part, place)) = self.union else { return true };
-        // Of a face that is not quite perpendicular to the normal, only the highest points count.
+        // If a face is not quite perpendicular to the normal, only its highest points count.
         let height = |p: &&ManifoldPoint| on(p).dot(normal);
         let top = points.iter().map(|p| height(&p)).fold(f64::NEG_INFINITY, f64::max);
         let highest = || points.iter().filter(|p| height(p) >= top - seam).map(|p| place.transform_point(on(p)));
@@ -509,7 +511,7 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> Pair<'_, A, B> {
     }
 }
 
-/// What replaces a manifold.
+/// Replacement of a manifold.
 #[expect(clippy::large_enum_variant, reason = "returned once, never stored")]
 enum Choice {
     /// The part has no faces: it keeps its manifold.
@@ -581,9 +583,9 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
                 }
             }
         }
-        // The body has come through an exposed face, but its lowest point there is beside the part.
-        // If that is in another part, this part holds the body. Otherwise it is in the open, beyond
-        // an edge of the union.
+        // The body entered through an exposed face, but its lowest point is beside the part. If
+        // that point is in another part, this part holds the body. Otherwise the point is outside
+        // the union, beyond one of its edges.
         match beside {
             Some((face, _)) if contact.depth > self.seam && !self.is_held(self.lowest(face.normal)) => {
                 let height = face.normal * (face.height - witness.dot(face.normal));

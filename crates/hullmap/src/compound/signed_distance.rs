@@ -26,7 +26,7 @@ use crate::solver::motion::{VectorError, checked};
 use crate::solver::signed_distance::signed_distance as of_part;
 use crate::solver::{Settings, SignedDistance, Status};
 
-/// Answer for a pack without hulls, which only an unchecked pack can be: nothing is known.
+/// Answer for a pack without hulls, which only an unchecked pack can lack: nothing is known.
 const NOTHING_KNOWN: SignedDistance = SignedDistance {
     status: Status::Stalled,
     distance: 0.0,
@@ -48,7 +48,7 @@ const NOTHING_KNOWN: SignedDistance = SignedDistance {
 /// the surface of its part, may be inside another one.
 ///
 /// The interval contains this minimum. A positive lower bound proves that the point is outside of
-/// the union, a negative upper bound that it is inside. The status is that of the deciding part,
+/// the union, a negative upper bound that it is inside. The status comes from the deciding part,
 /// unless another part's interval makes the whole wider than the settings allow. Then it is the
 /// status of that other part. `hulls` has the index of the part first.
 ///

@@ -8,7 +8,6 @@ use hullmap_format::bvh::MAX_LEVELS;
 
 use super::bvh::{Child, Node, Placement};
 
-/// Maximum number of pairs on the stack.
 const MAX_STACK: usize = 2 * MAX_LEVELS as usize + 1;
 
 /// Iterates over the pairs of hulls whose boxes are within a distance of each other.

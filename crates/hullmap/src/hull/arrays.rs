@@ -15,15 +15,16 @@ use super::Hull;
 pub struct HullArrays<'a> {
     /// Positions of the vertices.
     pub vertices: &'a [[f32; 3]],
-    /// For each vertex, its index in the source file; [`u32::MAX`] for a vertex that the bake made.
+    /// For each vertex, its index in the source file; [`u32::MAX`] for a vertex that the bake
+    /// created.
     pub source_vertices: &'a [u32],
     /// For each face, the position in `face_vertices` at which its vertices start. They end where
-    /// those of the next face start; those of the last face end with the array.
+    /// the next face's start; the last face's end with the array.
     pub face_starts: &'a [u32],
     /// Vertices of the faces, counter-clockwise seen from outside.
     pub face_vertices: &'a [u32],
     /// For each vertex, the position in `neighbours` at which its neighbours start. They end where
-    /// those of the next vertex start; those of the last vertex end with the array.
+    /// the next vertex's start; the last vertex's end with the array.
     pub neighbour_starts: &'a [u32],
     /// Vertices that share an edge with each vertex, ascending.
     pub neighbours: &'a [u32],
@@ -63,7 +64,7 @@ impl<'a> Hull<'a> {
     }
 }
 
-/// Little-endian numbers as those of the processor, if these are the same.
+/// Little-endian numbers as native ones, if the processor is little-endian.
 fn native<L: NoUninit, N: AnyBitPattern>(numbers: &[L]) -> Option<&[N]> {
     if cfg!(target_endian = "little") { try_cast_slice(numbers).ok() } else { None }
 }
@@ -74,9 +75,8 @@ mod tests {
 
     use crate::pack::Pack;
 
-    /// The iterators are the twin.
     #[test]
-    fn arrays_are_what_the_iterators_return() {
+    fn arrays_match_the_iterators() {
         for positions in [families::rock(60, 1), families::sphere(200, 2), vec![[1.0, 2.0, 3.0]]] {
             let pack = Pack::from_bytes(&hullmap_testkit::packs::tree_bytes(&positions)).unwrap();
             let hull = pack.hull(0).unwrap();

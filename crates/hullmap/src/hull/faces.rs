@@ -148,7 +148,7 @@ impl<'a> Hull<'a> {
     /// # }
     /// ```
     pub fn face_normal(&self, face: u32) -> Option<DVec3> {
-        // By index: to skip corners with an iterator would read each of them.
+        // By index: an iterator would read each corner that it skips.
         let corners = self.face_run(face);
         // A face has three corners or more.
         let third = (corners.len() / 3).max(1);

@@ -31,9 +31,9 @@ use crate::support::facets::{
 /// outer radius.
 const HEIGHT_ROUNDINGS: f64 = 4.0;
 
-/// A triple product is positive for certain above this many units of `f64::EPSILON` times the
-/// lengths of its factors. Two rounded differences, a cross product and a dot product have an error
-/// of at most 10 half units.
+/// A triple product is certainly positive above this many units of `f64::EPSILON` times the lengths
+/// of its factors. Two rounded differences, a cross product and a dot product have an error of at
+/// most 10 half units.
 const CERTAIN: f64 = 8.0;
 
 /// Maximum slack over the outer radius. A hull with more takes the general path, whose intervals
@@ -53,7 +53,7 @@ const NO_FACE: u8 = u8::MAX;
 const MAX_BYTES: usize = 4 << 20;
 
 impl FacetTable {
-    /// The tables of a pack, one for each hull; `None` where there is none.
+    /// The tables of a pack, one for each hull; `None` for a hull without a table.
     ///
     /// # Complexity
     /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 35
@@ -184,8 +184,8 @@ impl Face {
     }
 }
 
-/// Points by coordinate, in fours, for loops that the compiler vectorises. The last point fills the
-/// last four.
+/// Points by coordinate, in blocks of four for loops that the compiler vectorises. The last point
+/// pads the last block.
 struct Columns {
     absolute: Vec<Four>,
     /// Relative to the interior point.

@@ -1,4 +1,4 @@
-//! What the bake recorded about a hull: sizes, mass, bounds, errors.
+//! Facts that the bake recorded about a hull: sizes, mass, bounds, errors.
 
 use glam::{DVec3, Vec3};
 use hullmap_format::SolidKind;
@@ -213,9 +213,9 @@ impl Hull<'_> {
         self.record.part_count.to_native()
     }
 
-    /// What counts as the inside of the mesh that this part was measured against. `None` if it was
-    /// not measured: then [`uncovered`](Self::uncovered) and [`protrusion`](Self::protrusion) are
-    /// unknown. That is so for a hull that is not a part, and for parts without their mesh.
+    /// Kind of solid that this part was measured against. `None` if it was not measured: then
+    /// [`uncovered`](Self::uncovered) and [`protrusion`](Self::protrusion) are unknown. Hulls that
+    /// are not parts, and parts without their mesh, are not measured.
     ///
     /// # Examples
     /// ```

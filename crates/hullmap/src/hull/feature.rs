@@ -1,7 +1,7 @@
 //! The feature of a hull that faces a direction: a face, an edge or a vertex, found through the
 //! direction index.
 //!
-//! [`Shape::feature`] knows the direction alone:
+//! [`Shape::feature`] uses the direction alone:
 //! 1. Support queries in eight directions, tilted to all sides. If all answers are the same vertex,
 //!    the feature is that vertex.
 //! 2. Of the faces at the support vertex, the one whose normal is closest to the direction. If all
@@ -10,7 +10,7 @@
 //!    for several faces (f32 can break a flat cap into slivers), and for a face with more corners
 //!    than a feature holds.
 //!
-//! [`Shape::feature_within`] also knows which heights matter, and starts from the face:
+//! [`Shape::feature_within`] also uses the heights that matter, and starts from the face:
 //! 1. Find the face at the support vertex whose normal n is closest to the direction. If fewer than
 //!    three of its corners are within reach of the support plane, and its tilt is above [`TILT`],
 //!    the feature is an edge or a vertex, found as above.
@@ -99,7 +99,7 @@ impl Shape for Hull<'_> {
     }
 }
 
-/// Which corners of a face are wanted.
+/// Requested corners of a face.
 #[derive(Clone, Copy, PartialEq)]
 enum Corners {
     /// Up to [`MAX_CORNERS`].
@@ -149,8 +149,8 @@ impl Hull<'_> {
         }
     }
 
-    /// Whether every edge that leaves `face` falls by more than [`TILT`], so that in no direction
-    /// this close to its normal is the support point off the face.
+    /// Whether every edge that leaves `face` falls by more than [`TILT`], so that the support point
+    /// in every direction this close to its normal is on the face.
     ///
     /// # Complexity
     /// A binary search for a face with more than four corners. For another one, at most
@@ -181,7 +181,7 @@ impl Hull<'_> {
         self.quads.get(at)
     }
 
-    /// Puts all corners of `face` into `out`, or if four are wanted the stored four of a face that
+    /// Puts all corners of `face` into `out`, or the stored four if four are requested and the face
     /// has more. Returns false if there are too many.
     fn own_corners(&self, face: u32, wanted: Corners, out: &mut Feature) -> bool {
         match self.quad(face).filter(|_| wanted == Corners::Four) {
@@ -204,7 +204,7 @@ impl Hull<'_> {
     }
 
     /// Whether `vertex` is a corner of `face`, by the faces at the vertex, or by the corners of the
-    /// face if these are fewer. Of a vertex and a face with more than [`MAX_FACES`] each, `false`.
+    /// face if these are fewer. `false` if both have more than [`MAX_FACES`].
     fn has_corner(&self, face: u32, vertex: u32) -> bool {
         let corners = self.face(face);
         let at = self.faces_at(vertex);
@@ -237,7 +237,7 @@ impl Hull<'_> {
         let (face, normal) = if faces.len() <= MAX_FACES {
             closest(&mut faces.into_iter())
         } else {
-            // As wide as is needed to find an edge that is within reach.
+            // Just wide enough to find an edge within reach.
             #[expect(clippy::manual_clamp, reason = "NaN becomes the minimum; `clamp` would keep it")]
             let wide = (reach / self.outer_radius()).max(TILT).min(1.0);
             let around = coarse_ring(self, &Cone::new(n, wide));
@@ -248,7 +248,7 @@ impl Hull<'_> {
         let height = top.point.dot(n);
         let is_near = |vertex: u32| self.vertex(vertex).is_some_and(|p| height - p.as_dvec3().dot(n) <= reach);
         let corners = self.face(face);
-        // Of a large face a sample.
+        // Sample a large face.
         let step = corners.len().div_ceil(MAX_CORNERS).max(1);
         let near = || corners.step_by(step).filter(|vertex| is_near(*vertex)).count();
         // NaN takes the failing branch.

@@ -7,8 +7,8 @@ use super::Hull;
 
 /// Mass properties of a solid of uniform density, in the hull's local frame.
 ///
-/// Units follow from those of the hull's lengths and of the density. A hull in metres and a density
-/// in kilograms per cubic metre give kilograms, metres, and kilograms times square metres.
+/// Units follow from the units of the hull's lengths and of the density. A hull in metres and a
+/// density in kilograms per cubic metre give kilograms, metres, and kilograms times square metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MassProperties {
     /// Mass: density times volume.
@@ -50,8 +50,8 @@ impl Hull<'_> {
     /// Mass, centre of mass and inertia tensor of the solid hull at a uniform `density`: mass per
     /// volume.
     ///
-    /// The values are those that the bake recorded, in the hull's local frame. A hull of rank below
-    /// 3 has no volume: its mass and inertia are 0, and its centre of mass is that of the polygon,
+    /// The values were recorded by the bake, in the hull's local frame. A hull of rank below 3 has
+    /// no volume: its mass and inertia are 0, and its centre of mass is that of the polygon,
     /// segment or point.
     ///
     /// # Complexity
@@ -141,7 +141,8 @@ mod tests {
         assert_near(pack.hull(0).unwrap().inertia_tensor() * 7.5, expected, 1e-12);
     }
 
-    /// The tensor of a turned box is R I Rᵀ; it has products of inertia, whose signs this shows.
+    /// The tensor of a turned box is R I Rᵀ; it has products of inertia, whose signs this test
+    /// checks.
     #[test]
     fn a_turned_box_has_the_turned_tensor() {
         let turn = DMat3::from_quat(glam::DQuat::from_array([0.3, -0.2, 0.5, 0.7]).normalize());

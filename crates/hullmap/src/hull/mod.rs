@@ -42,7 +42,6 @@ pub struct Hull<'a> {
     outer_radius: f64,
     index: Index<'a>,
     vertices: &'a [[f32_le; 3]],
-    /// The face table, if the hull has one.
     facets: Option<&'a FacetTable>,
     // From here on: hints, manifolds and facts.
     neighbour_starts: &'a [u32_le],
@@ -104,8 +103,8 @@ impl<'a> Hull<'a> {
         })
     }
 
-    /// Name of the hull: that of the object in the source file, or the source's file name without
-    /// its extension.
+    /// Name of the hull: the name of the object in the source file, or the source's file name
+    /// without its extension.
     ///
     /// # Examples
     /// ```
@@ -123,7 +122,7 @@ impl<'a> Hull<'a> {
     /// Whether the hull is in a lean pack (`bake build --lean`): its [neighbours](Self::neighbours)
     /// are unknown, and with more than 32 vertices also its [faces](Self::faces).
     ///
-    /// All queries answer. Support queries, yes or no, distances, rays and casts return the same
+    /// All queries work. Support queries, yes or no, distances, rays and casts return the same
     /// bits. So do contacts, except those of a hull of 33 to 128 vertices with a box or a hull of
     /// at most 128 vertices, which may take longer. Hints ([`support_from`](Self::support_from))
     /// save no time. Features, and with them contact manifolds, come from up to 33 support queries
@@ -191,10 +190,10 @@ impl<'a> Hull<'a> {
         self.vertices.iter().map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
 
-    /// Index, counted from 0, that vertex `index` has in the source file.
+    /// Zero-based index of vertex `index` in the source file.
     ///
-    /// `None` if there is no such vertex, and for a vertex that the bake made: of a simplified
-    /// hull, or where a convex part was cut off.
+    /// `None` if there is no such vertex, and for a vertex that the bake created, in a simplified
+    /// hull or where a convex part was cut off.
     ///
     /// # Examples
     /// ```

@@ -66,9 +66,9 @@ impl Hull<'_> {
     /// from the direction by more than the rounding error. On a convex hull, its dot product is
     /// then the maximum. Otherwise, and if `hint` is not a vertex, this is an ordinary query.
     ///
-    /// So the dot product is that of [`support`](Self::support) for every hint, and in practice so
-    /// is the vertex. Only where vertices are so close that f64 cannot order them along `dir`,
-    /// 1e-30 apart on a hull of size 1, may it be another one.
+    /// So the dot product equals that of [`support`](Self::support) for every hint, and in practice
+    /// the vertex is the same too. It may differ only if vertices are so close that f64 cannot
+    /// order them along `dir`: 1e-30 apart on a hull of size 1.
     ///
     /// # Complexity
     /// One dot product for each neighbour of the hint, eight at a time, then at most the cost of a
@@ -339,7 +339,7 @@ mod tests {
         }
     }
 
-    /// Two vertices 1e-30 apart: the hint knows which of them is greater, and f64 does not.
+    /// Two vertices 1e-30 apart: the hint distinguishes them, and f64 does not.
     #[test]
     fn hints_may_return_another_vertex_of_equal_dot_product() {
         let mut points: Vec<[f32; 3]> =
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn hints_are_certain_within_cones_alone() {
+    fn hints_are_certain_only_within_cones() {
         let pack = pack(families::sphere(300, 4));
         let hull = pack.hull(0).unwrap();
         let (mut certain, mut rng) = (0, SplitMix64::new(2));

@@ -52,7 +52,7 @@ pub enum InvalidPack {
         /// Checksum of the bytes.
         found: u64,
     },
-    /// The recorded options are not those whose hash is in the header.
+    /// The hash of the recorded options differs from the hash in the header.
     #[error(
         "the file is damaged: the hash of its options is {found:016x}, but its header states {expected:016x}; bake the \
          source again"

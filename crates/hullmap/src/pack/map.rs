@@ -54,7 +54,8 @@ impl Pack {
     /// # }
     /// ```
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        // SAFETY: the caller keeps the contract of this function, which is that of `map_file`.
+        // SAFETY: the caller upholds the contract of this function, which is the contract of
+        // `map_file`.
         unsafe { map_file(path.as_ref(), Checks::All) }
     }
 
@@ -87,7 +88,8 @@ impl Pack {
     /// # }
     /// ```
     pub unsafe fn map_skipping_contents(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        // SAFETY: the caller keeps the contract of this function, which is that of `map_file`.
+        // SAFETY: the caller upholds the contract of this function, which is the contract of
+        // `map_file`.
         unsafe { map_file(path.as_ref(), Checks::Structure) }
     }
 
@@ -120,7 +122,8 @@ impl Pack {
     /// # }
     /// ```
     pub unsafe fn map_skipping_checks(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        // SAFETY: the caller keeps the contract of this function, which is that of `map_file`.
+        // SAFETY: the caller upholds the contract of this function, which is the contract of
+        // `map_file`.
         unsafe { map_file(path.as_ref(), Checks::Sections) }
     }
 }

@@ -33,10 +33,10 @@
 //! queries to check it.
 //!
 //! # Cost of queries on a foreign pack
-//! What the pack states bounds the work of every query, and opening it compares the statement with
-//! the contents: [`Hull::worst_cost`](crate::Hull::worst_cost) for a support query, at most 10,000
-//! of which make a contact. So a query of two hulls takes time at most proportional to the size of
-//! the pack. docs/FORMAT.md, section 8, has a table. `hostile-packs --only large` measures it.
+//! A pack states bounds on the work of its queries, and opening it compares them with the contents:
+//! [`Hull::worst_cost`](crate::Hull::worst_cost) bounds a support query, and a contact takes at
+//! most 10,000 of these. So a query of two hulls takes time at most proportional to the size of the
+//! pack. docs/FORMAT.md, section 8, has a table. `hostile-packs --only large` measures it.
 //!
 //! No signal handler is installed: the program decides what happens on a fault.
 //!
@@ -127,7 +127,7 @@ enum Checks {
     All,
 }
 
-/// Compares the checksum in the header with that of the payload.
+/// Compares the checksum in the header with the payload's.
 fn check_checksum(header: &Header, payload: &[u8]) -> Result<(), InvalidPack> {
     let (expected, found) = (header.checksum, header.checksum_of(payload));
     if found == expected { Ok(()) } else { Err(InvalidPack::Checksum { expected, found }) }
@@ -525,8 +525,8 @@ impl Pack {
         self.storage.sections().options_text().split('\n')
     }
 
-    /// Whether this is a lean pack (`bake build --lean`), without what only manifolds, hints and
-    /// walks over the surface need: see [`Hull::is_lean`].
+    /// Whether this is a lean pack (`bake build --lean`), without the data that only manifolds,
+    /// hints and walks over the surface need: see [`Hull::is_lean`].
     ///
     /// # Examples
     /// ```

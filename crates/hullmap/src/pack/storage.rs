@@ -68,7 +68,7 @@ const HUGE_PAGES_FROM: usize = 8 << 20;
 #[cfg(feature = "mmap")]
 fn pages(len: usize) -> io::Result<memmap2::MmapMut> {
     let pages = memmap2::MmapMut::map_anon(len)?;
-    // An error means that the system has no huge pages. Ordinary ones do as well.
+    // An error means that the system has no huge pages. Ordinary pages will do.
     #[cfg(target_os = "linux")]
     if len >= HUGE_PAGES_FROM {
         let _ = pages.advise(memmap2::Advice::HugePage);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Maximum length: that of the coordinates of hulls, which are f32. The square of a sum of such
+/// Maximum length: the maximum coordinate of a hull, which is f32. The square of a sum of such
 /// lengths is finite in f64.
 pub(super) const MAX_LENGTH: f64 = f32::MAX as f64;
 

@@ -2,7 +2,7 @@
 //! modifiers of shapes (scaled, rounded).
 //!
 //! All but the half-space mix with hulls and with each other in every query. To add a shape, follow
-//! the recipe in CONTRIBUTING.md; `cone.rs` is an example of all that it takes.
+//! the recipe in CONTRIBUTING.md; `cone.rs` is a complete example.
 //!
 //! | shape | position in its frame | core | convex radius |
 //! |---|---|---|---|
@@ -16,8 +16,8 @@
 //! | [`Scaled`] | inner shape, scaled or mirrored | scaled[^uniform] | scaled[^uniform] |
 //! | [`Rounded`] | Minkowski sum of an inner shape and a ball | inner core | sum of both |
 //!
-//! A [`HalfSpace`] is unbounded, so it has no support mapping. It has closed forms of the queries
-//! against every shape.
+//! A [`HalfSpace`] is unbounded, so it has no support mapping. Its queries against every shape are
+//! closed forms.
 //!
 //! Queries solve the core and then add the convex radius, which is exact and takes few steps. Other
 //! curved surfaces, such as the side of a cylinder, take more steps.

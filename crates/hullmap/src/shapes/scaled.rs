@@ -134,8 +134,8 @@ impl<S: Shape> Shape for Scaled<S> {
     }
 
     /// The inner shape's feature, for any scale. A height h above a plane perpendicular to the unit
-    /// vector n becomes |S n| h along S⁻¹ n, so heights map to heights where angles do not map to
-    /// angles.
+    /// vector n becomes |S n| h along S⁻¹ n, so heights map to heights, whereas angles do not map
+    /// to angles.
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         let inner_dir = direction(dir) * self.scale;
         let inner_reach = reach / inner_dir.length();

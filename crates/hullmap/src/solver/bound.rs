@@ -43,7 +43,7 @@ impl Bound {
         Self { upper, normal, point_a, point_b }
     }
 
-    /// Takes the `support` point along the normal for the witness points if they are less deep than
+    /// Uses the `support` point along the normal as witness points if they are less deep than
     /// `least`. It is as deep as the bound, but the two need not be opposite each other.
     pub(super) fn deepen(&mut self, least: f64, support: impl FnOnce(DVec3) -> Point) {
         // The difference along the normal counts, not the distance: convex radii are added along
@@ -54,8 +54,8 @@ impl Bound {
         }
     }
 
-    /// Two points that are one, of shapes that overlap. Those of slivers may be apart; then GJK
-    /// starts from elsewhere. Returns the number of steps, too.
+    /// A common point of two overlapping shapes, one on each. For slivers the two may be apart; GJK
+    /// then starts from elsewhere. Also returns the number of steps.
     pub(super) fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &mut Minkowski<'_, A, B>,
         [point_a, point_b]: [DVec3; 2],
@@ -72,8 +72,8 @@ impl Bound {
         (self.point_a - self.point_b).distance(self.normal * self.upper)
     }
 
-    /// Searches the point of the difference that is closest to the foot, unless the witness points
-    /// belong to one within `enough`. Returns the number of steps.
+    /// Searches for the point of the difference that is closest to the foot, unless the witness
+    /// points already belong to a point within `enough` of it. Returns the number of steps.
     ///
     /// If the difference contains a ball of radius r around the origin, it has a point within
     /// `upper` − r of the foot. `face` has points near the foot to start from, if there are any.
@@ -88,8 +88,8 @@ impl Bound {
         if self.off() <= enough { 0 } else { self.search(m, face, enough) }
     }
 
-    /// [`settle`](Self::settle) in any case: the distance query of A and of B moved by the depth,
-    /// which touch.
+    /// [`settle`](Self::settle) without the early exit: a distance query of A and of B moved by the
+    /// depth, which touch.
     #[cold]
     #[inline(never)]
     pub(super) fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

@@ -197,7 +197,7 @@ impl Cache {
         self.axis.filter(|_| self.starts_from_axis)
     }
 
-    /// Whether no query has left anything that a contact could start from, apart from the axis of
+    /// Whether the cache holds nothing that a contact could start from, apart from the axis of
     /// [`from_axis`](Self::from_axis).
     pub(super) fn is_new(&self) -> bool {
         (self.axis.is_none() || self.starts_from_axis) && self.point_count == 0

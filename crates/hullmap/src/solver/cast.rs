@@ -171,7 +171,7 @@ fn impact(entry: &Entry, path: Path, support_calls: u32) -> Impact {
     // The speed and the quotient have an error of a few roundings.
     let time = |length: f64, roundings: f64| path.time(length) * (1.0 + roundings * f64::EPSILON);
     let (t_lower, t, t_upper) = (time(entry.lower, -4.0), time(entry.at, 0.0), time(entry.upper, 4.0));
-    // A hit near the end of all times: rounding error decides whether it is later.
+    // A hit near the end of the time range: rounding error decides whether it is within.
     let is_late = is_hit && !(t_upper < f64::INFINITY);
     let latest = if is_hit { f64::MAX } else { f64::INFINITY };
     Impact {

@@ -144,7 +144,7 @@ pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// A contact query in steps. It waits for a support point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ContactQuery {
-    /// Along the separating axis of the cache, which is this.
+    /// Along this separating axis of the cache.
     Axis(DVec3),
     /// For MPR.
     Portal(mpr::Search),

@@ -38,15 +38,14 @@ const MAX_CORRECTIONS: usize = 3;
 
 /// A simplex of up to four vertices, in fixed slots.
 ///
-/// Vertices never move between slots: reading back in other pieces what was just written would
-/// stall the processor.
+/// Vertices never move between slots: reading data back in other pieces than it was just written in
+/// would stall the processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     /// Coordinates of the points of the Minkowski difference: all x, all y, all z.
     w: [[f64; SLOTS]; 3],
     /// The points of A, in A's frame.
     a: [DVec3; SLOTS],
-    /// The features of A and B.
     features: [[u32; 2]; SLOTS],
     /// The slots in use, one bit each.
     used: u8,

@@ -5,7 +5,8 @@
 //!
 //! # Steps
 //! 1. Balls around and inside the shapes: no support call.
-//! 2. The last separating axis: one support call. The last portal with the origin behind it: none.
+//! 2. The last separating axis: one support call. The last portal, if the origin is behind it: no
+//!    support call.
 //! 3. Portal discovery, then portal refinement until the answer is known.
 //! 4. EPA, which needs no portal, settles the rest: flat shapes, touching shapes, reached limits.
 //!
@@ -84,7 +85,7 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a query is not moved, and the large variant is the usual one")]
 pub(crate) enum IntersectionQuery {
-    /// Along the separating axis of the cache, which is this.
+    /// Along this separating axis of the cache.
     Axis(DVec3),
     /// For MPR.
     Portal(mpr::Search),
@@ -176,7 +177,7 @@ pub(super) fn axis_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &
 }
 
 /// The answer that follows from what the search found, after `iterations` steps. EPA settles what
-/// is open.
+/// the search leaves open.
 fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &mut Cache,

@@ -15,8 +15,8 @@
 //! shapes penetrate by t + r.
 //!
 //! # Steps
-//! 1. Compute the distance of the cores within the tolerance. If its difference to r is not known
-//!    within the tolerance then, search once or twice more.
+//! 1. Compute the distance of the cores within the tolerance. If its difference to r is not yet
+//!    known within the tolerance, search once or twice more.
 //! 2. If the cores overlap, compute their contact.
 //!
 //! # Deviations
@@ -85,8 +85,8 @@ enum CorePair {
 
 /// Maximum number of searches for the distance of the cores.
 ///
-/// Each search knows the difference to the radii better than the one before, and so the tolerance
-/// that the next one needs.
+/// Each search narrows the difference to the radii, and thus determines the tolerance that the next
+/// one needs.
 const MAX_SEARCHES: usize = 3;
 
 /// Distance of the cores, accurate enough that its difference to `radius` is within the tolerance.
@@ -132,7 +132,7 @@ fn touching_length<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B,
     TOUCHING_ROUNDINGS * rounding(reach, 0.0) + TOUCHING_SHORTFALLS * (a.support_error() + b.support_error())
 }
 
-/// Unit direction from the witness point of core A to that of core B.
+/// Unit direction from the witness point of core A to the one of core B.
 ///
 /// Witness points moved along it have exactly the reported distance. `gap.normal`, which proves the
 /// lower bound, may differ slightly from it; it serves where the witness points are too close for a
@@ -275,8 +275,8 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// Settles a contact of rounded shapes whose witness points are not opposite each other along the
-/// normal: it may be that of a plane other than the closest points', or the cores may have left
-/// them open. `tolerance` and `touching_length` are those of its status.
+/// normal: the normal may belong to a plane other than the closest points', or the cores may have
+/// left the points unsettled. `tolerance` and `touching_length` are the same as for the status.
 fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     found: &mut Contact,

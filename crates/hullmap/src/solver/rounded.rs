@@ -140,7 +140,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
                 return (at, None);
             }
             if is_separated {
-                // They still approach each other, and so did they before.
+                // They still approach each other, and did so before.
                 *progress = Progress { lower: at, normal: beyond.gap.normal, sample: beyond };
             } else {
                 trial *= 8.0;
@@ -189,7 +189,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
     }
 }
 
-/// How far the search has come.
+/// Progress of the search.
 struct Progress {
     /// The shapes are certainly separated up to this length.
     lower: f64,

@@ -21,7 +21,7 @@ use crate::support::SupportMap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignedDistance {
     /// How the query ended. [`Separated`](Status::Separated) and
-    /// [`Overlapping`](Status::Overlapping) do not occur: the sign of the distance has that
+    /// [`Overlapping`](Status::Overlapping) do not occur: the sign of the distance gives that
     /// information.
     pub status: Status,
     /// Distance from the surface: positive outside, negative inside.
@@ -53,8 +53,8 @@ pub struct SignedDistance {
 /// [`MAX_TRANSLATION`](crate::pose::MAX_TRANSLATION).
 ///
 /// # Complexity
-/// For a point outside, that of [`distance`](crate::distance()): 3 to 8 support calls. For a point
-/// inside, also that of [`contact`](crate::contact()): 20 to 60. No allocation.
+/// For a point outside, the cost of [`distance`](crate::distance()): 3 to 8 support calls. For a
+/// point inside, also the cost of [`contact`](crate::contact()): 20 to 60. No allocation.
 ///
 /// # Examples
 /// ```

@@ -2,7 +2,7 @@
 //! direction.
 //!
 //! Each algorithm of the solver is written once, as such a search. A single query is driven to its
-//! end ([`at_once`]). A batch drives several in turns, each up to the next memory that it waits for
+//! end ([`at_once`]). A batch drives several in turns, each until its next wait for memory
 //! ([`Suspended`]). The bits are the same.
 
 use glam::DVec3;
@@ -42,8 +42,8 @@ pub(crate) trait Query<A: ?Sized, B: ?Sized>: Sized {
         room: &mut Self::Room,
     ) -> Step<Self::Answer>;
 
-    /// The next step, with the support point in the direction that the last one asked for. The
-    /// other arguments are those of [`start`](Self::start).
+    /// The next step, with the support point in the direction requested by the last one. The other
+    /// arguments are those of [`start`](Self::start).
     fn continue_with(
         &mut self,
         point: Point,
@@ -102,7 +102,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>> Suspend
         }
     }
 
-    /// Continues up to the next memory that the query reads. Returns the answer as soon as it is
+    /// Continues until the query's next read from memory. Returns the answer as soon as it is
     /// known. The arguments are those of [`start`](Self::start).
     #[inline(always)]
     pub(crate) fn resume(

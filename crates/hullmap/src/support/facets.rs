@@ -15,8 +15,8 @@ use crate::support::SupportMap;
 /// pairs near touching lose.
 pub(crate) const MAX_VERTICES: usize = 128;
 
-/// Maximum number of vertices of hulls that keep their tables where those of larger hulls are too
-/// large.
+/// Maximum number of vertices of hulls that keep their tables if the tables of larger hulls take
+/// too much memory.
 pub(crate) const SMALL_VERTICES: usize = 32;
 
 // Their faces are in lean packs, too, so that contacts are the same.
@@ -123,7 +123,7 @@ pub(crate) struct FacetTable {
 
 /// The faces of a small polytope, from [`SupportMap::facets`].
 ///
-/// Hulls of few vertices and boxes have them. They cannot be made outside of this crate.
+/// Small hulls and boxes have them. They cannot be constructed outside this crate.
 #[derive(Clone, Copy, Debug)]
 pub struct Facets<'a>(Kind<'a>);
 

@@ -19,7 +19,6 @@ const MAX_EDGES: usize = 16;
 pub(crate) struct Edges<'a> {
     /// `count` x components, then as many y and z components, then data of other vertices.
     pub(crate) components: &'a [i16_le],
-    /// Number of edges.
     pub(crate) count: usize,
 }
 

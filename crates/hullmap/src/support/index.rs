@@ -42,7 +42,6 @@ const PART_BLOCKS: usize = 8;
 /// Slots at the front of a tree: one for each face of the cube.
 const FACES: u32 = 6;
 
-/// Words of a cache line.
 const LINE_WORDS: usize = 16;
 
 /// A hull's direction index, read in place.
@@ -186,7 +185,7 @@ impl<'a> Index<'a> {
     }
 
     /// Fetches what every look-up reads first: the slots of the six cube faces, or the blocks of a
-    /// small hull. A cube map has no slots in common.
+    /// small hull. A cube map has no common slots.
     #[inline]
     pub(crate) fn fetch_ahead(&self) {
         if self.is_scan() {
@@ -283,7 +282,7 @@ impl<'a> Index<'a> {
         Lookup { path: [0; 2], at: slot, nodes, kind: LookupKind::Node }
     }
 
-    /// [`support`](Self::support) in direction `dir`, from a look-up that has come to its leaf.
+    /// [`support`](Self::support) in direction `dir`, from a look-up that has reached its leaf.
     #[inline(always)]
     pub(crate) fn finish_lookup(&self, dir: [f64; 3], lookup: Lookup) -> (u32, [f32; 3]) {
         let [first, count] = [lookup.at, lookup.path[0]].map(|number| number as usize);

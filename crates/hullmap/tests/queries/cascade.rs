@@ -92,7 +92,6 @@ fn cascade_never_changes_an_answer() {
     );
 }
 
-/// By default only large hulls without an index are tested by their outer hulls.
 #[test]
 fn outer_hulls_serve_only_large_hulls_without_an_index() {
     let points = Family::ClusteredEllipsoid.points(26_000, 1);

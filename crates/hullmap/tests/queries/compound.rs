@@ -163,7 +163,6 @@ fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&touching), "{touching} of {tried}");
 }
 
-/// A single hull as a compound gives the same answers as the hull itself.
 #[test]
 fn a_hull_is_a_compound_of_one() {
     let (a, b) = (pack(4, 1.0, 1), pack(9, 1.0, 7));
@@ -391,8 +390,8 @@ fn frames(count: usize, seed: u64) -> Vec<Pose> {
         .collect()
 }
 
-/// The manifolds of compounds are those of all pairs of parts, frame for frame, with their
-/// impulses.
+/// The manifolds of compounds equal the manifolds of all pairs of parts, frame for frame, with
+/// their impulses.
 #[test]
 fn manifolds_agree_with_those_of_all_pairs() {
     let (a, b) = (pack(20, 1.0, 3), pack(16, 1.0, 4));
@@ -403,7 +402,7 @@ fn manifolds_agree_with_those_of_all_pairs() {
         let prediction = predictions[run % 3];
         let settings = ManifoldSettings { prediction, ..ManifoldSettings::default() };
         let mut manifolds = CompoundManifolds::new(200);
-        // The twins know nothing of other parts.
+        // The twins ignore other parts.
         manifolds.set_welding(false);
         let mut twins: BTreeMap<[usize; 2], (Manifold, Cache)> = BTreeMap::new();
         for (frame, pose) in frames(60, SEED + run as u64).into_iter().enumerate() {

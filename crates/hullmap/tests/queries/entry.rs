@@ -547,7 +547,7 @@ fn subnormal_velocities_keep_their_digits() {
         let unit = power_of_two(exponent);
         let (velocity, start) = (DVec3::new(-4.0, 3.0, 0.0) * unit, DVec3::new(1e-15, -0.75e-15, 0.0));
         for (what, found) in all_entries(size, start, velocity, &settings) {
-            // The first of the two lengths is that of a ray.
+            // The first of the two lengths is a ray's.
             let is_free = what.starts_with("ray");
             let x = if is_free { size } else { 2.0 * size };
             let t = (1e-15 - x) / 4.0 / unit;
@@ -565,7 +565,7 @@ fn subnormal_velocities_keep_their_digits() {
 }
 
 /// A power of two in the velocity changes nothing but the times, also on paths that graze a plane:
-/// squares of speeds below 1e-162 underflowed, and a half-space said a certain no.
+/// squares of speeds below 1e-162 underflowed, and a half-space reported a certain miss.
 #[test]
 fn a_power_of_two_in_the_velocity_changes_no_digit() {
     let mut rng = SplitMix64::new(SEED);
@@ -613,7 +613,7 @@ fn a_time_beyond_the_range_of_f64_is_no_hit() {
             assert!(found.point_a.is_finite() && found.point_b.is_finite(), "{what}, {speed:e}: {found:?}");
         }
     }
-    // At the end of all times, rounding error decides.
+    // At the end of the time range, rounding error decides.
     let speed = 7.0 / f64::MAX;
     for (what, found) in all_entries(1.0, DVec3::X * 9.0, DVec3::NEG_X * speed, &CastSettings::default()) {
         if found.hit {

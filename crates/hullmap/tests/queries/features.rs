@@ -115,7 +115,6 @@ fn features_within_reach_agree_with_a_scan() {
     assert!(faces > 1000 && merged > 200 && leaning > 200 && others > 500, "not representative");
 }
 
-/// With an infinite reach, every direction finds a face.
 #[test]
 fn an_infinite_reach_finds_a_face() {
     let mut rng = SplitMix64::new(SEED + 1);

@@ -1,4 +1,5 @@
-//! Manifolds of a half-space: compared with those of a large box, which has the same surface.
+//! Manifolds of a half-space: compared with the manifolds of a large box, which has the same
+//! surface.
 
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
@@ -53,7 +54,7 @@ fn rotation(body: &dyn Shape, rng: &mut SplitMix64, i: usize) -> DQuat {
 
 /// The deepest point, the number of points and the area agree with those on a box of a kilometre.
 #[test]
-fn a_half_space_is_a_large_box() {
+fn a_half_space_equals_a_large_box() {
     println!("seed {SEED:#x}");
     let packs = packs();
     let floor = HalfSpace::new(DVec3::Z, 0.0).unwrap();

@@ -111,7 +111,7 @@ fn answers_have_the_same_bits() {
     assert!(differ > 0 && differ < count / 4, "{differ} of {count}");
 }
 
-/// Of a lean hull that lies on a box, every face within [`TILT`] of the contact normal is found.
+/// Every face of a lean hull on a box is found that is within [`TILT`] of the contact normal.
 /// Points of a manifold are on both shapes.
 #[test]
 fn manifolds_of_lean_hulls_lie_on_both_shapes() {

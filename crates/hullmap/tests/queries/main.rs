@@ -1,5 +1,5 @@
-//! Queries by way of the public interface, against truths in f64. One binary, because each would
-//! compile the solver again.
+//! Tests of queries through the public interface, against ground truth in f64. One binary, so that
+//! the solver is compiled once.
 
 mod cascade;
 mod compound;

@@ -558,7 +558,6 @@ fn extreme_sizes_and_distances() {
     assert!(c.hit && c.depth_lower <= 0.5 + 1e-6 && c.depth_upper >= 0.5 - 1e-6 || c.depth > 0.5, "{c:?}");
 }
 
-/// A `Scaled` hull agrees with the hull of the scaled points, also if it is mirrored.
 #[test]
 fn scaled_hull_agrees_with_the_hull_of_scaled_points() {
     let points = Family::Rock.points(200, 3);

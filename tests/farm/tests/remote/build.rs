@@ -52,15 +52,15 @@ impl Setup {
         Self { server: FarmServer::start(), folder }
     }
 
-    /// Builds by way of the farm, in a checkout.
+    /// Builds on the farm, in a checkout.
     pub fn build(&self, checkout: &str, more: &str) -> Run {
         let (url, worker) = (self.server.url(), binary().display());
         let line = format!("build in --out o --json --remote {url} --remote-worker {worker} {more}");
         run(&self.folder.path().join(checkout), &line)
     }
 
-    /// Asserts that the packs of a checkout are those of the local build, and that nothing else is
-    /// there.
+    /// Asserts that the packs of a checkout equal those of the local build, and that there are no
+    /// other files.
     pub fn assert_equal(&self, checkout: &str) {
         let packs = |place: &str| contents(&self.folder.path().join(place));
         assert_eq!(packs(&format!("{checkout}/o")), packs("one/local"));
@@ -103,7 +103,7 @@ fn workers_bake_the_same_packs_and_every_checkout_shares_them() {
 }
 
 #[test]
-fn the_row_of_a_pack_is_that_of_a_local_bake() {
+fn rows_match_a_local_bake() {
     let setup = Setup::new();
     let strip = |run: Run| -> Vec<Value> {
         let mut rows = run.json();
@@ -192,7 +192,7 @@ fn interruptions_are_survived() {
 }
 
 #[test]
-fn a_server_that_is_away_is_an_error_or_a_warning() {
+fn an_unreachable_server_is_an_error_or_a_warning() {
     let setup = Setup::new();
     let folder = setup.folder.path().join("one");
     // A port that is free, because its listener is gone.

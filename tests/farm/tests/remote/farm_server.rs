@@ -78,7 +78,7 @@ pub struct Tls {
     pub certificate: String,
     /// Its key.
     pub key: String,
-    /// Who signs certificates of clients; `None`: clients need none.
+    /// Authority that signs client certificates; `None`: clients need none.
     pub clients: Option<String>,
 }
 
@@ -128,18 +128,12 @@ pub struct FarmServer {
 }
 
 impl FarmServer {
-    /// Starts a server on a free port of this machine.
-    ///
-    /// # Panics
-    /// If it cannot be started.
+    /// Starts a server on a free port of this machine. Panics if it cannot be started.
     pub fn start() -> Self {
         Self::start_with(None)
     }
 
-    /// The same; with certificates, for TLS only.
-    ///
-    /// # Panics
-    /// If it cannot be started.
+    /// The same; with certificates, for TLS only. Panics if it cannot be started.
     pub fn start_with(tls: Option<Tls>) -> Self {
         let state = Arc::new(Mutex::new(State { executes: true, ..State::default() }));
         let (stop, stopped) = oneshot::channel::<()>();
@@ -187,10 +181,7 @@ impl FarmServer {
         format!("grpc://{}", self.address)
     }
 
-    /// Number of requests with this name so far.
-    ///
-    /// # Panics
-    /// If the server panicked.
+    /// Number of requests with this name so far. Panics if the server panicked.
     pub fn requests(&self, name: &str) -> usize {
         self.state.lock().expect("no panic").requests.get(name).copied().unwrap_or_default()
     }

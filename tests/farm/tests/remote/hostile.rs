@@ -1,5 +1,5 @@
-//! `bake build --remote` against a farm that is out to harm: sizes, digests, paths, streams without
-//! end, huge messages, and text for the terminal.
+//! `bake build --remote` against a hostile farm: sizes, digests, paths, streams without end, huge
+//! messages, and text for the terminal.
 
 use std::fs;
 use std::time::Duration;
@@ -100,7 +100,7 @@ fn numbers_of_outputs_are_bounded() {
 }
 
 #[test]
-fn rows_that_are_no_rows_are_refused() {
+fn invalid_rows_are_refused() {
     let setup = warm();
     let honest = setup.server.state.lock().unwrap().results.clone();
     let nested = format!(r#"{{"source":{}"#, "[".repeat(100_000));
@@ -162,7 +162,7 @@ fn text_from_workers_is_bounded_and_escaped() {
 
 /// tonic panics when it reads this header.
 #[test]
-fn a_header_that_is_no_base64_ends_nothing() {
+fn an_invalid_base64_header_does_not_end_the_program() {
     let setup = Setup::new();
     setup.server.state.lock().unwrap().malice = Some(Malice::BrokenDetails);
     let run = setup.build("one", "").expect(0);
@@ -209,7 +209,7 @@ fn a_download_without_end_is_given_up() {
 
 /// A file that changes between hash and upload is not sent.
 #[test]
-fn uploads_are_what_was_hashed() {
+fn files_that_changed_after_hashing_are_not_uploaded() {
     let server = FarmServer::start();
     let client = Client::connect(Settings::new(server.url().parse().unwrap())).unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -245,7 +245,7 @@ fn values_of_headers_are_never_printed() {
 }
 
 #[test]
-fn headers_without_encryption_to_another_machine_are_warned_of() {
+fn unencrypted_headers_to_another_machine_get_a_warning() {
     let setup = Setup::new();
     let folder = setup.folder.path().join("one");
     // No such machine, by RFC 6761.

@@ -13,7 +13,7 @@ use crate::build::checkout;
 use crate::farm_server::{FarmServer, Tls};
 use crate::{binary, run};
 
-/// Someone who signs certificates.
+/// A certificate authority.
 struct Authority {
     pem: String,
     issuer: Issuer<'static, KeyPair>,
@@ -103,7 +103,7 @@ fn certificates_of_servers_are_checked_and_headers_stay_here() {
     }
 }
 
-/// A plain server that TLS is requested of.
+/// TLS is requested of a plain server.
 #[test]
 fn a_server_without_tls_is_named() {
     let authority = Authority::new();

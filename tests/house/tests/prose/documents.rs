@@ -1,4 +1,4 @@
-//! Every example in a document is run by something.
+//! Every example in a document is run by a test or a script.
 
 use std::{fs, path::Path};
 
@@ -6,7 +6,7 @@ use hullmap_tests::outside::workspace;
 
 use crate::readme::documents;
 
-/// Who follows whole sections by `.ci/examples`: a script that names the document and the heading.
+/// Whole sections that `.ci/examples` follows: the script names the document and the heading.
 const FOLLOWERS: [&str; 2] = [".ci/nightly", "crates/hullmap-wasm/tests/run"];
 
 /// Documents whose examples in a language are run by a test, which names the document.

@@ -37,7 +37,7 @@ fn the_examples_are_doctests() {
     }
 }
 
-/// The rows in the README are those that its first command prints, except for the time.
+/// The rows in the README equal the output of its first command, except for the time.
 #[test]
 fn the_table_is_what_the_command_prints() {
     let folder = tempfile::tempdir().unwrap();
@@ -69,7 +69,6 @@ fn the_table_is_what_the_command_prints() {
     }
 }
 
-/// A citation names the version of the workspace.
 #[test]
 fn the_citation_has_the_version() {
     let manifest = read("Cargo.toml");

@@ -66,7 +66,7 @@ fn assert_unseen_with(package: &str, others: &[&str], features: &[&[&str]]) {
 }
 
 #[test]
-fn the_runtime_sees_neither_the_baker_nor_its_libraries() {
+fn the_runtime_depends_neither_on_the_baker_nor_on_its_libraries() {
     assert_unseen(
         "hullmap",
         &["parry3d", "parry3d-f64", "tobj", "clap", "hullmap-bake", "hullmap-cli", "shapes", "serde"],
@@ -84,24 +84,24 @@ fn the_runtime_has_few_dependencies() {
 }
 
 #[test]
-fn the_format_sees_neither_reader_nor_writer() {
+fn the_format_depends_neither_on_reader_nor_on_writer() {
     assert_unseen("hullmap-format", &["hullmap", "hullmap-bake", "hullmap-cli", "parry3d", "rayon", "memmap2"]);
 }
 
 #[test]
-fn the_baker_sees_neither_the_runtime_nor_the_command_line() {
+fn the_baker_depends_neither_on_the_runtime_nor_on_the_command_line() {
     assert_unseen("hullmap-bake", &["hullmap", "hullmap-cli", "tobj", "clap", "indicatif", "memmap2", "serde_json"]);
     assert!(tree("hullmap-bake", "normal", &[]).contains("hullmap-format"));
 }
 
 #[test]
-fn import_sees_neither_the_runtime_nor_the_command() {
+fn import_depends_neither_on_the_runtime_nor_on_the_command() {
     assert_unseen("hullmap-import", &["hullmap", "hullmap-cli", "indicatif", "memmap2", "png", "notify", "shapes"]);
-    assert!(!tree("hullmap-import", "normal", &[]).contains("clap"), "only the feature speaks of flags");
+    assert!(!tree("hullmap-import", "normal", &[]).contains("clap"), "only the feature adds flags");
 }
 
 #[test]
-fn the_report_sees_neither_the_baker_nor_the_command() {
+fn the_report_depends_neither_on_the_baker_nor_on_the_command() {
     assert_unseen(
         "hullmap-report",
         &["hullmap-bake", "hullmap-import", "hullmap-cli", "clap", "parry3d-f64", "tobj", "notify"],
@@ -111,7 +111,7 @@ fn the_report_sees_neither_the_baker_nor_the_command() {
 }
 
 #[test]
-fn the_adapter_sees_neither_the_baker_nor_an_engine() {
+fn the_adapter_depends_neither_on_the_baker_nor_on_an_engine() {
     assert_unseen_with(
         "hullmap-parry",
         &["hullmap-bake", "hullmap-import", "hullmap-cli", "rapier3d", "shapes", "clap"],
@@ -125,7 +125,7 @@ fn the_adapter_sees_neither_the_baker_nor_an_engine() {
 }
 
 #[test]
-fn the_c_interface_sees_the_runtime_alone() {
+fn the_c_interface_depends_on_the_runtime_alone() {
     assert_unseen(
         "hullmap-c",
         &["hullmap-bake", "hullmap-import", "hullmap-cli", "shapes", "clap", "serde", "parry3d"],
@@ -134,7 +134,7 @@ fn the_c_interface_sees_the_runtime_alone() {
 }
 
 #[test]
-fn the_client_of_farms_knows_no_meshes() {
+fn the_client_of_farms_does_not_depend_on_meshes() {
     assert_unseen("hullmap-remote", &["hullmap", "hullmap-bake", "hullmap-format", "hullmap-import", "clap", "rayon"]);
     for package in ["tonic", "tokio", "rustls", "ring"] {
         assert!(!tree("hullmap-cli", "normal,build", &[]).contains(package), "only the feature connects to farms");
@@ -144,12 +144,12 @@ fn the_client_of_farms_knows_no_meshes() {
 
 /// Without the feature `command`, the package bakes in memory, also in WebAssembly.
 #[test]
-fn bakes_in_memory_know_no_command() {
+fn bakes_in_memory_do_not_depend_on_the_command() {
     let command = ["clap", "ctrlc", "hullmap-report", "indicatif", "notify", "tempfile", "toml"];
     assert_unseen_with("hullmap-cli", &command, &[&["--no-default-features"]]);
 }
 
-/// What two commands share lies outside `commands/`.
+/// Code that two commands share lies outside `commands/`.
 #[test]
 fn commands_do_not_import_from_each_other() {
     let commands = Path::new("crates/hullmap-cli/src/commands");
@@ -164,7 +164,7 @@ fn commands_do_not_import_from_each_other() {
 
 /// `cargo test` in a fresh clone compiles neither engines nor farms.
 #[test]
-fn default_members_see_neither_engines_nor_farms() {
+fn default_members_depend_neither_on_engines_nor_on_farms() {
     let output = cargo(["tree", "--locked", "--prefix", "none", "--format", "{p}", "--edges", "normal,build,dev"]);
     let text = String::from_utf8(output.stdout).unwrap();
     let seen: BTreeSet<&str> = text.lines().filter_map(|line| line.split_whitespace().next()).collect();
@@ -176,9 +176,9 @@ fn default_members_see_neither_engines_nor_farms() {
     }
 }
 
-/// Control for the tests above: the command sees both sides.
+/// Control for the tests above: the command depends on both sides.
 #[test]
-fn the_command_sees_both_sides() {
+fn the_command_depends_on_both_sides() {
     let seen = tree("hullmap-cli", "normal", &[]);
     for name in ["hullmap", "hullmap-bake", "hullmap-format", "hullmap-report", "tobj", "clap"] {
         assert!(seen.contains(name), "{seen:?}");
@@ -233,7 +233,7 @@ fn unsafe_code_is_in_few_files() {
     assert_eq!(found, [&allowed[..], &tests].concat(), "of {} files", sources.len());
     assert!(sources.len() > 50);
 
-    // Every crate root except those of tests also has the lint.
+    // Every crate root except in tests also has the lint.
     let roots: Vec<&PathBuf> = sources
         .iter()
         .filter(|path| ["lib.rs", "main.rs"].iter().any(|root| path.ends_with(Path::new("src").join(root))))

@@ -45,7 +45,7 @@ struct Arguments {
     seconds: f64,
 }
 
-/// What came of one mesh.
+/// Outcome of one mesh.
 enum Outcome {
     Rejected,
     Convex,

@@ -95,10 +95,8 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// The slowest query on each large pack, at three sizes.
-///
-/// # Panics
-/// If its time grows faster than the size, or a malicious pack is too slow for its size.
+/// The slowest query on each large pack, at three sizes. Panics if its time grows faster than the
+/// size, or a malicious pack is too slow for its size.
 fn large(largest_mb: usize) {
     let sizes = [largest_mb * 1_000_000 / 16, largest_mb * 1_000_000 / 4, largest_mb * 1_000_000];
     let mut times = Vec::new();

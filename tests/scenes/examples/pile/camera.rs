@@ -47,10 +47,7 @@ struct Image {
 }
 
 impl Camera {
-    /// A camera for this pit. The folder is created.
-    ///
-    /// # Errors
-    /// The folder cannot be created.
+    /// A camera for this pit. The folder is created. Fails if the folder cannot be created.
     pub fn new(folder: PathBuf, pit: &Pit) -> io::Result<Self> {
         std::fs::create_dir_all(&folder)?;
         // Fewer bodies make a lower pile.
@@ -62,10 +59,7 @@ impl Camera {
         Ok(Self { folder, position, axes, light: Vector::new(0.4, 0.8, 0.45).normalize() })
     }
 
-    /// Writes image number `frame` of the pit.
-    ///
-    /// # Errors
-    /// The file cannot be written.
+    /// Writes image number `frame` of the pit. Fails if the file cannot be written.
     pub fn shoot(&self, pit: &Pit, frame: usize) -> Result<(), Box<dyn std::error::Error>> {
         let samples = SIZE[0] * SIZE[1] * SAMPLES * SAMPLES;
         let mut image = Image { colours: vec![SKY; samples], nearness: vec![0.0; samples] };

@@ -148,10 +148,10 @@ pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
     )
 }
 
-/// Number of points from which those deep inside their hull are dropped before it is built.
+/// Number of points from which points deep inside the hull are dropped before it is built.
 const MANY: usize = 256;
 
-/// The points without those deep inside the hull of the farthest along a few directions.
+/// The points without those deep inside the hull of the farthest points along a few directions.
 fn outer(points: &[DVec3]) -> Vec<DVec3> {
     const STEPS: [f64; 3] = [-1.0, 0.0, 1.0];
     let directions: Vec<DVec3> =
@@ -232,7 +232,6 @@ pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Op
     None
 }
 
-/// Maximum number of steps of [`separation`].
 const MAX_STEPS: usize = 40;
 
 /// The point of the simplex nearest to `p`, and the corners of the smallest face that contains it.

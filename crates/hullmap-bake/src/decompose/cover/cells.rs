@@ -312,7 +312,7 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     let thickness = cutting.diagonal * super::THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
     let limit = if may_cut { cutting.limit } else { cutting.hard };
-    // What some of the corners show is true of all.
+    // If the hull of some corners protrudes, so does the hull of all.
     let is_refuted = piece.corners.len() > 2 * MAX_SAMPLED && {
         let stride = piece.corners.len().div_ceil(MAX_SAMPLED);
         let some: Vec<DVec3> = piece.corners.iter().step_by(stride).copied().collect();
@@ -525,7 +525,7 @@ fn concave_edges(triangles: &[[DVec3; 3]], diagonal: f64) -> Vec<Edge> {
     sides.sort_unstable();
     let mut edges = Vec::new();
     for run in sides.chunk_by(|a, b| a.0 == b.0) {
-        // An edge of many faces is no edge of a solid.
+        // An edge of more than two faces is not an edge of a solid.
         if run.len() < 2 || run.len() > 8 {
             continue;
         }

@@ -20,7 +20,7 @@ pub fn choose(sets: &[&Bits], cost: &[f64], size: usize, steps: usize) -> Vec<us
         count: vec![0; size],
         weight: vec![1; size],
         changed: vec![0; sets.len()],
-        // What no set covers does not count.
+        // Ignore numbers that no set covers.
         uncovered: (0..size).filter(|i| !holders[*i].is_empty()).count(),
     };
     // Greedy start.

@@ -19,7 +19,7 @@ use super::body::{Body, separation};
 use super::cells::{self, Cell};
 use super::field::Field;
 
-/// What all growths share: the cells, their neighbours, and the solid.
+/// Data shared by all growths: the cells, their neighbours, and the solid.
 pub struct Ground<'a> {
     /// The cells.
     pub cells: &'a [Cell],
@@ -174,7 +174,7 @@ impl<'a> Ground<'a> {
             }
             tried = Bits::new(self.cells.len());
             growth.members.iter().for_each(|cell| tried.insert(*cell as usize));
-            // What was rejected stays rejected, but only what was rejected: see `Growth::rejected`.
+            // Only cells in `Growth::rejected` stay rejected.
             growth.rejected.iter().for_each(|cell| tried.insert(*cell as usize));
         }
     }
@@ -373,7 +373,8 @@ struct Planes {
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
-    /// What is below has a lower dot product with the normal. Without a plane, nothing is below.
+    /// A point below a plane has a lower dot product with its normal. Nothing is below a missing
+    /// plane.
     offset: Vec<f64>,
 }
 

@@ -73,10 +73,9 @@ const RESERVES: [f64; 2] = [0.96, 0.8];
 /// Maximum number of proven parts that is accepted, relative to the number before proofs.
 const ACCEPTED: f64 = 1.1;
 
-/// Number of cells above which cells are only cut where they must be.
+/// Number of cells above which cells are cut only where necessary.
 const MAX_CELLS: usize = 3000;
 
-/// Number of steps of the set cover.
 const COVER_STEPS: usize = 3000;
 
 /// Maximum number of rounds in which parts are grown to replace others.
@@ -91,7 +90,7 @@ const HOPELESS: f64 = 0.3;
 /// Number of sweeps after which a few parts are proven, to see whether there is enough reserve.
 const PROBED: usize = 2;
 
-/// Number of parts that are proven then.
+/// Number of parts that are proven at that point.
 const PROBES: usize = 6;
 
 /// Distance between forbidden points that count as close, relative to the limit.
@@ -191,7 +190,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
     what.stage.reach(CELLS);
     let mut best: Option<Vec<(Hull, f64)>> = None;
     let mut failed: Vec<(usize, f64, Attempt)> = Vec::new();
-    // What is too far for one attempt is too far for the next, which is stricter.
+    // Points that are too far for one attempt are too far for the next, which has a lower limit.
     let mut known: Vec<DVec3> = Vec::new();
     for (index, reserve) in RESERVES.into_iter().enumerate() {
         let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
@@ -215,7 +214,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
             break;
         }
     }
-    // What failed is worth more work only if it may become better.
+    // Finish a failed attempt only if it may need fewer parts.
     failed.sort_by_key(|(least, ..)| *least);
     for (least, reserve, attempt) in failed {
         if best.as_ref().is_none_or(|best| least < best.len() && !what.is_over()) {
@@ -229,7 +228,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
     best
 }
 
-/// Chosen parts, and what became of their proofs.
+/// Chosen parts, and the outcome of their proofs.
 struct Attempt {
     /// Number of parts chosen before the proofs.
     hoped: usize,
@@ -483,7 +482,7 @@ fn flat(bounds: &Bounds) -> f64 {
 /// Proven parts that replace a part that could not be proven: together they contain its cells.
 fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<(Hull, f64)> {
     let size = ground.cells.len();
-    // What lies in the part's hull may lie in none of its pieces.
+    // A cell in the part's hull may be in none of its pieces.
     let all: Vec<u32> = ground.part(members).covers.iter().map(|i| i as u32).collect();
     let mut parts = Vec::new();
     let mut stack = vec![(all, 0)];
@@ -629,7 +628,7 @@ fn forbidden(triangles: &[[DVec3; 3]], ground: &Ground) -> Vec<DVec3> {
     found.into_par_iter().filter(|p| field.is_beyond(*p, ground.limit)).collect()
 }
 
-/// What a sweep found.
+/// Result of a sweep.
 struct Swept {
     /// The parts.
     found: Vec<Candidate>,

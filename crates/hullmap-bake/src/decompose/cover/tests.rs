@@ -197,7 +197,7 @@ fn triangle_soups_are_covered() {
     }
 }
 
-/// The bar of a build stood still while a mesh was decomposed.
+/// Regression: the progress bar stood still while a mesh was decomposed.
 #[test]
 fn progress_moves_within_a_mesh() {
     let mesh = point_set(&concave::horseshoe(48));
@@ -214,7 +214,11 @@ fn progress_moves_within_a_mesh() {
         });
         let parts = crate::decompose::decompose_in(&mesh, &Cover::default(), progress.whole()).unwrap().unwrap();
         is_done.store(true, std::sync::atomic::Ordering::Relaxed);
-        assert_eq!(parts.len(), decompose(&mesh, &Cover::default()).unwrap().unwrap().len(), "nothing depends on it");
+        assert_eq!(
+            parts.len(),
+            decompose(&mesh, &Cover::default()).unwrap().unwrap().len(),
+            "progress changes no result"
+        );
         watcher.join().unwrap()
     });
     assert!(seen.len() > 5 && progress.share() >= 0.9, "{seen:?}, {}", progress.share());

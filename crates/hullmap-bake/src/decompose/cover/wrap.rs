@@ -4,8 +4,8 @@
 //! # Steps
 //! 1. Start with the planes of the largest faces.
 //! 2. Find a point of the polytope that is too far from the solid: a vertex, a point of a face, or
-//!    what the proof found. Add the plane of a large face that cuts it off. Repeat.
-//! 3. Drop planes, those of small faces first, as long as nothing becomes too far.
+//!    a point that the proof found. Add the plane of a large face that cuts it off. Repeat.
+//! 3. Drop planes, small faces first, as long as nothing becomes too far.
 //!
 //! All planes are moved outward by more than rounding to f32 moves a vertex, so that the hull of
 //! the rounded vertices contains the part.
@@ -332,7 +332,7 @@ impl Faces<'_> {
 
     /// Of the points of the polytope that are too far from the solid, the farthest from the body.
     fn too_far(&self, planes: &[Plane], vertices: &[DVec3]) -> Option<DVec3> {
-        // A point on a face is in, whatever the rounding error.
+        // A point on a face counts as inside, whatever the rounding error.
         let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= 2.0 * self.room);
         if let Some(point) = self.refuted.iter().find(is_in) {
             return Some(*point);

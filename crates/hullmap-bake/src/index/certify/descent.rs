@@ -1,4 +1,4 @@
-//! The way of all arcs through the nodes of an index, down to its leaves.
+//! Follows all arcs through the nodes of an index, down to its leaves.
 //!
 //! - A grid (the squares of a branch, two halves, or the cells of a cube map) hands each arc to the
 //!   cells that it crosses. Neighbouring cells with the same slot are one cell.
@@ -29,7 +29,8 @@ const UNIT_SQ: std::ops::RangeInclusive<f64> = 0.999..=1.001;
 /// Angles that a wedge of a fan may cover to be treated as convex: less than half a turn.
 const CONVEX: f64 = 0.45 * fan::TURN;
 
-/// Where a wedge that is too wide is cut: not in the middle, where symmetric hulls have borders.
+/// Where a wedge that is too wide is cut: not at the middle, since symmetric hulls have borders
+/// there.
 const CUT: f64 = 0.414;
 
 /// A square of the grid, or half of one.
@@ -99,8 +100,8 @@ struct Frame {
 impl Frame {
     /// The plane through the axis at an angle. Greater angles lie in front, up to half a turn.
     ///
-    /// A query computes [`fan::angle`], the baker its inverse. They are compared: a mistake in the
-    /// inverse must not pass here because it was made in the baker, too.
+    /// A query computes [`fan::angle`], the baker its inverse. Both are compared, so that a mistake
+    /// in the inverse is found here although the baker makes it too.
     fn line(&self, face: u32, angle: f64) -> Option<Line> {
         let [x, y] = fan::point(angle);
         let turns = (fan::angle(x, y) - angle) / fan::TURN;
@@ -275,7 +276,8 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         // one of that step's angles.
         let known = cell.turn.filter(|turn| turn.axes == [x, y]).map(|turn| turn.angles);
         let [low, high] = known.unwrap_or([-1.0, fan::TURN - 1.0]);
-        // Directions before the first step are located in it, and those after the last one in that.
+        // Directions before the first step are located in the first step, and directions after the
+        // last one in the last.
         let steps = 1 << bits;
         let border = |step: usize| match step {
             0 => low,

@@ -49,7 +49,7 @@ pub struct Cell {
     pub face: u32,
     /// Lower and upper corner of the square, widened.
     pub square: [[f64; 2]; 2],
-    /// Below planes or fans, what they leave of it.
+    /// Below planes or fans, the part of the square that they leave.
     pub part: Option<Part>,
     /// Below a fan, the step of the innermost one.
     pub turn: Option<Turn>,
@@ -112,7 +112,7 @@ impl Line {
 }
 
 impl Part {
-    /// What lies in front of a plane; `None` if no direction leads there.
+    /// The part in front of a plane; `None` if no direction leads there.
     pub fn clip(&self, line: Line, margin: Margin) -> Option<Self> {
         let reach = clip(&self.reach, |p| line.height(p) + margin.reach);
         let core = clip(&self.core, |p| line.height(p) - margin.core);

@@ -27,11 +27,8 @@ use crate::runner::rows::{Row, Status};
 use crate::runner::{self, print_messages, write_rows};
 use crate::terminal::Output;
 
-/// Runs the command.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read; found before any work. Failures of single files are
-/// reported in their rows and in the exit code.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read; found before any work.
+/// Failures of single files are reported in their rows and in the exit code.
 pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let project = Path::new(".");
@@ -132,7 +129,7 @@ fn build(
     depfile.map(|()| exit)
 }
 
-/// Runs jobs here, or by way of a farm.
+/// Runs jobs here, or on a farm.
 fn run_jobs(args: &BuildArgs, jobs: &[&Job], build: &Build) -> Result<Vec<(Row, Exit)>, Failure> {
     #[cfg(feature = "remote")]
     if args.remote.address.is_some() {

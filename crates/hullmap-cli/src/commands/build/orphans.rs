@@ -48,10 +48,8 @@ const NAME_ALONE: &str = "it is not pruned, because it does not record its sourc
 ///
 /// An orphan may be removed if this build would write the pack of the recorded source to that very
 /// path. The recorded path of a pack that was copied, moved or renamed leads elsewhere, so its
-/// source may still exist.
-///
-/// # Complexity
-/// One walk over `out`; packs that the build writes are not opened.
+/// source may still exist. Complexity: one walk over `out`; packs that the build writes are not
+/// opened.
 pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec<Orphan> {
     let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
     let mut by_folder: HashMap<&Path, Vec<&Job>> = HashMap::new();
@@ -74,7 +72,7 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: 
     let folders: Vec<PathBuf> = inputs.iter().filter(|input| !input.is_file()).map(|input| input.join(below)).collect();
     // If the system reports another error, the file may exist.
     let may_be_there = |path: &Path| path.try_exists().unwrap_or(true);
-    // What lies outside the project is none of the pack's business.
+    // Paths that lead out of the project are not followed.
     let is_inside =
         project_of(pack, below, project).is_some_and(|project| project.find(&recorded_place) != Found::Outside);
     if is_inside && let Some(orphan) = renamed(pack, &recorded_place, beside) {

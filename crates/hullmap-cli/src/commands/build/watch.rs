@@ -28,10 +28,8 @@ const MAX_DELAY: Duration = Duration::from_secs(5);
 /// Maximum number of changed files in a message.
 const MAX_NAMED: usize = 5;
 
-/// Builds until the process is interrupted. Errors are printed, and do not end the loop.
-///
-/// # Errors
-/// The system cannot watch files, or the output cannot be written.
+/// Builds until the process is interrupted. Errors are printed, and do not end the loop. Fails if
+/// the system cannot watch files, or the output cannot be written.
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
     let (sender, events) = channel();
     // The receiver is only gone at the end of the process.

@@ -1,4 +1,4 @@
-//! A hull on its way out of a pack: name, vertices and faces, without its index.
+//! A hull to export: name, vertices and faces, without its index.
 
 use hullmap::Hull;
 use hullmap_import::UpAxis;
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::geometry::{polygons, positions};
 
-/// A hull to be written. Field names are those of the JSON.
+/// A hull to be written. Field names are the JSON's.
 #[derive(Clone, Debug, Serialize)]
 pub struct Body {
     /// Name in the file.

@@ -30,10 +30,7 @@ const F32: u32 = 5126;
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// The file.
-///
-/// # Errors
-/// It would be larger than 4 GiB, the limit of its header.
+/// The file. Fails if it would be larger than 4 GiB, the limit of its header.
 pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
     let mut buffer = Vec::new();
     let (mut views, mut accessors, mut meshes, mut nodes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

@@ -1,6 +1,6 @@
-//! `bake export`: hulls out of packs, as meshes that other programs read.
+//! `bake export`: exports hulls as meshes that other programs read.
 //!
-//! 1. Of each pack, hulls are selected and, for an engine, named by its rules (`names`).
+//! 1. Select the hulls of each pack and, for an engine, name them by its rules (`names`).
 //! 2. Each file is written in memory (`obj`, `stl`, `glb`, JSON, `robot`).
 //! 3. If a target exists, nothing of its pack is written. Each file is written to a temporary file
 //!    and renamed. With several packs, `--out` mirrors the folders of the packs.
@@ -42,7 +42,7 @@ use robot::Robot;
 /// Maximum number of hull names in a message.
 const NAMES_IN_MESSAGE: usize = 5;
 
-/// The hulls of a pack as JSON. Field names are those of the JSON.
+/// The hulls of a pack as JSON. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct ExportedPack<'a> {
     /// Path of the source as the pack records it.
@@ -62,7 +62,7 @@ struct ExportedFile {
     counts: Option<[usize; 3]>,
 }
 
-/// What is written of each pack.
+/// What to write for each pack.
 struct Export<'a> {
     args: &'a ExportArgs,
     format: Format,
@@ -133,7 +133,6 @@ impl Export<'_> {
         Some(out.join(&place.below).join(name))
     }
 
-    /// Exports one pack.
     fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let (args, path) = (self.args, place.path.as_path());
         let pack = open_pack(path)?;
@@ -323,7 +322,7 @@ impl Export<'_> {
     }
 
     /// Name of the node or object of the source mesh, by which Unreal finds collision parts, if the
-    /// hulls of the pack have that of the file instead. A note is printed if it is not known.
+    /// hulls of the pack are named after the file instead. Prints a note if it is unknown.
     fn render_mesh(&self, place: &PackPlace, pack: &Pack) -> Option<String> {
         let options = BuildOptions::from_recorded(pack.options())?;
         if options.import().split != Split::None || pack.source_path().is_empty() {
@@ -358,7 +357,7 @@ fn files(
 ) -> Result<Vec<ExportedFile>, Failure> {
     let fault = |message: String| Failure::rejected(format!("{}: {message}", path.display()));
     if !is_folder {
-        // The name is that of `--out`.
+        // `--out` states the name.
         return Ok(vec![file(args, pack, format, String::new(), &bodies).map_err(fault)?]);
     }
     let stems = names::unique(bodies.iter().map(|body| names::token(&body.name)).collect());
@@ -377,7 +376,7 @@ fn files(
         Some(Target::Urdf) => Some((format!("{name}.urdf"), robot.urdf())),
         _ => None,
     };
-    // Last, so that the files that it names are there when it is.
+    // Last, so that the files that it names exist when it does.
     files.extend(document.map(|(name, text)| ExportedFile { name, bytes: text.into_bytes(), counts: None }));
     Ok(files)
 }

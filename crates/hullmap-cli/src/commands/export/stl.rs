@@ -13,10 +13,7 @@ const COMMENT: &[u8] = b"convex hull, exported by bake";
 /// Bytes of the comment.
 const COMMENT_LEN: usize = 80;
 
-/// The file.
-///
-/// # Errors
-/// It would have more triangles than its header can count.
+/// The file. Fails if it would have more triangles than its header can count.
 pub fn write(body: &Body) -> Result<Vec<u8>, String> {
     let count = body.triangles().count();
     let count = u32::try_from(count).map_err(|_| format!("has {count} triangles, but STL counts to {}", u32::MAX))?;

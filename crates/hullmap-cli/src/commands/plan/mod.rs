@@ -1,7 +1,7 @@
 //! `bake plan`: the work of a build as tasks, as JSON or for Ninja.
 //!
-//! A task is a batch of meshes. Nothing is baked, and which packs are fresh does not matter: the
-//! program that runs a task leaves fresh packs alone.
+//! A task is a batch of meshes. Nothing is baked. Fresh packs are planned as well: the program that
+//! runs a task leaves them alone.
 
 mod ninja;
 
@@ -17,11 +17,8 @@ use crate::jobs::{Job, Talk, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
 
-/// Runs the command.
-///
-/// # Errors
-/// An input or `hullmap.toml` cannot be read, or a path cannot be written. A mesh that cannot be
-/// read is reported and left out.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read, or a path cannot be
+/// written. A mesh that cannot be read is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, mut exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();

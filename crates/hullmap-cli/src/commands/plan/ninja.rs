@@ -23,10 +23,7 @@ rule task
   restat = 1
 ";
 
-/// The edge of a task.
-///
-/// # Errors
-/// A path contains a line break, which Ninja cannot read.
+/// The edge of a task. Fails if a path contains a line break, which Ninja cannot read.
 pub fn build(task: &Task) -> Result<String, String> {
     let mut task = task.clone();
     let (mut packs, mut sources) = (Vec::new(), Vec::new());

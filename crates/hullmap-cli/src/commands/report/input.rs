@@ -19,11 +19,8 @@ use crate::source::{Folders, Recorded, Search, Source, find_source};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
 /// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it. `folders`
-/// remembers the folders that were read for other packs.
-///
-/// # Errors
-/// The pack cannot be read or is invalid, or `--source` leads to no file. Faults of a pack that
-/// opens are part of the analysis.
+/// remembers the folders that were read for other packs. Fails if the pack cannot be read or is
+/// invalid, or `--source` leads to no file. Faults of a pack that opens are part of the analysis.
 pub fn analyse_pack(
     place: &PackPlace,
     given: Option<&Path>,

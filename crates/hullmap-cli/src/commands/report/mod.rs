@@ -27,12 +27,9 @@ use crate::terminal::{self, Output};
 use input::analyse_pack;
 use shards::ShardCards;
 
-/// Runs the command.
-///
-/// # Errors
-/// The input cannot be read or holds no pack, a single pack does not open, or a page cannot be
-/// written. Faults of packs that open, and single packs of a folder that do not, are reported on
-/// the pages.
+/// Runs the command. Fails if the input cannot be read or holds no pack, a single pack does not
+/// open, or a page cannot be written. Faults of packs that open, and single packs of a folder that
+/// do not, are reported on the pages.
 pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.out.is_dir() || args.out.file_name().is_none() {
         let message = format!("--out {}: is a folder; name the HTML file to write", args.out.display());

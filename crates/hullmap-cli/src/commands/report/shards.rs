@@ -35,10 +35,8 @@ pub fn file(pages: &Path, shard: Shard) -> PathBuf {
     pages.join(format!("shard-{}-of-{}.json", shard.index(), shard.count()))
 }
 
-/// The cards of all `names`, in that order, from the files in the folder of the pages.
-///
-/// # Errors
-/// A shard or a card is missing, or a file cannot be read or is not what a shard has written.
+/// The cards of all `names`, in that order, from the files in the folder of the pages. Fails if a
+/// shard or a card is missing, or a file cannot be read or is not what a shard has written.
 pub fn merged(pages: &Path, names: &[String]) -> Result<Vec<Card>, Failure> {
     let shards = read_all(pages)?;
     let Some(count) = shards.first().map(|shard| shard.count) else {
@@ -47,7 +45,7 @@ pub fn merged(pages: &Path, names: &[String]) -> Result<Vec<Card>, Failure> {
         return Err(Failure::usage(message));
     };
     if shards.iter().any(|shard| shard.count != count) {
-        let message = "it has reports for different numbers of shards; remove those of the wrong number";
+        let message = "it has reports for different numbers of shards; remove the reports for the wrong number";
         return Err(Failure::usage(format!("{}: {message}", pages.display())));
     }
     let mut cards: BTreeMap<String, Card> = BTreeMap::new();

@@ -6,10 +6,7 @@ use hullmap_report::DisplayMesh;
 use crate::source::Source;
 
 /// The mesh of each point set of the source: its faces if the file has any, otherwise its points
-/// alone.
-///
-/// # Complexity
-/// O(corners), except for concave polygons.
+/// alone. Complexity: O(corners), except for concave polygons.
 pub fn source_meshes(source: &Source) -> Vec<DisplayMesh> {
     let pairs = source.point_sets.iter().zip(&source.faces);
     pairs.map(|(set, faces)| display_mesh(&set.positions, faces)).collect()
@@ -37,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn edges_are_those_of_faces() {
+    fn edges_match_the_faces() {
         let points = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [1.0, 1.0, 5.0], [0.0, 1.0, 5.0], [2.0, 2.0, 2.0]];
         let mut faces = Polygons::default();
         faces.push(&[0, 1, 2, 3]);

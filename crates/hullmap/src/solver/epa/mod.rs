@@ -104,7 +104,7 @@ pub(crate) struct Search {
     keeps: bool,
 }
 
-/// How far an expansion has come.
+/// Progress of an expansion.
 pub(in crate::solver) enum Progress {
     /// It needs the support point in this direction.
     Ask(DVec3),
@@ -273,7 +273,7 @@ pub(in crate::solver) fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         match progress {
             Progress::Ask(dir) => progress = search.continue_with(m.point(dir), m, cache, &mut room),
             Progress::Ended(Some(expansion)) => return expansion,
-            // Only an expansion from the cache's polytope ends so.
+            // Only an expansion from the cache's polytope ends this way.
             Progress::Ended(None) => return State::new(Bound::none()).out,
         }
     }
@@ -329,7 +329,7 @@ fn expand_on_stack<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    /// Apart, since most expansions do not need its stack.
+    /// A function of its own, since most expansions do not need its stack.
     #[inline(never)]
     fn expand_to_the_limit<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &mut Minkowski<'_, A, B>,
@@ -344,10 +344,10 @@ fn expand_on_stack<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     expand_in(m, medium, &mut big, state, terms).unwrap_or_else(|big| expand_to_the_limit(m, big, state, terms))
 }
 
-/// Moves the surface into `larger` and expands it there, without turns.
+/// Moves the surface into `larger` and expands it there without suspending.
 ///
 /// # Errors
-/// That polytope is full, too, which the state reports.
+/// That polytope is full too; the state reports it.
 fn expand_in<
     'p,
     A: SupportMap + ?Sized,

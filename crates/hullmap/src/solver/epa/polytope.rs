@@ -90,7 +90,6 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     w: [[f64; V]; 3],
     /// The points of A, in A's frame.
     a: [DVec3; V],
-    /// The features of A and B.
     features: [[u32; 2]; V],
     point_count: usize,
     /// Squares of the offsets, with the signs of the offsets. So faces that are never selected cost
@@ -304,7 +303,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.nearest
     }
 
-    /// Searches the face with the minimum offset.
+    /// Searches for the face with the minimum offset.
     #[inline(always)]
     fn find_nearest(&self) -> usize {
         // A small polytope always compares the same number of chunks, so there is no branch to
@@ -429,8 +428,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     fn join_last_vertex(&mut self, x: f64, y: f64, z: f64, face: usize) -> Result<(), InsertError> {
         let w = DVec3::new(x, y, z);
         let (removed, horizon) = self.walk_horizon(w, face)?;
-        // Of the faces that stay. The processor searches it while it computes the planes of the new
-        // faces.
+        // The nearest of the faces that stay. The processor overlaps this search with the planes of
+        // the new faces.
         let nearest = self.find_nearest();
         self.assign_slots(removed, horizon)?;
         self.build_fan(w, horizon, nearest)

@@ -139,7 +139,7 @@ struct Probe {
     touching: bool,
 }
 
-/// What comes after steps 1 and 2.
+/// Outcome of steps 1 and 2.
 pub(super) enum Next {
     /// A support query along the normal of this face.
     Ask(Aim),
@@ -165,8 +165,8 @@ impl Aim {
     }
 }
 
-/// Expands the polytope, without turns. Returns true when the search has ended, and false when the
-/// polytope is full.
+/// Expands the polytope without suspending. Returns true when the search has ended, and false when
+/// the polytope is full.
 pub(super) fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
     m: &mut Minkowski<'_, A, B>,
     polytope: &mut Polytope<V, F>,
@@ -268,7 +268,7 @@ impl Probe {
         }
     }
 
-    /// How a search ends that this support plane finishes.
+    /// How the search ends if this support plane finishes it.
     fn end(&self) -> End {
         if self.separated {
             End::Separated
@@ -304,7 +304,7 @@ impl State {
     /// Whether the bounds are as close as the goal requires.
     #[inline(always)]
     fn is_close(&self, terms: &Terms) -> bool {
-        // No bound yet is infinite, and infinity is within a tolerance of infinity.
+        // A missing bound is infinite, and infinity is within a tolerance of infinity.
         let upper = self.out.bound.upper;
         upper < f64::INFINITY && terms.are_close(upper, self.out.lower)
     }

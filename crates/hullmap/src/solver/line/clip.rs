@@ -117,7 +117,7 @@ impl Clip {
         }
     }
 
-    /// Directions across the line: with the line's own an orthonormal frame.
+    /// Two directions across the line; with the line's direction they form an orthonormal frame.
     pub(super) fn across(&self) -> [DVec3; 2] {
         let (x, y) = self.direction.any_orthonormal_pair();
         [x, y]

@@ -117,14 +117,14 @@ pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     let mut search = Search::new(m, clip);
     let mut entry = find(&mut search, query);
-    // Whatever the search found before the last plane: that plane is the proof of a miss.
+    // The last plane proves a miss, whatever the search found before it.
     if search.clip.is_empty() {
         entry = Entry::miss(search.clip.last, search.steps);
     }
     Entry { iterations: search.steps, ..entry }
 }
 
-/// Steps 2 to 4. What it returns does not count if the clip is empty.
+/// Steps 2 to 4. The result is meaningless if the clip is empty.
 fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, '_, A, B>, query: &Query) -> Entry {
     let Discovery::Portal(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
     let limit = query.max_iterations.min(MAX_STEPS);
@@ -224,8 +224,8 @@ fn answer(clip: &Clip, status: Status, [lower, at, upper]: [f64; 3], [entry, ahe
     Entry { status, at, lower, upper, normal, points, iterations: 0 }
 }
 
-/// The points of A, and of B after its motion, at a parameter of the line: those of the entry, or,
-/// if that is behind, those between it and the portal ahead.
+/// The points of A, and of B after its motion, at a parameter of the line: the points of the entry,
+/// or, if it is behind, points between it and the portal ahead.
 fn points_at(clip: &Clip, parameter: f64, [entry, ahead]: [&Portal; 2]) -> [DVec3; 2] {
     let points = |portal: &Portal| {
         let (pierced, corners) = (portal.pierced(), portal.corners.map(|corner| corner.point));
@@ -255,7 +255,7 @@ fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 }
 }
 
-/// The point that these two are, where the line starts inside of the set.
+/// The common point of these two, if the line starts inside the set.
 fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     search: &mut Search<'_, '_, A, B>,
     points: [DVec3; 2],

@@ -40,15 +40,16 @@ const FLAT_ERRORS: f64 = 2.0;
 const NUDGE: [f64; 3] = [0.41, 0.33, 0.26];
 
 /// The corner that the new one replaces. The index has a bit for each corner: whether the line is
-/// on the left of the edge from the new corner to it. By a table, since the branches of a choice
-/// would be mispredicted half of the time.
+/// on the left of the edge from the new corner to it. A table, since branches would be mispredicted
+/// half of the time.
 const REPLACED: [usize; 8] = [1, 2, 0, 0, 1, 2, 1, 1];
 
 /// Maximum distance of the line from the point of the areas' weights, relative to the portal's
 /// extent. The areas of a sliver are rounding error, and so are their weights.
 const MAX_RESIDUAL: f64 = 1e-12;
 
-/// A clearance that the ball around the centre proves is enough if it is this share of its radius.
+/// Share of the radius of the ball around the centre from which the clearance that the ball proves
+/// is enough.
 const ROOM: f64 = 1.0 / 16.0;
 
 /// A point of the Minkowski difference in the line's frame.

@@ -29,7 +29,7 @@
 //!   the centre is the origin.
 //! - The sides are closed half-spaces, so a ray through an edge or a vertex does not loop for ever.
 //!   The number of steps is limited, and reaching a limit is an outcome. A portal without area, or
-//!   flat against v0, is none.
+//!   flat against v0, does not count as one.
 //! - Directions of phase one are not normalised. Comparisons with a length are squared instead.
 //! - The paper's absolute tolerance 0.001 is relative to the support value here, and rounding error
 //!   is relative to the size of the query.
@@ -82,18 +82,18 @@ pub(in crate::solver) enum Side {
     Undecided,
 }
 
-/// What a search found. The points belong to it: the portal, or those seen last.
+/// Outcome of a search, with its points: the portal, or the last points queried.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) enum Found {
     /// A separating axis, from A to B and not of unit length.
     Separated { axis: DVec3 },
-    /// A portal, and where the origin is as far as it shows.
+    /// A portal, and the position of the origin as far as it is known.
     Portal(Side),
     /// No portal: the difference is flat, or the limit on the steps was reached.
     Nothing,
 }
 
-/// What the next support point is for.
+/// Purpose of the next support point.
 #[derive(Clone, Copy, Debug)]
 enum Phase {
     /// v1, towards the origin.
@@ -148,7 +148,7 @@ impl Search {
         }
     }
 
-    /// The portal, or the points seen last if there is none.
+    /// The portal, or the last points queried if there is none.
     pub(in crate::solver) fn portal(&self) -> &Portal {
         &self.portal
     }

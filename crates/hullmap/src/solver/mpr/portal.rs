@@ -33,8 +33,8 @@ impl Portal {
     }
 
     /// Whether the origin is certainly in the convex hull of the portal and the ball of
-    /// `inner_radius` around v0: in their tetrahedron, or beside it by less than the ball makes
-    /// room for.
+    /// `inner_radius` around v0: in their tetrahedron, or beside it by less than the room that the
+    /// ball leaves.
     ///
     /// `rounding` is the error of the points. The error of a height over a face is `rounding` over
     /// the sine of the angle between two edges of the face. So volumes are compared with `rounding`

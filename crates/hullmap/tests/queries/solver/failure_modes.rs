@@ -195,7 +195,8 @@ fn interior_point_on_the_boundary() {
     let cube = cube_without_inner_ball();
     let mut rng = SplitMix64::new(9);
     for corner in cube.points.clone().into_iter().chain([DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::splat(1.5)]) {
-        // The last point is outside, which the trait forbids. The answer must be right even so.
+        // The last point is outside, which the trait forbids. The answer must be correct
+        // nevertheless.
         let skewed = PointCloud::around(cube.points.clone(), corner);
         for _ in 0..50 {
             let pose = rng.pose(3.0);
