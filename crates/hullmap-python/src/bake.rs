@@ -33,7 +33,9 @@ pub fn bake_arrays(
     report: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Pack> {
     let meshes = meshes.iter().map(copy).collect::<PyResult<Vec<MeshArrays>>>()?;
-    bake(py, threads, report, move |stage| hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack))
+    bake(py, threads, report, move |stage| {
+        hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack)
+    })
 }
 
 /// Bakes a mesh file. `report` is called with the share that is done.

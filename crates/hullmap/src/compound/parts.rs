@@ -1,7 +1,7 @@
 //! What a query of compounds takes as A and B: a compound, or a single shape.
 
-use super::Compound;
 use super::bvh::Nodes;
+use super::members::Compound;
 use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::shapes::Shape;

@@ -19,9 +19,9 @@ use hullmap_format::{
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
-use crate::support::facets::FacetTable;
+use crate::support::facet_table::FacetTable;
 use crate::support::index::Index;
-use crate::support::simd::Dispatch;
+use crate::support::simd::{Dispatch, HOT_BYTES};
 
 pub use arrays::HullArrays;
 pub use mass::MassProperties;
@@ -57,9 +57,6 @@ pub struct Hull<'a> {
     quads: &'a [ArchivedQuad],
     outer_vertices: &'a [[f32_le; 3]],
 }
-
-/// Bytes of a [`Hull`] that support queries and the solver read.
-pub(crate) const HOT_BYTES: usize = 128;
 
 const _: () = assert!(offset_of!(Hull<'_>, neighbour_starts) <= HOT_BYTES);
 
