@@ -57,7 +57,8 @@ pub fn add_edges(sources: &Sources, graph: &mut Graph) {
         let imports = imports.map(|import| (&import.path, import.is_public));
         for (path, is_public) in imports.chain(module.paths.iter().map(|path| (path, false))) {
             // A parent that re-exports an item of a child does not use it.
-            let is_child = |found: usize| successors(Some(found), |at| modules.all[*at].parent).any(|above| above == at);
+            let is_child =
+                |found: usize| successors(Some(found), |at| modules.all[*at].parent).any(|above| above == at);
             if let Some(found) = modules.resolve(at, path, 0).filter(|found| !is_public || !is_child(*found)) {
                 graph.add(&module.file, &modules.all[found].file, &path.join("::"));
             }
@@ -137,7 +138,10 @@ impl Modules<'_> {
                     let start = i;
                     i += 1;
                     if matches!(tokens[start], TokenTree::Ident(_)) {
-                        while word(i) == ":" && word(i + 1) == ":" && matches!(tokens.get(i + 2), Some(TokenTree::Ident(_))) {
+                        while word(i) == ":"
+                            && word(i + 1) == ":"
+                            && matches!(tokens.get(i + 2), Some(TokenTree::Ident(_)))
+                        {
                             i += 3;
                         }
                         let path: Vec<String> = words[start..i].iter().filter(|word| *word != ":").cloned().collect();
@@ -204,14 +208,14 @@ impl Modules<'_> {
         if module.items.contains(first) {
             return Some(at);
         }
-        let named = module.imports.iter().filter(|import| import.name == *first && import.path[0] != *first);
+        let named = module.imports.iter().filter(|import| import.name == *first && import.path.first() != Some(first));
         // All names of a module of this crate, or of an enumeration.
         let is_here = |name: &String| {
             ["crate", "self", "super"].contains(&name.as_str())
                 || module.children.contains_key(name)
                 || module.items.contains(name)
         };
-        let all = module.imports.iter().filter(|import| import.name == "*" && is_here(&import.path[0]));
+        let all = module.imports.iter().filter(|import| import.name == "*" && import.path.first().is_some_and(is_here));
         let found = named.map(|import| (import, rest)).chain(all.map(|import| (import, path)));
         found.into_iter().find_map(|(import, rest)| self.resolve(at, &[&import.path, rest].concat(), steps + 1))
     }
