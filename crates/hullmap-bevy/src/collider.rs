@@ -9,7 +9,7 @@ use crate::{PackAsset, Selection, ShapeError};
 
 /// Hulls of a pack as the collider of this entity.
 ///
-/// [`ColliderPlugin`](crate::ColliderPlugin) inserts the engine's collider when the pack is loaded, and replaces it when
+/// [`ColliderPlugin`] inserts the engine's collider when the pack is loaded, and replaces it when
 /// the pack is reloaded or this component changes. Until then the entity has no collider: a body
 /// would fall through the floor. Insert the body with the collider, for instance in an observer of
 /// `On<Insert<Collider>>`, or spawn the entity when the pack is loaded.
@@ -33,6 +33,8 @@ use crate::{PackAsset, Selection, ShapeError};
 /// let wheel = BakedCollider::object(pack, "wheel").with_scale(Vec3::new(-1.0, 1.0, 1.0));
 /// assert_eq!(wheel.hulls, Selection::Object("wheel".into()));
 /// ```
+///
+/// [`ColliderPlugin`]: crate::ColliderPlugin
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 pub struct BakedCollider {

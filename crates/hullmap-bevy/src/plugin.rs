@@ -9,7 +9,8 @@ use crate::loader::PackLoader;
 
 /// Registers [`PackAsset`], its loader and [`BakedCollider`].
 ///
-/// Add it after Bevy's `AssetPlugin`. [`ColliderPlugin`](crate::ColliderPlugin) adds it too; adding it twice does nothing.
+/// Add it after Bevy's `AssetPlugin`. [`ColliderPlugin`](crate::ColliderPlugin) adds it too; adding
+/// it twice does nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HullmapPlugin;
 

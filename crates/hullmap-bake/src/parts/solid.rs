@@ -6,8 +6,8 @@
 //!    closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
 //! 2. Close holes by cones ([`closing`]). Every point off the surface has an integer winding
 //!    number then.
-//! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is certain,
-//!    add the solid angles of all triangles.
+//! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
+//!    certain, add the solid angles of all triangles.
 //!
 //! The sign of the winding number is ignored, so that a mesh turned inside out bounds the same
 //! solid.

@@ -71,8 +71,7 @@ use storage::{Bytes, Storage};
 ///
 /// # Examples
 /// Reloading while other threads query the pack. A reader holds the lock only to clone the
-/// [`Arc`](std::sync::Arc).
-/// The old pack is freed when its last reader drops it:
+/// [`Arc`](std::sync::Arc). The old pack is freed when its last reader drops it:
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let folder = tempfile::tempdir()?;

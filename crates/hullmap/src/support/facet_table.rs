@@ -1,5 +1,5 @@
-//! The face table of a small hull, laid out for the separating axis test (SAT): normals and offsets,
-//! vertices, and the arcs of the Gauss map.
+//! The face table of a small hull, laid out for the separating axis test (SAT): normals and
+//! offsets, vertices, and the arcs of the Gauss map.
 //!
 //! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened,
 //! unless the tables of the pack would be too large, or a proof fails.

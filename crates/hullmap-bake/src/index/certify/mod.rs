@@ -17,7 +17,7 @@
 //!
 //! # Rounding
 //! A direction near the border of a region may be located on either side of it. Around a cell of
-//! the grid, that is less than [`CELL_SLACK`](hullmap_format::cube::CELL_SLACK), and the arcs are followed through the cell
+//! the grid, that is less than [`cube::CELL_SLACK`], and the arcs are followed through the cell
 //! widened by nearly as much: nothing more is needed.
 //!
 //! At a plane or at a step of a fan, the error is a few 1e-15, and cones that reach no farther are
@@ -37,6 +37,8 @@
 //!
 //! # Complexity
 //! O(arcs · regions that an arc crosses). It is bounded for any index (`WORK`).
+//!
+//! [`cube::CELL_SLACK`]: hullmap_format::cube::CELL_SLACK
 
 mod arcs;
 mod certifier;

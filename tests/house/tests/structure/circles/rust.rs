@@ -145,7 +145,7 @@ impl Modules<'_> {
                             i += 3;
                         }
                         let path: Vec<String> = words[start..i].iter().filter(|word| *word != ":").cloned().collect();
-                        // One small word may be a variable. After `::`, the path is another crate's.
+                        // One small word may be a variable. A path after `::` is another crate's.
                         let is_path = path.len() > 1 || word(i) == "(" || path[0].starts_with(char::is_uppercase);
                         if is_path && !(start > 1 && word(start - 1) == ":" && word(start - 2) == ":") {
                             self.all[at].paths.insert(path);
