@@ -173,6 +173,13 @@ impl<'a> Hull<'a> {
         self.vertices.get(index as usize).map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
 
+    /// [`vertex`](Self::vertex) in f64.
+    #[inline]
+    pub(crate) fn position(&self, index: u32) -> Option<DVec3> {
+        let [x, y, z] = self.vertices.get(index as usize)?;
+        Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
+    }
+
     /// Positions of all vertices, in the order of their indices.
     ///
     /// # Examples

@@ -193,7 +193,7 @@ impl<'a> Facets<'a> {
     #[inline(always)]
     pub(crate) fn vertex(&self, vertex: usize) -> Option<DVec3> {
         match self.0 {
-            Kind::Hull(_, hull) => hull.vertex(vertex as u32).map(|v| v.as_dvec3()),
+            Kind::Hull(_, hull) => hull.position(vertex as u32),
             Kind::Cuboid(half) => {
                 let side = |bit: usize, half: f64| if vertex & bit == 0 { half } else { -half };
                 Some(DVec3::new(side(1, half.x), side(2, half.y), side(4, half.z)))
