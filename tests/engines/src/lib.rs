@@ -1,5 +1,5 @@
-//! parry3d in f64 as a second opinion on pairs of hulls, for the tests of this package. They compile
-//! an engine, so they are not among the workspace's default members.
+//! parry3d in f64 as a second opinion on pairs of hulls, for the tests of this package. They
+//! compile an engine, so they are not among the workspace's default members.
 
 use glam::DVec3;
 use hullmap::{Hull, Pose};

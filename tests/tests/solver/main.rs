@@ -1,4 +1,5 @@
-//! Comparisons of the solver with references, and a rigid-body simulation with its contact manifolds.
+//! Comparisons of the solver with references, and a rigid-body simulation with its contact
+//! manifolds.
 
 mod degenerate;
 mod facets;

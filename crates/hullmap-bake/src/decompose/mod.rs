@@ -147,8 +147,8 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     Ok(Some(parts.iter().enumerate().map(named).collect()))
 }
 
-/// The hull that is built of a part's vertices, once it has become a part of the mesh. Another order
-/// of the points may give faces that differ by rounding, and with them bounds.
+/// The hull that is built of a part's vertices, once it has become a part of the mesh. Another
+/// order of the points may give faces, and so bounds, that differ by rounding.
 fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     for _ in 0..BUILDS {
         let Ok(built) = hull::build(&vertices.part(&hull)) else { break };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use hullmap_tests::command::bake_in;
 
 fn read(path: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).expect(path)
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).expect(path)
 }
 
 /// The lines between fences that begin with `opening`.
@@ -41,7 +41,7 @@ fn the_examples_are_doctests() {
 #[test]
 fn the_table_is_what_the_command_prints() {
     let folder = tempfile::tempdir().unwrap();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     std::fs::create_dir(folder.path().join("assets")).unwrap();
     for entry in std::fs::read_dir(root.join("assets")).unwrap() {
         let path = entry.unwrap().path();
@@ -89,7 +89,7 @@ fn the_readme_is_short() {
 #[test]
 fn the_exports_run() {
     let folder = tempfile::tempdir().unwrap();
-    let rock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/rock.obj");
+    let rock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/rock.obj");
     bake_in(folder.path(), ["build", rock.to_str().unwrap(), "--out", "baked", "--quiet"]).expect(0);
     let guide = read("docs/baking.md");
     let lines: Vec<&str> = guide.lines().filter_map(|line| line.strip_prefix("    bake export ")).collect();
@@ -121,7 +121,7 @@ fn anchor(heading: &str) -> String {
 #[test]
 fn links_between_documents_resolve() {
     let mut files = Vec::new();
-    documents(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."), &mut files);
+    documents(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."), &mut files);
     let (mut count, mut broken) = (0, Vec::new());
     for file in &files {
         let text = std::fs::read_to_string(file).unwrap();

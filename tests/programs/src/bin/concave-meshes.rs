@@ -65,7 +65,7 @@ fn meshes(folder: Option<&Path>) -> Vec<PointSet> {
         positions: mesh.vertices,
         ..PointSet::default()
     });
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
     let files = ASSETS.iter().map(|name| (*name, assets.clone()));
     let foreign = folder.iter().flat_map(|folder| FOREIGN.iter().map(|name| (*name, folder.to_path_buf())));
     let read = files.chain(foreign).map(|(name, folder)| from_file(name, &folder.join(format!("{name}.obj"))));
