@@ -10,7 +10,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns as _, columns, put, put_all, put_vector};
+use crate::columns::{Columns, columns, put, put_all, put_vector};
 use crate::error::{ArrayError, ShapeError};
 use crate::gpu;
 use crate::pairs::Queried;
