@@ -24,6 +24,7 @@ pub mod advice;
 pub mod bvh;
 pub mod decompose;
 pub mod diameter;
+mod error;
 pub mod gauss_map;
 pub mod hull;
 pub mod index;
@@ -33,41 +34,17 @@ pub mod number;
 pub mod outer;
 pub mod pack;
 pub mod parts;
+mod point_set;
 pub mod progress;
 pub mod simplify;
 
-use std::sync::Arc;
-
+pub use error::BakeError;
 pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
 pub use pack::{write_lean_pack, write_owned_pack, write_pack};
 pub use parts::Fit;
+pub use point_set::{MAX_POINTS, PointSet};
 use progress::Stage;
-
-/// Maximum number of points of one hull. Point indices have 32 bits, and the upper values are
-/// reserved.
-pub const MAX_POINTS: usize = 1 << 30;
-
-/// A named set of source points, from which one hull is built.
-#[derive(Clone, Debug, Default)]
-pub struct PointSet {
-    /// Name of the hull: the name of the OBJ object, or the stem of the file name.
-    pub name: String,
-    /// Positions in source units.
-    pub positions: Vec<[f32; 3]>,
-    /// For each position, the zero-based index of its vertex in the source file (the `v` lines of
-    /// an OBJ); [`NO_SOURCE_VERTEX`] for a point that is not a source vertex.
-    pub source_vertices: Vec<u32>,
-    /// Origin of the positions' frame in the source's frame. It has been subtracted from the
-    /// source's coordinates.
-    pub origin: [f64; 3],
-    /// Triangles of the mesh, as indices of positions; empty for a point cloud. Only [`decompose`]
-    /// and [`parts`] read them.
-    pub triangles: Vec<[u32; 3]>,
-    /// The mesh that this set stands for as a collision part, in the same frame; `None` for a set
-    /// that stands for itself. The parts of one mesh share it.
-    pub stands_for: Option<Arc<PointSet>>,
-}
 
 /// Source file and options, as stored in the pack.
 #[derive(Clone, Debug, Default)]
@@ -81,75 +58,6 @@ pub struct SourceRecord {
     /// Warnings about the mesh and its hulls, one line each. The header holds the hash of options
     /// and warnings.
     pub warnings: Vec<String>,
-}
-
-/// Why a hull could not be baked.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BakeError {
-    /// There are no points.
-    #[error("there are no points to build a hull from")]
-    Empty,
-    /// There are more points than point indices can address.
-    #[error("a hull can be built from at most {MAX_POINTS} points (found {found}): split the mesh")]
-    TooManyPoints {
-        /// Number of points.
-        found: usize,
-    },
-    /// A coordinate is NaN or infinite.
-    #[error("source vertex {source_vertex} is not finite")]
-    NotFinite {
-        /// Zero-based index in the source file.
-        source_vertex: u32,
-    },
-    /// The hull fails its certificate.
-    #[error("the hull could not be certified: {0}; please report this mesh")]
-    Uncertified(#[from] hull::certify::CertificateError),
-    /// The index has more words or blocks than slots can address.
-    #[error("the direction index is larger than its slots can address: use --index none, or simplify the mesh")]
-    IndexTooLarge,
-    /// The requested maximum is below the vertices of a tetrahedron.
-    #[error(
-        "a simplified hull requires at least {} vertices (the requested maximum is {requested})",
-        simplify::MIN_VERTICES
-    )]
-    TooFewVertices {
-        /// Requested maximum number of vertices.
-        requested: usize,
-    },
-    /// The requested distance is negative or NaN.
-    #[error("the maximum error of a simplified hull must be at least 0 (requested {requested})")]
-    InvalidDistance {
-        /// Requested maximum distance.
-        requested: f64,
-    },
-    /// Rounding to f32 defeats every hull with this few vertices, for instance if the hull is flat
-    /// and far from the origin.
-    #[error(
-        "found no hull of at most {requested} vertices that contains this one: allow more vertices, or move the mesh closer to the origin"
-    )]
-    NotSimplified {
-        /// Requested maximum number of vertices.
-        requested: usize,
-    },
-    /// The hulls have different origins.
-    #[error("the hulls of a pack have different origins: build them in one frame")]
-    Origins,
-    /// The parts of an object are not consecutive or not complete, or state different kinds of
-    /// solid or uncovered distances; or a hull that is not a part was measured.
-    #[error("hull {hull} does not continue the parts before it: write the parts of an object one after the other")]
-    Parts {
-        /// Index of the hull.
-        hull: usize,
-    },
-    /// The pack would be larger than 32-bit offsets can address.
-    #[error("the pack would be larger than 2 GiB: split the source into several files")]
-    PackTooLarge,
-    /// The direction index is malformed. This is a bug.
-    #[error("the direction index could not be certified: {0}; please report this mesh")]
-    Index(#[from] hullmap_format::walk::IndexError),
-    /// Not even a scan of all vertices is proven to be exact. This is a bug.
-    #[error("no direction index could be proven: {0}; please report this mesh")]
-    Unproven(index::certify::Unproven),
 }
 
 /// A hull with its index, ready to be written.

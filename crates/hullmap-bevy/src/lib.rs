@@ -49,45 +49,23 @@
 mod asset;
 #[cfg(feature = "avian")]
 mod avian;
+mod builder;
 mod collider;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod loader;
+mod plugin;
 #[cfg(feature = "rapier")]
 mod rapier;
 
 pub use self::asset::{NAMES_IN_ERRORS, PackAsset, Selection, ShapeError};
 #[cfg(feature = "avian")]
 pub use self::avian::AvianColliderPlugin;
-pub use self::collider::{BakedCollider, ColliderFailure, ColliderPlugin, ColliderSystems, EngineCollider};
+pub use self::builder::{ColliderPlugin, ColliderSystems, EngineCollider};
+pub use self::collider::{BakedCollider, ColliderFailure};
 #[cfg(feature = "gizmos")]
 pub use self::gizmos::{HullGizmos, HullGizmosPlugin};
 pub use self::loader::{LoadError, PackLoader};
+pub use self::plugin::HullmapPlugin;
 #[cfg(feature = "rapier")]
 pub use self::rapier::{RapierColliderPlugin, RapierDispatcherPlugin};
-
-use bevy_app::{App, Plugin};
-use bevy_asset::{AssetApp, Assets};
-
-/// Registers [`PackAsset`], its loader and [`BakedCollider`].
-///
-/// Add it after Bevy's `AssetPlugin`. [`ColliderPlugin`] adds it too; adding it twice does nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct HullmapPlugin;
-
-impl Plugin for HullmapPlugin {
-    fn build(&self, app: &mut App) {
-        if app.world().contains_resource::<Assets<PackAsset>>() {
-            return;
-        }
-        app.init_asset::<PackAsset>()
-            .register_asset_reflect::<PackAsset>()
-            .init_asset_loader::<PackLoader>()
-            .register_type::<Selection>()
-            .register_type::<BakedCollider>();
-    }
-
-    fn is_unique(&self) -> bool {
-        false
-    }
-}

@@ -730,7 +730,7 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
         }
-        _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words),
+        _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
     })?;
     if let Some((name, meshes)) = cli.command.meshes() {
         let clash = meshes.options.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));

@@ -1,9 +1,6 @@
 //! All calls into the baking crate, `hullmap-bake`.
 
-use std::borrow::Cow;
-
 use hullmap_bake::advice::{self, Remark};
-use hullmap_bake::decompose::{Cover, decompose_in};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{
     BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack, write_owned_pack,
@@ -12,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::measure;
 use crate::options::BuildOptions;
+use crate::part::{Part, diagonal, parts};
 
 /// A pack in memory.
 #[derive(Clone, Debug, Default)]
@@ -26,47 +24,6 @@ pub struct BakedPack {
     pub notes: Vec<String>,
     /// Findings to act on, including findings of the import. The pack keeps them.
     pub warnings: Vec<String>,
-}
-
-/// The points of one hull: a point set of the source, or a convex part of it.
-#[derive(Clone, Debug)]
-pub struct Part<'a> {
-    /// The points.
-    pub points: Cow<'a, PointSet>,
-    /// Index among the parts of its set; 0 for a whole set.
-    pub index: u32,
-    /// Index of the set in the source.
-    pub set: usize,
-}
-
-/// The points of each hull: the point sets themselves, or their convex parts.
-///
-/// The result depends on the sets and the parameters only, so that `bake verify` can compute it
-/// again. `stage` shows the progress.
-///
-/// # Errors
-/// A point set has no hull; the error names the first one.
-pub fn parts<'a>(point_sets: &'a [PointSet], cover: Option<&Cover>, stage: Stage) -> Result<Vec<Part<'a>>, String> {
-    let steps = stage.steps(point_sets.len());
-    // Stages of sets that are cut at the same time do not add up.
-    let inner = if point_sets.len() == 1 { stage } else { stage.from_to(0.0, 0.0) };
-    let cut = |points: &PointSet| {
-        let found = cover.map_or(Ok(None), |cover| decompose_in(points, cover, inner));
-        steps.take();
-        found
-    };
-    let cut: Vec<_> = point_sets.par_iter().map(cut).collect();
-    let mut parts = Vec::with_capacity(point_sets.len());
-    for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
-        match found.map_err(|error| format!("hull {}: {error}", points.name))? {
-            None => parts.push(Part { points: Cow::Borrowed(points), index: 0, set }),
-            Some(found) => {
-                let part = |(index, points)| Part { points: Cow::Owned(points), index, set };
-                parts.extend((0..).zip(found).map(part));
-            }
-        }
-    }
-    Ok(parts)
 }
 
 /// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
@@ -120,15 +77,6 @@ pub fn bake_pack(
     let write = if options.is_lean() { write_lean_pack } else { write_owned_pack };
     let bytes = write(hulls, &source).map_err(|error| error.to_string())?;
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings: source.warnings })
-}
-
-/// Diagonal of the box around points.
-pub fn diagonal(points: &PointSet) -> f64 {
-    let sides = [0, 1, 2].map(|axis| {
-        let along = || points.positions.iter().map(|p| f64::from(p[axis]));
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    });
-    sides.iter().map(|side| side * side).sum::<f64>().sqrt()
 }
 
 /// Warning about an index that replaces another one, since that could not be proven.

@@ -61,6 +61,7 @@ mod pack_file;
 mod packs;
 #[cfg(feature = "command")]
 mod pair;
+mod part;
 #[cfg(feature = "command")]
 mod pose;
 #[cfg(feature = "command")]

@@ -10,7 +10,7 @@ use hullmap_bake::parts::{Fit, fits};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 
-use crate::baker::{Part, diagonal};
+use crate::part::{Part, diagonal};
 
 /// Ratio of a protrusion to the requested one up to which rounding may explain the difference.
 const ROOM: f64 = 1.0 + 1e-6;

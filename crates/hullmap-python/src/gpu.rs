@@ -41,7 +41,7 @@ mod on_device {
 
     use crate::error::{Error, PoseError, ShapeError};
     use crate::shape::Side;
-    use crate::solve::Task;
+    use crate::task::Task;
 
     /// Rows between two checks for signals.
     const BLOCK: usize = 1 << 17;
@@ -126,7 +126,7 @@ mod without {
     use pyo3::prelude::*;
 
     use crate::error::Error;
-    use crate::solve::Task;
+    use crate::task::Task;
 
     /// There are no answers.
     pub enum Answer {}
@@ -158,7 +158,7 @@ mod without {
 pub fn known<T: FromGpu>(
     py: Python<'_>,
     device: &str,
-    task: &crate::solve::Task<'_>,
+    task: &crate::task::Task<'_>,
     settings: &hullmap::Settings,
 ) -> PyResult<impl Fn(usize) -> Option<Found<T>> + Sync + use<T>> {
     let answers = if is_gpu(device)? { solve(py, task, T::QUERY, settings)? } else { Vec::new() };

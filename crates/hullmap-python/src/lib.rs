@@ -31,6 +31,7 @@ mod pose;
 mod query;
 mod shape;
 mod solve;
+mod task;
 mod threads;
 
 use std::ffi::OsString;

@@ -15,7 +15,8 @@ use crate::pairs::Queried;
 use crate::pose::PoseArrays;
 use crate::query::{self, convex};
 use crate::shape::Side;
-use crate::solve::{Cut, Task, code, fill};
+use crate::solve::code;
+use crate::task::{Cut, Task, fill};
 use crate::threads::Threads;
 
 /// Maximum of `max_pairs`: memory of about 300 MB for each thread.

@@ -1,11 +1,4 @@
-//! Queries over arrays, on all threads, with the GIL released.
-//!
-//! The rows are cut into pieces of a fixed size. For two shapes, each piece has a cache of its own,
-//! so the answers are the same for any number of threads. `hullmap::batch` has a cache for every
-//! pair instead: for a million poses of one pair that would be more than a gigabyte. Many pairs
-//! have a cache each if they move, and all rows of one moment are solved before those of the next.
-
-use std::sync::{Mutex, PoisonError};
+//! Queries over arrays: one function of Python's for each query.
 
 use hullmap::compound::{self, CompoundAnswer};
 use hullmap::glam::DVec3;
@@ -16,26 +9,16 @@ use hullmap::{
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 
 use crate::columns::{Columns, columns, put, put_all, put_vector};
-use crate::error::{ArrayError, PoseError, ShapeError};
+use crate::error::{ArrayError, ShapeError};
 use crate::gpu;
-use crate::pairs::{Pairs, Queried};
-use crate::pose::{PoseArrays, Poses};
-use crate::query::{self, Caches, Query, answer};
+use crate::pairs::Queried;
+use crate::pose::PoseArrays;
+use crate::query::{self, Caches};
 use crate::shape::{Shape, Side};
-use crate::threads::{self, Threads};
-
-/// Poses of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
-const PIECE: usize = 256;
-
-/// Rows of a piece of many pairs, as in `hullmap::batch`: few, so that one robot's pairs are enough
-/// for all threads.
-const PIECE_OF_MANY: usize = 32;
-
-/// Pieces between two checks for signals: less than a second of work.
-const BLOCK: usize = 256;
+use crate::task::{Cut, PIECE, Task, fill};
+use crate::threads::Threads;
 
 columns!(
     /// Answers of `intersects`.
@@ -109,142 +92,6 @@ fn overlap_code(overlap: Overlap) -> u8 {
         Overlap::Overlapping => 1,
         Overlap::Touching => 2,
         Overlap::Undecided => 3,
-    }
-}
-
-/// How rows are cut into pieces, which threads solve in any order.
-#[derive(Clone, Copy)]
-pub struct Cut {
-    /// Number of rows.
-    pub count: usize,
-    /// Rows of a piece.
-    pub piece: usize,
-    /// Rows of a step, at least 1. A step starts when the step before it is done.
-    pub step: usize,
-}
-
-impl Cut {
-    /// Rows that do not depend on each other.
-    pub fn free(count: usize, piece: usize) -> Self {
-        Self { count, piece, step: usize::MAX }
-    }
-
-    /// The end of the rows that are solved together from `start` on.
-    fn end(self, start: usize) -> usize {
-        let step = (start / self.step).saturating_add(1).saturating_mul(self.step);
-        self.count.min(start.saturating_add(self.piece.saturating_mul(BLOCK).max(1))).min(step)
-    }
-}
-
-/// Fills rows of columns. `solve` fills the rows of a piece that starts at the given row, and
-/// returns the first row that it rejects, with the reason.
-pub fn fill<C: Columns>(
-    py: Python<'_>,
-    cut: Cut,
-    threads: Threads,
-    solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
-    error: fn(String) -> PyErr,
-) -> PyResult<C> {
-    let Cut { count, piece, step } = cut;
-    let mut columns = C::zeros(count)?;
-    let pool = if threads.is_one() || count.min(step) <= piece { None } else { Some(threads::pool(threads)?) };
-    let mut start = 0;
-    while start < count {
-        let end = cut.end(start);
-        // The first rejected row, whichever thread finds it.
-        let rejected: Mutex<Option<(usize, String)>> = Mutex::new(None);
-        let run = |(index, rows): (usize, C::Rows<'_>)| {
-            let first = start + index * piece;
-            if let Err(found) = solve(first, end.min(first.saturating_add(piece)) - first, rows) {
-                let mut rejected = rejected.lock().unwrap_or_else(PoisonError::into_inner);
-                if rejected.as_ref().is_none_or(|earlier| found.0 < earlier.0) {
-                    *rejected = Some(found);
-                }
-            }
-        };
-        let columns = &mut columns;
-        py.detach(|| {
-            let pieces = columns.pieces(start..end, piece);
-            match &pool {
-                None => pieces.into_iter().enumerate().for_each(run),
-                Some(pool) => pool.install(|| pieces.into_par_iter().enumerate().for_each(run)),
-            }
-        });
-        if let Some((_, message)) = rejected.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            return Err(error(message));
-        }
-        py.check_signals()?;
-        start = end;
-    }
-    Ok(columns)
-}
-
-/// Pairs, the poses of the second shapes in the frames of the first, and how to go through them.
-pub struct Task<'p> {
-    pub pairs: &'p Pairs,
-    pub poses: Poses,
-    /// Number of answers.
-    pub count: usize,
-    /// Rows of a piece.
-    pub piece: usize,
-    coherent: bool,
-    /// Memory of each of many pairs, if they move.
-    memory: Option<&'p [Mutex<Caches>]>,
-    threads: Threads,
-}
-
-impl<'p> Task<'p> {
-    pub fn new(queried: &'p Queried<'_>, poses: &PoseArrays<'_>, coherent: bool, threads: Threads) -> PyResult<Self> {
-        let (pairs, poses) = (queried.get(), Poses::new(poses)?);
-        let (piece, memory) = match queried {
-            Queried::Two(_) => (PIECE, None),
-            Queried::Many(_) if coherent => (PIECE_OF_MANY, Some(pairs.memory()?)),
-            Queried::Many(_) => (PIECE_OF_MANY, None),
-        };
-        Ok(Self { count: poses.count(pairs), pairs, poses, piece, coherent, memory, threads })
-    }
-
-    /// Answers `query` for all poses but those whose answer is `known`; `write` writes an answer to
-    /// a row.
-    pub fn solve<'py, C: Columns, Q: Query>(
-        &self,
-        py: Python<'py>,
-        (name, takes_compounds): (&str, bool),
-        query: impl Fn(usize) -> Result<Q, String> + Sync,
-        known: impl Fn(usize) -> Option<query::Found<Q::Answer>> + Sync,
-        write: impl Fn(&mut C::Rows<'_>, usize, &query::Found<Q::Answer>) + Sync,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        self.pairs.check(name, takes_compounds)?;
-        let step = self.memory.map_or(usize::MAX, |memory| memory.len().max(1));
-        let cut = Cut { step, ..Cut::free(self.count, self.piece) };
-        let solve = |first: usize, count: usize, mut rows: C::Rows<'_>| {
-            let mut own = Caches::default();
-            for at in 0..count {
-                let row = first + at;
-                if let Some(found) = known(row) {
-                    write(&mut rows, at, &found);
-                    continue;
-                }
-                let Some([a, b]) = self.pairs.sides(row) else { continue };
-                let rejected = |message| (row, message);
-                let pose = self.poses.get(row, self.pairs).map_err(rejected)?;
-                let query = query(row).map_err(rejected)?;
-                let of_pair = self.memory.and_then(|memory| memory.get(row % memory.len().max(1)));
-                let found = if let Some(caches) = of_pair {
-                    answer(&query, a, b, pose, &mut caches.lock().unwrap_or_else(PoisonError::into_inner))
-                } else {
-                    if !self.coherent {
-                        own.clear();
-                    }
-                    answer(&query, a, b, pose, &mut own)
-                };
-                if let Some(found) = found {
-                    write(&mut rows, at, &found);
-                }
-            }
-            Ok(())
-        };
-        fill::<C>(py, cut, self.threads, solve, PoseError::new_err)?.into_arrays(py)
     }
 }
 

@@ -8,25 +8,18 @@
 
 mod epa;
 mod gjk;
+mod query;
 mod simplex;
 mod support;
+mod vector;
 
 use support::Run;
+use vector::LOWEST;
 
+pub use query::Query;
 pub use support::Found;
 
 use crate::records::{AnswerRecord, Pair, PairRecord, StateRecord, Tables, code};
-
-/// Query of a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Query {
-    /// Yes or no: stop at the first proof.
-    Intersects,
-    /// The distance, until the interval is within the tolerance.
-    Distance,
-    /// The penetration depth, until the interval is within the tolerance.
-    Contact,
-}
 
 /// Support calls of a pair. About 10 are usual.
 pub const MAX_STEPS: u32 = 64;
@@ -35,45 +28,6 @@ pub const MAX_STEPS: u32 = 64;
 /// less than 300; the others are near the axis of a fan of thousands of faces, and read all of
 /// them.
 pub const MAX_READS: u32 = 1 << 11;
-
-/// Twice the largest possible f32 would be infinite; every dot product is above this.
-const LOWEST: f32 = -3.0e38;
-
-/// 2⁻²³: bound on the relative error of one operation.
-const EPSILON: f32 = f32::EPSILON;
-
-/// A volume above this many times the product of the lengths of two edges and a corner is positive.
-const CERTAIN: f32 = 16.0 * EPSILON;
-
-type Vector = [f32; 3];
-
-fn mad<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { libm::fmaf(a, b, c) } else { a * b + c }
-}
-
-fn dot<const FUSED: bool>(a: Vector, b: Vector) -> f32 {
-    mad::<FUSED>(a[2], b[2], mad::<FUSED>(a[1], b[1], a[0] * b[0]))
-}
-
-fn cross<const FUSED: bool>(a: Vector, b: Vector) -> Vector {
-    [
-        mad::<FUSED>(a[1], b[2], -(a[2] * b[1])),
-        mad::<FUSED>(a[2], b[0], -(a[0] * b[2])),
-        mad::<FUSED>(a[0], b[1], -(a[1] * b[0])),
-    ]
-}
-
-fn sub(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn scaled(a: Vector, by: f32) -> Vector {
-    [a[0] * by, a[1] * by, a[2] * by]
-}
-
-fn l1(a: Vector) -> f32 {
-    a[0].abs() + a[1].abs() + a[2].abs()
-}
 
 /// What the kernel reads about `pair`.
 ///

@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use hullmap_tests::outside::workspace;
 
@@ -25,4 +26,14 @@ pub fn sources() -> Vec<PathBuf> {
     }
     found.sort();
     found.iter().map(|path| path.strip_prefix(&root).unwrap().to_owned()).collect()
+}
+
+/// Every tracked file, relative to the workspace. Empty outside of a git checkout.
+///
+/// # Panics
+/// If a path is not UTF-8.
+pub fn tracked() -> Vec<String> {
+    let listed = Command::new("git").arg("ls-files").current_dir(workspace()).output();
+    let listed = listed.map(|out| String::from_utf8(out.stdout).expect("paths are UTF-8")).unwrap_or_default();
+    listed.lines().filter(|path| workspace().join(path).exists()).map(str::to_owned).collect()
 }

@@ -31,7 +31,8 @@ use hullmap_testkit::{
 use twox_hash::XxHash3_64;
 
 use super::{
-    bodies::{Any, Body, Pair, Solid},
+    bodies::Pair,
+    body::{Any, Body, Solid},
     tally::{Tally, Wrong},
 };
 

@@ -25,15 +25,12 @@ use hullmap_testkit::{
 use shapes::rng::SplitMix64;
 
 use super::{
-    Queries,
-    bodies::{Body, Kind, Pair, Solid, size, support},
+    bodies::Pair,
+    body::{Body, Kind, Solid, size, support},
+    claims::{Claims, ROUNDING_UNITS, same_when_slow},
     judge::TOUCHING_ROUNDINGS,
-    planes,
-    tally::{Tally, Wrong},
+    tally::Tally,
 };
-
-/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon.
-pub(super) const ROUNDING_UNITS: f64 = 64.0;
 
 /// Maximum product of the numbers of edges for which all facets are tested.
 const MAX_EDGE_PAIRS: usize = 10_000;
@@ -64,52 +61,6 @@ struct Path {
     through: f64,
     /// Tolerance of a certificate: a length.
     slack: f64,
-}
-
-/// Counts wrong claims about one answer.
-pub(super) struct Judge<'t> {
-    pub(super) wrong: Option<(&'static str, f64, f64)>,
-    pub(super) tightest: f64,
-    pub(super) queries: &'static str,
-    pub(super) tally: &'t mut Tally,
-}
-
-impl Judge<'_> {
-    pub(super) fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
-        // NaN takes the failing branch.
-        if !(found <= limit + slack) {
-            self.wrong.get_or_insert((what, found, limit));
-        } else if slack > 0.0 {
-            self.tightest = self.tightest.max((found - limit) / slack);
-        }
-    }
-
-    pub(super) fn demand(&mut self, what: &'static str, holds: bool) {
-        self.at_most(what, f64::from(u8::from(!holds)), 0.0, 0.0);
-    }
-
-    pub(super) fn finish(self, pair: &Pair<'_, '_>, details: impl FnOnce() -> String) {
-        self.tally.judged += 1;
-        self.tally.tightest = self.tally.tightest.max(self.tightest);
-        let queries = self.queries;
-        if let Some((what, found, limit)) = self.wrong {
-            let details = format!("{pair} --queries {queries}\n  {found:e} above {limit:e}\n  {}", details());
-            self.tally.take_wrong(Wrong { index: pair.index, what, details });
-        }
-    }
-}
-
-/// Judges one query about the pair.
-pub(super) fn judge(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
-    let mut rng = SplitMix64::new(pair.seed.rotate_left(17) ^ pair.index.wrapping_mul(0xd6e8_feb8_6659_fd93));
-    tally.pairs += 1;
-    match queries {
-        Queries::Pairs => {}
-        Queries::Rays => judge_ray(pair, &mut rng, tally),
-        Queries::Casts => judge_cast(pair, &mut rng, tally),
-        Queries::Points => judge_point(pair, &mut rng, tally),
-        Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
-    }
 }
 
 /// Whether the body is nearly flat, flat, or a line.
@@ -175,33 +126,8 @@ fn settings(rng: &mut SplitMix64, path: &Path) -> CastSettings {
     CastSettings { max_t: path.limit, tolerance, ..CastSettings::default() }
 }
 
-/// Powers of two by which a velocity is made slower: their squares, or the products with it,
-/// underflow.
-const SLOWER: [i32; 3] = [-100, -500, -900];
-
-/// The same cast at a speed that is less by a power of two: only the times differ, and by that
-/// power.
-pub(super) fn same_when_slow(
-    judge: &mut Judge<'_>,
-    rng: &mut SplitMix64,
-    found: &Impact,
-    velocity: DVec3,
-    settings: &CastSettings,
-    cast: impl Fn(DVec3, &CastSettings) -> Impact,
-) {
-    let scale = 2_f64.powi(SLOWER[rng.below(SLOWER.len())]);
-    if velocity * scale / scale != velocity {
-        // A component underflows.
-        return;
-    }
-    let slow = cast(velocity * scale, &CastSettings { max_t: settings.max_t / scale, ..*settings });
-    let [t_lower, t, t_upper] = [slow.t_lower, slow.t, slow.t_upper].map(|t| t * scale);
-    let is_same = Impact { t_lower, t, t_upper, ..slow } == *found;
-    judge.demand("a slow motion has another answer", is_same);
-}
-
 /// The claims that need no second shape.
-fn judge_form(judge: &mut Judge<'_>, answer: &Answer, path: &Path) {
+fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path) {
     let Answer { hit, status, t: [lower, t, upper], normal, steps } = *answer;
     *judge.tally.lines.entry(status.as_str()).or_default() += 1;
     judge.demand("the steps are not bounded", steps <= MAX_STEPS);
@@ -220,7 +146,7 @@ fn judge_form(judge: &mut Judge<'_>, answer: &Answer, path: &Path) {
 }
 
 /// The path against a truth. Only where `is_complete` does the truth know all planes.
-fn judge_passage(judge: &mut Judge<'_>, answer: &Answer, path: &Path, truth: &Passage, is_complete: bool) {
+fn judge_passage(judge: &mut Claims<'_>, answer: &Answer, path: &Path, truth: &Passage, is_complete: bool) {
     let Answer { hit, status, t: [lower, _, upper], .. } = *answer;
     let [earliest, latest] = truth.enter.map(|t| t.max(0.0));
     if hit {
@@ -238,7 +164,8 @@ fn judge_passage(judge: &mut Judge<'_>, answer: &Answer, path: &Path, truth: &Pa
     }
 }
 
-fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+/// Judges a ray at the first body.
+pub(super) fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let body = pair.bodies[0];
     let middle = Pose::from_translation(target(rng, body)).expect("finite");
     let along = direction(rng, body);
@@ -257,7 +184,7 @@ fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
         normal: found.normal,
         steps: found.iterations.max(found.support_calls),
     };
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "rays", tally };
+    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "rays", tally };
     judge_form(&mut judge, &answer, &path);
     let as_impact = |found: RayHit| {
         let RayHit { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
@@ -305,7 +232,8 @@ fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     judge.finish(pair, || format!("{line:?} {settings:?}\n  {found:?}\n  {truth:?}, slack {:e}", path.slack));
 }
 
-fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+/// Judges a cast of the second body at the first.
+pub(super) fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let [a, b] = pair.bodies;
     let along = direction(rng, a);
     let path = path(rng, pair.b_in_a, along, size(a).max(size(b)), a.model.greatest + b.model.greatest);
@@ -330,7 +258,7 @@ fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
         normal: found.normal,
         steps: found.iterations.max(found.support_calls),
     };
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "casts", tally };
+    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "casts", tally };
     judge_form(&mut judge, &answer, &path);
     if is_cold {
         same_when_slow(&mut judge, rng, &found, path.velocity, &settings, |velocity, settings| {
@@ -407,7 +335,8 @@ fn clip_by_facets(a: &Body<'_>, b: &Body<'_>, path: &Path, truth: &mut Passage) 
     true
 }
 
-fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+/// Judges a signed distance of a point from the first body.
+pub(super) fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let body = pair.bodies[0];
     let offset = size(body) * [0.0, 0.0, 1e-15, 1e-9, 1e-3, 0.3, 3.0, 1e3][rng.below(8)];
     let point = target(rng, body) + direction(rng, body) * offset;
@@ -425,7 +354,7 @@ fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let model = &body.model;
     let greatest = model.greatest + point.length();
     let slack = ROUNDING_UNITS * f64::EPSILON * greatest;
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "points", tally };
+    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "points", tally };
     *judge.tally.lines.entry(found.status.as_str()).or_default() += 1;
     judge.demand("the steps are not bounded", found.iterations.max(found.support_calls) <= MAX_STEPS);
     judge.demand("a status about overlap", !matches!(found.status, Status::Separated | Status::Overlapping));

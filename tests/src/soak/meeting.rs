@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use hullmap::Pose;
 use shapes::rng::SplitMix64;
 
-use super::bodies::{Body, single, size, support};
+use super::body::{Body, single, size, support};
 
 /// The intended pose of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -9,6 +9,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`model`] | a shape by its definition: extent in a direction, distance of a point from it |
+//! | [`body`] | a shape with its definition |
 //! | [`bodies`] | the shapes: game hulls, generated ones from slivers to points, shapes in closed form |
 //! | [`meeting`] | the pose of a pair: touching, face to face, edge to edge, concentric, anywhere |
 //! | [`judge`] | the certificates of pairs |
@@ -20,6 +21,8 @@
 //! same results on any number of threads, can be split, and any pair can be reproduced.
 
 pub mod bodies;
+pub mod body;
+mod claims;
 pub mod judge;
 pub mod lines;
 pub mod meeting;
@@ -36,8 +39,9 @@ use std::{
     },
 };
 
-use bodies::Bodies;
+use bodies::{Bodies, Pair};
 use judge::judge_pair;
+use shapes::rng::SplitMix64;
 use tally::{Tally, Wrong};
 
 /// Number of pairs that a thread takes at a time: about 20 ms of work.
@@ -89,9 +93,22 @@ fn judge_one(bodies: &Bodies<'_>, queries: Queries, seed: u64, index: u64, tally
     // A panic may leave counts incomplete, but then the run has failed.
     let judged = catch_unwind(AssertUnwindSafe(|| match queries {
         Queries::Pairs => judge_pair(&pair, tally),
-        _ => lines::judge(queries, &pair, tally),
+        _ => judge_line(queries, &pair, tally),
     }));
     if judged.is_err() {
         tally.take_wrong(Wrong { index, what: "a panic", details: pair.to_string() });
+    }
+}
+
+/// Judges a query about a line, a point or a half-space.
+fn judge_line(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
+    let mut rng = SplitMix64::new(pair.seed.rotate_left(17) ^ pair.index.wrapping_mul(0xd6e8_feb8_6659_fd93));
+    tally.pairs += 1;
+    match queries {
+        Queries::Pairs => {}
+        Queries::Rays => lines::judge_ray(pair, &mut rng, tally),
+        Queries::Casts => lines::judge_cast(pair, &mut rng, tally),
+        Queries::Points => lines::judge_point(pair, &mut rng, tally),
+        Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
     }
 }

@@ -17,8 +17,9 @@ use hullmap_testkit::reach::{Placed, Reach};
 use shapes::rng::SplitMix64;
 
 use super::{
-    bodies::{Pair, size},
-    lines::{Judge, ROUNDING_UNITS, same_when_slow},
+    bodies::Pair,
+    body::size,
+    claims::{Claims, ROUNDING_UNITS, same_when_slow},
     tally::Tally,
 };
 
@@ -38,10 +39,10 @@ pub(super) fn judge(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally
     let depth = plane.offset() - lowest(normal);
     let greatest = body.model.greatest + pose.translation().length() + plane.offset().abs();
     let slack = ROUNDING_UNITS * f64::EPSILON * greatest + 2.0 * shape.support_error();
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "half-spaces", tally };
+    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "half-spaces", tally };
     let inverse = pose.inverse();
     // Both points, where the shape has moved by `by`.
-    let points = |judge: &mut Judge<'_>, [on_plane, on_b]: [DVec3; 2], by: DVec3| {
+    let points = |judge: &mut Claims<'_>, [on_plane, on_b]: [DVec3; 2], by: DVec3| {
         let here = on_b - by;
         let slack = slack + ROUNDING_UNITS * f64::EPSILON * by.length();
         judge.at_most("the point is not in the shape", body.model.outside(inverse.transform_point(here)), 0.0, slack);
@@ -79,13 +80,13 @@ pub(super) fn judge(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally
 }
 
 fn judge_cast(
-    judge: &mut Judge<'_>,
+    judge: &mut Claims<'_>,
     plane: &HalfSpace,
     pair: &Pair<'_, '_>,
     rng: &mut SplitMix64,
     depth: f64,
     slack: f64,
-    points: &impl Fn(&mut Judge<'_>, [DVec3; 2], DVec3),
+    points: &impl Fn(&mut Claims<'_>, [DVec3; 2], DVec3),
 ) {
     let (body, pose, normal) = (pair.bodies[1], pair.b_in_a, plane.normal());
     let aside = normal.cross(DVec3::from_array(rng.direction()));

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt};
 
 use hullmap::{Contact, Distance, Intersection};
 
-use super::{bodies::Kind, meeting::Meeting};
+use super::{body::Kind, meeting::Meeting};
 
 /// Number of wrong answers of each kind that are kept in full.
 const KEPT: usize = 5;

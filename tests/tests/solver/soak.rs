@@ -5,7 +5,8 @@ use hullmap_tests::{
     game_hulls,
     soak::{
         Queries,
-        bodies::{Bodies, Kind, Stock},
+        bodies::{Bodies, Stock},
+        body::Kind,
         meeting::Meeting,
         soak,
         tally::Tally,

@@ -4,6 +4,7 @@
 //! | file | concept |
 //! |---|---|
 //! | [`solid`] | the solid that a mesh bounds, for any set of triangles |
+//! | [`winding`] | the winding number of its closed surface |
 //! | [`closing`] | cones that close the holes of a mesh |
 //! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
 //! | [`uncovered`](mod@uncovered) | how far the surface lies outside all parts |
@@ -25,6 +26,7 @@ pub mod solid;
 pub mod triangle;
 mod triangle_tree;
 pub mod uncovered;
+pub mod winding;
 
 pub use branch::Accuracy;
 pub use fit::{Fit, fits};

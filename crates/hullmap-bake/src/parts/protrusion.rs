@@ -250,7 +250,7 @@ fn is_inside_around(solid: &Solid, polygon: &[DVec3], centre: DVec3) -> bool {
     }
     let polygon = |index: &u32| Polygon::new(&solid.triangles()[*index as usize])?.clipped(&region);
     let polygons: Vec<Polygon> = near.iter().filter_map(polygon).collect();
-    polygons.is_empty() || are_sides_inside(solid, &polygons)
+    polygons.is_empty() || are_sides_inside(solid.surface(), &polygons)
 }
 
 /// Triangles that cover the part's surface, except for what lies on the mesh, and the greatest
@@ -405,7 +405,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
                 let sides = box_sides(centre, half);
                 let polygons = cell.deep.iter().filter_map(|index| deep[*index as usize].0.clipped(&sides));
                 let polygons: Vec<Polygon> = polygons.take(MAX_TESTED).collect();
-                if polygons.is_empty() && is_deep_part_inside(cell) || are_sides_inside(solid, &polygons) {
+                if polygons.is_empty() && is_deep_part_inside(cell) || are_sides_inside(solid.surface(), &polygons) {
                     return is_inside;
                 }
             }

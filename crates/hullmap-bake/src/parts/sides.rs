@@ -19,8 +19,8 @@ use glam::DVec3;
 
 use super::{
     planes::{self, HalfSpace},
-    solid::Solid,
     triangle::{self, Triangle},
+    winding::ClosedSurface,
 };
 
 /// Maximum number of polygons in a region. More are not tested.
@@ -101,51 +101,50 @@ impl Polygon {
     }
 }
 
-/// Whether all of a convex region is inside a solid, except for points closer than the solid's
-/// tolerance to a triangle. `polygons` are all triangles of the solid that touch the region,
-/// clipped by it.
+/// Whether all of a convex region is inside a surface, but for what is closer than its tolerance to
+/// a triangle. `polygons` are all triangles of the surface that touch the region, clipped by it.
 ///
 /// `false` may mean unknown, unless there are no polygons: then any point of the region decides.
 ///
 /// # Complexity
-/// O(k³ log n) for k polygons and n triangles of the solid; k is bounded.
-pub fn are_sides_inside(solid: &Solid, polygons: &[Polygon]) -> bool {
-    let margin = solid.tolerance();
+/// O(k³ log n) for k polygons and n triangles of the surface; k is bounded.
+pub fn are_sides_inside(surface: &ClosedSurface, polygons: &[Polygon]) -> bool {
+    let margin = surface.tolerance();
     if polygons.is_empty() || polygons.len() > MAX_POLYGONS {
         return false;
     }
     polygons.iter().all(|polygon| {
         let pieces = polygon.pieces(polygons, margin);
-        pieces.is_some_and(|pieces| pieces.iter().all(|piece| sides(solid, piece, &polygon.plane) == [Some(true); 2]))
+        pieces.is_some_and(|pieces| pieces.iter().all(|piece| sides(surface, piece, &polygon.plane) == [Some(true); 2]))
     })
 }
 
-/// Whether a triangle of the solid has the inside on one side, wherever it is. `false` may mean
-/// unknown.
+/// Whether a triangle of the surface has the inside on one side, wherever it is. `false` may mean
+/// that it is not known.
 ///
 /// # Complexity
-/// O(k² log n) for k triangles near it and n triangles of the solid; k is bounded.
-pub fn is_beside_inside(solid: &Solid, index: u32) -> bool {
-    let triangle = &solid.triangles()[index as usize];
+/// O(k² log n) for k triangles near it and n triangles of the surface; k is bounded.
+pub fn is_beside_inside(surface: &ClosedSurface, index: u32) -> bool {
+    let triangle = &surface.triangles()[index as usize];
     let Some(polygon) = Polygon::new(triangle) else { return false };
     let [low, high] = polygon.bounds();
-    let near = solid.triangles_in(low, high);
+    let near = surface.triangles_in(low, high);
     if near.len() > MAX_NEAR {
         return false;
     }
     let others: Vec<Polygon> =
-        near.iter().filter_map(|other| Polygon::new(&solid.triangles()[*other as usize])).collect();
-    let pieces = polygon.pieces(&others, solid.tolerance());
-    pieces.is_some_and(|pieces| pieces.iter().all(|piece| sides(solid, piece, &polygon.plane).contains(&Some(true))))
+        near.iter().filter_map(|other| Polygon::new(&surface.triangles()[*other as usize])).collect();
+    let pieces = polygon.pieces(&others, surface.tolerance());
+    pieces.is_some_and(|pieces| pieces.iter().all(|piece| sides(surface, piece, &polygon.plane).contains(&Some(true))))
 }
 
 /// Whether each side of a piece is inside; `None` where that is not known.
-fn sides(solid: &Solid, piece: &[DVec3], plane: &HalfSpace) -> [Option<bool>; 2] {
+fn sides(surface: &ClosedSurface, piece: &[DVec3], plane: &HalfSpace) -> [Option<bool>; 2] {
     let centre = piece.iter().sum::<DVec3>() / piece.len() as f64;
-    let clear = solid.clearance(centre, plane);
-    if !(clear > CLEAR * solid.tolerance()) {
+    let clear = surface.clearance(centre, plane);
+    if !(clear > CLEAR * surface.tolerance()) {
         return [None; 2];
     }
     let step = plane.normal * (0.5 * clear);
-    [centre + step, centre - step].map(|p| solid.winding_number(p).map(|winding| winding != 0))
+    [centre + step, centre - step].map(|p| surface.winding_number(p).map(|winding| winding != 0))
 }

@@ -6,8 +6,8 @@
 //!    closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
 //! 2. Close holes by cones ([`closing`]). Every point off the surface has an integer winding
 //!    number then.
-//! 3. A ray counts crossings of triangles by their orientation. If it passes too close to an edge
-//!    to be certain, another ray is cast. If all do, the solid angles of all triangles are added.
+//! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
+//!    certain, add the solid angles of all triangles.
 //!
 //! The sign of the winding number is ignored, so that a mesh turned inside out bounds the same
 //! solid.
@@ -15,7 +15,6 @@
 //! # Reference
 //! - Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized
 //!   winding numbers", 2013.
-//! - Van Oosterom, Strackee, "The solid angle of a plane triangle", 1983.
 //!
 //! # Deviations
 //! - Jacobson thresholds a fractional winding number. Closing the holes first makes it an integer,
@@ -33,6 +32,7 @@ use super::{
     sides,
     triangle::{self, Triangle},
     triangle_tree::{Bounds, TriangleTree},
+    winding::{ClosedSurface, Doubt, RAYS, ray_direction},
 };
 use crate::PointSet;
 
@@ -49,43 +49,17 @@ const BESIDE: f64 = 1e-9;
 /// Number of triangles beside which the inside of a mesh without volume is looked for.
 const SHEET_SAMPLE: usize = 256;
 
-/// Relative error up to which the side of an edge on which a ray passes is uncertain.
-const UNCERTAIN: f64 = 1e-13;
-
-/// Number of rays cast before the solid angles are added.
-const RAYS: usize = 12;
-
 /// Volume of a mesh without inside, relative to its area times its diagonal.
 const SHEET: f64 = 1e-9;
 
 /// The solid that a mesh bounds. Its frame is the frame of the mesh's positions.
 pub struct Solid {
-    /// Triangles of the mesh, then those that close it.
-    triangles: Vec<Triangle>,
-    /// Whether the triangle counts for the winding number: others repeat a triangle, or have no
-    /// area.
-    counts: Vec<bool>,
+    surface: ClosedSurface,
+    /// Number of the mesh's own triangles, which come first.
     mesh_count: usize,
     /// For each closing triangle, whether all of it is in the solid.
     is_whole: Vec<bool>,
-    tree: TriangleTree,
     kind: SolidKind,
-    diagonal: f64,
-    bounds: [DVec3; 2],
-    /// Maximum distance by which a vertex was moved.
-    moved: f64,
-    /// Bound on the rounding error of a distance.
-    rounding: f64,
-    /// Bound on the error of a distance from a needle.
-    needles: f64,
-}
-
-/// Why a ray does not decide whether a point is inside.
-enum Doubt {
-    /// It passes too close to an edge.
-    Edge,
-    /// The point is on this triangle.
-    On(u32),
 }
 
 /// What is near a point.
@@ -147,22 +121,22 @@ impl Solid {
         let tree = TriangleTree::new(&triangles);
         let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
         let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
-        let is_whole = Vec::new();
-        let mut solid =
-            Self { triangles, counts, mesh_count, is_whole, tree, kind, diagonal, bounds, moved, rounding, needles };
+        let surface = ClosedSurface { triangles, counts, tree, diagonal, bounds, moved, rounding, needles };
+        let mut solid = Self { surface, mesh_count, is_whole: Vec::new(), kind };
         // Volumes of opposite orientation may have cancelled.
         if kind == SolidKind::Sheet && solid.has_inside() {
             solid.kind = if is_closed { SolidKind::Watertight } else { SolidKind::Closed };
         }
-        let closing = mesh_count as u32..solid.triangles.len() as u32;
-        solid.is_whole = closing.into_par_iter().map(|index| sides::is_beside_inside(&solid, index)).collect();
+        let closing = mesh_count as u32..solid.surface.triangles.len() as u32;
+        solid.is_whole = closing.into_par_iter().map(|index| sides::is_beside_inside(&solid.surface, index)).collect();
         solid
     }
 
     /// Whether there is an inside next to any of a sample of the triangles.
     fn has_inside(&self) -> bool {
-        let step = (self.triangles.len() / SHEET_SAMPLE).max(1);
-        self.triangles
+        let step = (self.surface.triangles.len() / SHEET_SAMPLE).max(1);
+        self.surface
+            .triangles
             .iter()
             .step_by(step)
             .any(|triangle| self.is_beside_inside(triangle, triangle::centroid(triangle)))
@@ -175,36 +149,34 @@ impl Solid {
 
     /// Diagonal of the box around the mesh.
     pub fn diagonal(&self) -> f64 {
-        self.diagonal
+        self.surface.diagonal
     }
 
     /// The corners of the box around the mesh.
     pub fn bounds(&self) -> [DVec3; 2] {
-        self.bounds
+        self.surface.bounds
     }
 
     /// All triangles that bound or may bound the solid: the mesh's, then those that close it.
     pub fn triangles(&self) -> &[Triangle] {
-        &self.triangles
+        &self.surface.triangles
+    }
+
+    /// The closed surface around the solid.
+    pub fn surface(&self) -> &ClosedSurface {
+        &self.surface
     }
 
     /// Indices of the mesh's own triangles whose boxes touch a box.
     pub fn surface_in(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let mut found = self.triangles_in(low, high);
+        let mut found = self.surface.triangles_in(low, high);
         found.retain(|index| (*index as usize) < self.mesh_count);
         found
     }
 
     /// Indices of the triangles whose boxes touch a box.
     pub fn triangles_in(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let mut found = Vec::new();
-        let touches = |own: &Bounds| own.low.cmple(high).all() && own.high.cmpge(low).all();
-        let take = |index| {
-            found.push(index);
-            ControlFlow::<()>::Continue(())
-        };
-        let _ = self.tree.visit(touches, take);
-        found
+        self.surface.triangles_in(low, high)
     }
 
     /// A triangle with a corner in or above a plane, within `radius` of a point; `None` if there is
@@ -221,53 +193,32 @@ impl Solid {
                 && !(triangle::nearest(corners, p).distance(p) > radius)
         };
         let take = |index| {
-            let corners = self.triangles[index as usize];
+            let corners = self.surface.triangles[index as usize];
             if is_found(&corners) { ControlFlow::Break(corners) } else { ControlFlow::Continue(()) }
         };
-        self.tree.visit(is_near, take).break_value()
+        self.surface.tree.visit(is_near, take).break_value()
     }
 
     /// Maximum error of distances: vertices that were moved together, needles, and rounding.
     pub fn tolerance(&self) -> f64 {
-        self.moved + self.needles + self.rounding
+        self.surface.tolerance()
     }
 
     /// Whether a point is in the solid. A point within [`tolerance`](Self::tolerance) of its
     /// surface may be either.
     pub fn is_inside(&self, p: DVec3) -> bool {
-        if self.kind == SolidKind::Sheet || self.is_outside_bounds(p) {
+        if self.kind == SolidKind::Sheet || self.surface.is_outside_bounds(p) {
             return false;
         }
         for ray in 0..RAYS {
-            match self.crossings(p, ray_direction(ray)) {
+            match self.surface.crossings(p, ray_direction(ray)) {
                 Ok(winding) => return winding != 0,
                 Err(Doubt::Edge) => {}
                 Err(Doubt::On(index)) if (index as usize) < self.mesh_count => return true,
-                Err(Doubt::On(index)) => return self.is_beside_inside(&self.triangles[index as usize], p),
+                Err(Doubt::On(index)) => return self.is_beside_inside(&self.surface.triangles[index as usize], p),
             }
         }
-        self.solid_angles(p) != 0
-    }
-
-    /// Winding number of the surface about a point, with its sign; `None` if the point is so close
-    /// to triangles that no ray is certain.
-    pub fn winding_number(&self, p: DVec3) -> Option<i32> {
-        if self.is_outside_bounds(p) {
-            return Some(0);
-        }
-        (0..RAYS).find_map(|ray| self.crossings(p, ray_direction(ray)).ok())
-    }
-
-    /// Distance of a point from the nearest triangle that does not lie in `plane`; at most the
-    /// diagonal.
-    pub fn clearance(&self, p: DVec3, plane: &HalfSpace) -> f64 {
-        let is_in_plane = |corner: &DVec3| plane.height(*corner).abs() <= self.tolerance();
-        let counts = |index: usize| !self.triangles[index].iter().all(is_in_plane);
-        self.nearest(p, self.diagonal, counts).map_or(self.diagonal, |(distance, _)| distance)
-    }
-
-    fn is_outside_bounds(&self, p: DVec3) -> bool {
-        (self.bounds[0] - p).max(p - self.bounds[1]).max_element() > 0.0
+        self.surface.solid_angles(p) != 0
     }
 
     /// Upper bound on the distance of a point from the solid; 0 inside. It is the distance itself,
@@ -282,18 +233,18 @@ impl Solid {
     /// What is near a point; `None` if nothing is closer than `within`, which must exceed the
     /// distance from the solid to make `distance` an upper bound.
     pub fn near(&self, p: DVec3, within: f64) -> Option<Near> {
-        let (gap, index) = self.nearest(p, within, |_| true)?;
-        let triangle = self.triangles[index];
+        let (gap, index) = self.surface.nearest(p, within, |_| true)?;
+        let triangle = self.surface.triangles[index];
         let is_whole =
             index < self.mesh_count || self.is_whole.get(index - self.mesh_count).is_some_and(|whole| *whole);
-        let gap_least = (gap - self.tolerance()).max(0.0);
-        let mut near = Near { gap: gap_least, distance: gap + self.tolerance(), triangle, is_whole };
+        let gap_least = (gap - self.surface.tolerance()).max(0.0);
+        let mut near = Near { gap: gap_least, distance: gap + self.surface.tolerance(), triangle, is_whole };
         if !is_whole {
             if self.is_beside_inside(&triangle, p) {
-                near.distance += BESIDE * self.diagonal;
+                near.distance += BESIDE * self.surface.diagonal;
             } else {
-                let (distance, index) = self.nearest(p, f64::INFINITY, |index| index < self.mesh_count)?;
-                (near.distance, near.triangle) = (distance + self.tolerance(), self.triangles[index]);
+                let (distance, index) = self.surface.nearest(p, f64::INFINITY, |index| index < self.mesh_count)?;
+                (near.distance, near.triangle) = (distance + self.surface.tolerance(), self.surface.triangles[index]);
                 near.is_whole = true;
             }
         }
@@ -305,19 +256,7 @@ impl Solid {
     pub fn near_beside(&self, p: DVec3, within: f64, hint: Option<&Triangle>) -> Option<Near> {
         let to_hint = hint.map_or(f64::INFINITY, |hint| triangle::nearest(hint, p).distance(p));
         // Room for the rounding error of both lengths.
-        self.near(p, within.min(to_hint) * (1.0 + 1e-9) + self.tolerance())
-    }
-
-    /// The nearest of the triangles that `counts`, with its distance.
-    fn nearest(&self, p: DVec3, within: f64, counts: impl Fn(usize) -> bool) -> Option<(f64, usize)> {
-        // Squares, because roots take time.
-        let to_box = |own: &Bounds| (own.low - p).max(p - own.high).max(DVec3::ZERO).length_squared();
-        let to_triangle = |index: u32| {
-            let index = index as usize;
-            counts(index).then(|| triangle::nearest(&self.triangles[index], p).distance_squared(p))
-        };
-        let (square, index) = self.tree.lowest((within * within).min(f64::MAX), to_box, to_triangle)?;
-        Some((square.sqrt(), index as usize))
+        self.near(p, within.min(to_hint) * (1.0 + 1e-9) + self.surface.tolerance())
     }
 
     /// Whether the point of a closing triangle nearest to `p` is next to the inside.
@@ -325,110 +264,11 @@ impl Solid {
         let [a, b, c] = *closing;
         let foot = triangle::nearest(closing, p);
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
-        let step = normal * BESIDE * self.diagonal;
+        let step = normal * BESIDE * self.surface.diagonal;
         [foot + step, foot - step]
             .into_iter()
-            .any(|beside| self.winding_number(beside).is_some_and(|winding| winding != 0))
+            .any(|beside| self.surface.winding_number(beside).is_some_and(|winding| winding != 0))
     }
-
-    /// Winding number, as the signed number of triangles that a ray crosses.
-    fn crossings(&self, p: DVec3, direction: DVec3) -> Result<i32, Doubt> {
-        let inverse = direction.recip();
-        let margin = self.rounding;
-        let is_hit = |own: &Bounds| {
-            let (s, t) = ((own.low - p - margin) * inverse, (own.high - p + margin) * inverse);
-            let (enter, leave) = (s.min(t).max_element(), s.max(t).min_element());
-            leave >= 0.0 && enter <= leave
-        };
-        let mut winding = 0;
-        let count = |index: u32| {
-            if !self.counts[index as usize] {
-                return ControlFlow::Continue(());
-            }
-            let triangle = &self.triangles[index as usize];
-            match crossing(triangle, p, direction) {
-                Some(crossed) => winding += crossed,
-                None if triangle::nearest(triangle, p).distance(p) <= self.rounding => {
-                    return ControlFlow::Break(Doubt::On(index));
-                }
-                None => return ControlFlow::Break(Doubt::Edge),
-            }
-            ControlFlow::Continue(())
-        };
-        match self.tree.visit(is_hit, count) {
-            ControlFlow::Break(doubt) => Err(doubt),
-            ControlFlow::Continue(()) => Ok(winding),
-        }
-    }
-
-    /// Winding number as the sum of all solid angles, which is slow and always certain enough: its
-    /// error is far below a half.
-    pub(super) fn solid_angles(&self, p: DVec3) -> i32 {
-        let mut sum = 0.0;
-        for ([a, b, c], counts) in self.triangles.iter().zip(&self.counts) {
-            if *counts {
-                let [a, b, c] = [*a - p, *b - p, *c - p];
-                let [la, lb, lc] = [a.length(), b.length(), c.length()];
-                let volume = a.dot(b.cross(c));
-                let scale = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-                sum += 2.0 * libm::atan2(volume, scale);
-            }
-        }
-        let turns = sum / (4.0 * std::f64::consts::PI);
-        turns.round() as i32
-    }
-}
-
-/// Directions of rays, none of which is parallel to common edges.
-fn ray_direction(index: usize) -> DVec3 {
-    const GOLDEN: f64 = 2.399_963_229_728_653;
-    let z = 1.0 - (2 * index + 1) as f64 / RAYS as f64;
-    let radius = (1.0 - z * z).sqrt();
-    // The first angle is arbitrary.
-    let angle = GOLDEN * index as f64 + 0.381;
-    DVec3::new(radius * libm::cos(angle), radius * libm::sin(angle), z)
-}
-
-/// −1, 0 or 1: how a ray from `p` crosses a triangle; `None` if that is uncertain.
-fn crossing(triangle: &Triangle, p: DVec3, direction: DVec3) -> Option<i32> {
-    let [a, b, c] = triangle.map(|corner| corner - p);
-    let ahead = [a, b, c].map(|corner| corner.dot(direction));
-    let size = a.abs().max(b.abs()).max(c.abs()).max_element();
-    if ahead.iter().all(|along| *along < -UNCERTAIN * size) {
-        return Some(0);
-    }
-    let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-        let volume = direction.dot(from.cross(to));
-        let error = UNCERTAIN * from.length() * to.length();
-        if volume > error {
-            1
-        } else if volume < -error {
-            -1
-        } else {
-            0
-        }
-    });
-    if sides.contains(&1) && sides.contains(&-1) {
-        return Some(0);
-    }
-    if sides.contains(&0) {
-        return None;
-    }
-    // The line crosses the triangle. The ray does if the plane lies ahead.
-    let is_ahead = if ahead.iter().all(|along| *along > UNCERTAIN * size) {
-        true
-    } else {
-        let normal = (b - a).cross(c - a);
-        let height = a.dot(normal);
-        // Edges may be much shorter than their distance, so the normal's error is that of the
-        // edges.
-        let error = UNCERTAIN * size * (b - a).length() * (c - a).length();
-        if height.abs() <= error {
-            return None;
-        }
-        (height > 0.0) == (direction.dot(normal) > 0.0)
-    };
-    Some(if is_ahead { sides[0] } else { 0 })
 }
 
 /// Distinct positions, and the mesh's triangles as their indices.

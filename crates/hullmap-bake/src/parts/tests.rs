@@ -215,7 +215,7 @@ fn rays_agree_with_solid_angles() {
         let solid = Solid::new(&random_soup(&mut rng, 12));
         for _ in 0..50 {
             let p = DVec3::from_array(std::array::from_fn(|_| rng.unit()));
-            let is_inside = solid.solid_angles(p) != 0;
+            let is_inside = solid.surface().solid_angles(p) != 0;
             assert_eq!(solid.is_inside(p), is_inside, "{p}");
             inside += usize::from(is_inside);
             all += 1;
@@ -256,8 +256,8 @@ fn sides_agree_with_solid_angles() {
         let (centre, half) = (in_triangle(&triangle, &mut rng), 0.1 * rng.unit());
         let polygons = polygons_in(&solid, centre - half, centre + half);
         let mut point = || centre + half * DVec3::from_array(std::array::from_fn(|_| 2.0 * rng.unit() - 1.0));
-        let is_outside = (0..60).any(|_| solid.solid_angles(point()) == 0);
-        match (are_sides_inside(&solid, &polygons), is_outside) {
+        let is_outside = (0..60).any(|_| solid.surface().solid_angles(point()) == 0);
+        match (are_sides_inside(solid.surface(), &polygons), is_outside) {
             (true, true) => panic!("round {round}: a point outside"),
             (true, false) => known += 1,
             (false, false) => unknown += 1,
@@ -303,7 +303,7 @@ fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
 
 /// Distance from the solid by brute force over all triangles, with solid angles for the inside.
 fn slow_distance(solid: &Solid, mesh: &PointSet, p: DVec3) -> f64 {
-    if solid.kind() != SolidKind::Sheet && solid.solid_angles(p) != 0 {
+    if solid.kind() != SolidKind::Sheet && solid.surface().solid_angles(p) != 0 {
         return 0.0;
     }
     let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
@@ -352,7 +352,8 @@ fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
             if near.triangle != *triangle {
                 continue;
             }
-            let is_beside = |p: DVec3| [1e-9, -1e-9].iter().any(|step| solid.solid_angles(p + *step * normal) != 0);
+            let is_beside =
+                |p: DVec3| [1e-9, -1e-9].iter().any(|step| solid.surface().solid_angles(p + *step * normal) != 0);
             let all = (0..100).all(|_| is_beside(in_triangle(triangle, &mut rng)));
             assert!(all || !near.is_whole, "round {round}: {triangle:?}");
             match (near.is_whole, all) {

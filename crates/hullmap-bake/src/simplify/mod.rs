@@ -23,46 +23,27 @@
 use glam::DVec3;
 
 use crate::{
-    BakeError, NO_SOURCE_VERTEX, PointSet,
+    BakeError,
     hull::{self, Hull},
 };
 
 pub mod collapse;
 pub mod half_spaces;
+mod limit;
 pub mod nearest;
 pub mod polygon;
+mod rounding;
 pub mod surface;
 pub mod wrap;
 
 use collapse::Collapse;
 use half_spaces::{HalfSpace, nearest_to_origin};
+pub use limit::{Limit, MIN_VERTICES};
 use nearest::Nearest;
+pub use rounding::Simplified;
+use rounding::{MAX_TRIES, PUSH, ROUNDING, of_points};
 use surface::Surface;
 use wrap::{Wrapped, wrap};
-
-/// How far to simplify a hull.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Limit {
-    /// Maximum number of vertices, at least [`MIN_VERTICES`]. The result is as near to the hull as
-    /// the search finds.
-    Vertices(usize),
-    /// Maximum distance from the hull, in the points' units. The result has as few vertices as the
-    /// search finds.
-    Distance(f64),
-}
-
-/// A simplified hull.
-#[derive(Clone, Debug)]
-pub struct Simplified {
-    /// The hull. None of its vertices is a source vertex. Its containment error is 0 unless it is
-    /// flat.
-    pub hull: Hull,
-    /// Maximum distance by which it exceeds the original hull, in the points' units.
-    pub outer_error: f64,
-}
-
-/// Minimum number of vertices that may be requested: a tetrahedron has that many.
-pub const MIN_VERTICES: usize = 4;
 
 /// Number of vertices at which a collapse starts, relative to the number at which it ends. A ratio
 /// of sixteen gave no better results.
@@ -77,17 +58,6 @@ const HALVINGS: usize = 28;
 /// Number of smaller distances tried after the bisection, in steps of 1 %. The vertex count of a
 /// wrap is not monotonic in its distance.
 const NEARER: usize = 24;
-
-/// Distance by which vertices are pushed outward before they are rounded to f32, relative to the
-/// largest coordinate. Rounding moves each coordinate by up to 6e-8 of it, and a point by up to
-/// 1.04e-7.
-const PUSH: f64 = 1.1e-7;
-
-/// Number of margins tried, each twice the previous one, before the hull is left as it is.
-const MAX_TRIES: i32 = 8;
-
-/// Bound on the rounding error of a measured distance, relative to the diameter.
-const ROUNDING: f64 = 1e-14;
 
 /// A hull with fewer vertices that contains `hull`, within the limit.
 ///
@@ -247,12 +217,6 @@ fn measured(points: Vec<[f32; 3]>, hull: &Hull, nearest: &Nearest) -> Option<Sim
     let distance = |p: DVec3| nearest.certain(p).point.distance(p);
     let farthest = outer.positions().into_iter().map(distance).fold(0.0, f64::max);
     Some(Simplified { outer_error: farthest + ROUNDING * hull.diameter, hull: outer })
-}
-
-/// The hull of points that are not source vertices.
-fn of_points(positions: Vec<[f32; 3]>) -> Option<Hull> {
-    let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
-    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
 #[cfg(test)]

@@ -14,7 +14,8 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 
 use glam::DVec3;
 
-use super::{Limit, MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
+use super::limit::Limit;
+use super::rounding::{MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
 use crate::hull::{Hull, area::area_vector};
 
 /// Minimum number of corners of a polygon.

@@ -50,8 +50,10 @@ const FLAGS: [(&[&str], &str, &str); 18] = [
     (&["mesh", "input"], "source", "--source PATH"),
 ];
 
-/// The error with the name to use instead, if the guess is known.
-pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
+/// The error with the name that is meant, if a guess is known.
+///
+/// `root` is the command of all subcommands.
+pub fn with_tip(error: clap::Error, words: &[OsString], root: &clap::Command) -> clap::Error {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),
         _ => String::new(),
@@ -67,7 +69,7 @@ pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
             if let Some(instead) = instead_of_option(&name) {
                 return with_suggestion(error, instead.to_owned());
             }
-            let is_known = |own: &str| words.get(1).is_some_and(|command| has_flag(command, own));
+            let is_known = |own: &str| words.get(1).is_some_and(|command| has_flag(root, command, own));
             let meant = FLAGS.iter().find(|(guesses, own, _)| guesses.contains(&&*name) && is_known(own));
             meant.map(|(_, _, usage)| format!("use {usage}"))
         }
@@ -86,8 +88,7 @@ fn with_suggestion(mut error: clap::Error, tip: String) -> clap::Error {
     error
 }
 
-fn has_flag(command: &OsString, name: &str) -> bool {
-    let root = super::command("bake");
+fn has_flag(root: &clap::Command, command: &OsString, name: &str) -> bool {
     let own = command.to_str().and_then(|command| root.find_subcommand(command));
     own.is_some_and(|own| own.get_arguments().any(|argument| argument.get_long() == Some(name)))
 }

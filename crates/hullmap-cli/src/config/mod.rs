@@ -5,17 +5,17 @@
 //! 3. [`Config::layer`] lays the rules that match a mesh over the defaults.
 
 mod parse;
+mod rules;
 mod search;
 
 use std::io::{self, Read as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use hullmap_import::open_regular;
 
-use crate::glob::Glob;
-use crate::options::OptionLayer;
 use crate::outcome::Failure;
 
+pub use rules::Config;
 pub use search::{Chosen, Configs};
 
 /// Name of the file.
@@ -24,28 +24,6 @@ pub const FILE_NAME: &str = "hullmap.toml";
 /// Maximum size of the file in bytes: some ten thousand rules.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A parsed `hullmap.toml`.
-#[derive(Debug)]
-pub struct Config {
-    /// The file, as named or found.
-    pub path: PathBuf,
-    /// Options for every mesh.
-    defaults: OptionLayer,
-    /// In the file's order: later rules override earlier ones.
-    rules: Vec<Rule>,
-}
-
-/// Options for the meshes that match one of several globs.
-#[derive(Debug)]
-struct Rule {
-    /// Line of the globs in the file.
-    line: usize,
-    files: Vec<Glob>,
-    /// Whether its meshes are left out; `None` if the rule does not say.
-    skip: Option<bool>,
-    layer: OptionLayer,
-}
-
 impl Config {
     /// Reads a file. Fails, with file and line, if it cannot be read, is not valid TOML, or
     /// contains unknown keys or values.
@@ -53,28 +31,6 @@ impl Config {
         let text = read_bounded(path)
             .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))?;
         parse::parse(path, &text)
-    }
-
-    /// Options that the file gives for a mesh.
-    ///
-    /// `below` is the mesh's path relative to the file's folder; `None` for a mesh outside that
-    /// folder, to which only globs without `/` can apply. `name` is its file name.
-    pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
-        let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
-        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.over(&lower))
-    }
-
-    /// Whether the file leaves a mesh out; parameters as for [`layer`](Self::layer).
-    pub fn skips(&self, below: Option<&Path>, name: &Path) -> bool {
-        let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
-        rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
-    }
-
-    /// An option of decomposed meshes in a file that never switches decomposition on.
-    fn unused_option_of_parts(&self) -> Option<&'static str> {
-        let layers = || std::iter::once(&self.defaults).chain(self.rules.iter().map(|rule| &rule.layer));
-        let decomposes = layers().any(|layer| layer.decompose() == Some(true));
-        layers().find_map(OptionLayer::first_option_of_parts).filter(|_| !decomposes)
     }
 }
 
@@ -88,20 +44,13 @@ fn read_bounded(path: &Path) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
-impl Rule {
-    /// Whether the rule applies to a mesh; parameters as for [`Config::layer`].
-    fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
-        self.files.iter().any(|glob| glob.matches(below, name))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use hullmap_bake::IndexKind;
 
     use super::*;
     use crate::options::defaults::OPTIONS;
-    use crate::options::{BuildOptions, template};
+    use crate::options::{BuildOptions, OptionLayer, template};
     use hullmap_bake::simplify::Limit;
     use hullmap_import::Split;
 

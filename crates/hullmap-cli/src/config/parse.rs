@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{Config, Rule};
+use super::rules::{Config, Rule};
 use crate::glob::Glob;
 use crate::options::OptionLayer;
 use crate::options::defaults::{OPTIONS, position};

@@ -7,23 +7,11 @@
 use std::path::Path;
 
 use hullmap_import::{self as import, Limits, ReadError, SourceFile};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use super::Job;
+use super::job::{Input, Job};
 use crate::outcome::Failure;
-
-/// A file that a pack is baked from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
-pub struct Input {
-    /// Its path relative to the folder of the mesh: the name of the mesh, or the path of a buffer.
-    pub path: String,
-    /// Its size.
-    pub bytes: u64,
-    /// SHA-256 of its bytes.
-    pub sha256: String,
-}
 
 /// Everything that the bytes of a pack depend on. The key is SHA-256 of this value as compact JSON,
 /// with the fields in this order.

@@ -10,9 +10,10 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::key::{Ingredients, Input, sha256};
+use super::job::{Input, Job};
+use super::key::{Ingredients, sha256};
 use super::pack_names::PackName;
-use super::{Job, slashed};
+use super::slashed;
 use crate::options::BuildOptions;
 use crate::packs::is_pack;
 

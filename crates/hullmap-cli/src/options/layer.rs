@@ -1,8 +1,7 @@
 //! Options as given by one source: the command line, the defaults or a rule of `hullmap.toml`, or a
 //! pack's record.
 
-use super::BuildOptions;
-use super::defaults::{DefaultValue, Group, OPTION_COUNT, OPTIONS, position};
+use super::defaults::{Group, OPTION_COUNT, OPTIONS, position};
 use super::removed::instead_of_option;
 use super::value::Value;
 
@@ -10,7 +9,7 @@ use super::value::Value;
 /// mention.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OptionLayer {
-    values: [Option<Value>; OPTION_COUNT],
+    pub(super) values: [Option<Value>; OPTION_COUNT],
 }
 
 /// The method of a decomposition that is switched on without a name.
@@ -38,6 +37,11 @@ enum ClashKind {
 }
 
 impl Clash {
+    /// `key` has no effect unless `other` has this value.
+    pub(super) fn no_effect(key: &'static str, other: &'static str, value: &'static str) -> Self {
+        Self { key, other, kind: ClashKind::NoEffect(value) }
+    }
+
     /// What is wrong and what to do; `name` turns a key into the name by which the user knows the
     /// option.
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
@@ -93,7 +97,7 @@ impl OptionLayer {
     }
 
     /// The method of the decomposition, by its name.
-    fn method(&self) -> Option<&'static str> {
+    pub(super) fn method(&self) -> Option<&'static str> {
         match self.get("decompose")? {
             Value::Word(word) => Some(word),
             Value::Switch(true) => Some(UNNAMED),
@@ -109,19 +113,8 @@ impl OptionLayer {
             .map(|(option, _)| option.key)
     }
 
-    /// The first option of this layer that applies with none of the resolved options, to which
-    /// other layers have contributed.
-    pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
-        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
-        given.find_map(|(option, _)| {
-            let (other, value) = option.applies_with?;
-            let has_effect = resolved.clone().any(|options| options.0.is(other, value));
-            (!has_effect).then_some(Clash { key: option.key, other, kind: ClashKind::NoEffect(value) })
-        })
-    }
-
     /// Whether the layer gives this option this value.
-    fn is(&self, key: &str, value: &str) -> bool {
+    pub(super) fn is(&self, key: &str, value: &str) -> bool {
         self.get(key).is_some_and(|own| own.to_string() == value)
     }
 
@@ -159,29 +152,6 @@ impl OptionLayer {
 
     fn gives_any_of(&self, group: Group) -> bool {
         OPTIONS.iter().zip(&self.values).any(|(option, value)| option.group == group && value.is_some())
-    }
-
-    /// The options, with their defaults for those that this layer does not give or that do not
-    /// apply.
-    pub fn resolve(&self) -> BuildOptions {
-        let mut resolved = self.clone();
-        let method = self.method();
-        if let (Some(word), Some(index)) = (method, position("decompose")) {
-            resolved.values[index] = Some(Value::Word(word));
-        }
-        let given = resolved.clone();
-        for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
-            let applies = option.applies_with.is_none_or(|(key, expected)| given.is(key, expected));
-            if value.is_none() || !applies {
-                *value = match option.default {
-                    DefaultValue::Value(text) => {
-                        Some(option.syntax.parse(text).expect("a default is an accepted value"))
-                    }
-                    DefaultValue::Unset { .. } => None,
-                };
-            }
-        }
-        BuildOptions(resolved)
     }
 }
 

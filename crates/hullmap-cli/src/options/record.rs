@@ -99,8 +99,8 @@ fn set_index(layer: &mut OptionLayer, text: &str) -> Option<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::options;
     use super::*;
+    use crate::options::resolved::tests::options;
 
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///

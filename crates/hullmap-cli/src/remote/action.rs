@@ -82,7 +82,7 @@ impl Worker {
     pub fn new(remote: &RemoteArgs, build: &Build) -> Result<Self, Failure> {
         let program = match &remote.worker {
             Some(path) => {
-                let bytes = super::read("--remote-worker", path)?;
+                let bytes = read("--remote-worker", path)?;
                 // It is read again only if the server lacks it.
                 Some(Blob { digest: Digest::of(&bytes), data: Data::File(path.clone()) })
             }
@@ -205,4 +205,10 @@ fn member<'j>(
     };
     let member = Member { index, job, hash: source.hash, source: place, pack: format!("{OUT}/{pack}"), is_wanted };
     Some((member, mesh))
+}
+
+/// The bytes of a file that a flag names.
+pub fn read(flag: &str, path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path)
+        .map_err(|error| Failure::usage(format!("{flag} {}: cannot read: {error}; check the path", path.display())))
 }

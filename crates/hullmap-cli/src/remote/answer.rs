@@ -10,13 +10,18 @@ use hullmap_import as import;
 use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
 
 use super::action::{Batch, Member, RESULTS};
-use super::{Delivered, Results};
 use crate::open::bounded_remarks;
 use crate::outcome::Exit;
 use crate::runner::freshness::{Expected, Found, judge};
 use crate::runner::one::Build;
 use crate::runner::rows::{Origin, Row, Status};
 use crate::terminal;
+
+/// Result of a job, by its index.
+pub type Results = Vec<Option<(Row, Exit)>>;
+
+/// Results of some jobs, each with the index of its job.
+pub type Delivered = Vec<(usize, Row, Exit)>;
 
 /// Maximum size of the rows of a batch in bytes. Honest rows have about one kilobyte each.
 const MAX_RESULTS: u64 = 16 << 20;

@@ -28,13 +28,8 @@ use crate::runner::one::Build;
 use crate::runner::progress::Progress;
 use crate::runner::rows::{Row, Status};
 use crate::terminal;
-use action::{Batch, Worker};
-
-/// Result of a job, by its index.
-type Results = Vec<Option<(Row, Exit)>>;
-
-/// Results of some jobs, each with the index of its job.
-type Delivered = Vec<(usize, Row, Exit)>;
+use action::{Batch, Worker, read};
+use answer::{Delivered, Results};
 
 /// Runs jobs on a farm and returns their results in the same order. Fails if the farm cannot be
 /// reached and `--remote-fallback` is not given, it cannot do what is requested, or a file that an
@@ -270,12 +265,6 @@ fn settings(remote: &RemoteArgs) -> Result<Settings, Failure> {
     }
     settings.action_timeout = Duration::from_secs(remote.timeout);
     Ok(settings)
-}
-
-/// The bytes of a file that a flag names.
-fn read(flag: &str, path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path)
-        .map_err(|error| Failure::usage(format!("{flag} {}: cannot read: {error}; check the path", path.display())))
 }
 
 /// The failure of an error of the farm.

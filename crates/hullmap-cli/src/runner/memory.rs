@@ -54,9 +54,9 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::jobs::key::Input;
+    use crate::jobs::job::Input;
     use crate::options::BuildOptions;
-    use crate::options::tests::options;
+    use crate::options::resolved::tests::options;
 
     fn job(source: PathBuf, options: BuildOptions) -> Job {
         Job {

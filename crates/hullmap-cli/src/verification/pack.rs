@@ -23,10 +23,10 @@ use super::fit::{Judge, Witness};
 use super::outside::measure_outside;
 use super::truth::Points;
 use super::{Measurement, REGRET_LIMIT, index, measure};
-use crate::baker::{Part, parts};
 use crate::geometry::polygons;
 use crate::measure::stand_for_one;
 use crate::options::BuildOptions;
+use crate::part::{Part, parts};
 use crate::table::rounded;
 
 /// Result of a part that fits its mesh within its recorded bounds.

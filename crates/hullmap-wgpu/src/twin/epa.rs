@@ -16,11 +16,11 @@
 //! # Deviations
 //! The depth ends as stalled as soon as one face is not certain. There is no surface to return to.
 
+use super::gjk::Ended;
 use super::simplex::{Corner, FACES, on_triangle, reach};
 use super::support::Run;
-use super::{CERTAIN, LOWEST, Vector, cross, dot, l1, mad, scaled, sub};
+use super::vector::{CERTAIN, LOWEST, Vector, cross, dot, l1, mad, scaled, sub};
 use crate::records::{AnswerRecord, PairRecord, code};
-use crate::twin::gjk::Ended;
 
 /// Vertices of the polytope. A closed surface of them has at most 124 faces.
 const MAX_VERTICES: usize = 64;

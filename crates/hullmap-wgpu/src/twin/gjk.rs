@@ -14,9 +14,10 @@
 //! 5. For a depth, EPA continues from any tetrahedron that holds the origin. If GJK finds none, it
 //!    starts from the axes.
 
+use super::query::Query;
 use super::simplex::{Closest, Corner, FACES, nearer, on_segment, on_triangle, reach};
 use super::support::Run;
-use super::{CERTAIN, LOWEST, Query, cross, dot, l1, mad, scaled, sub};
+use super::vector::{CERTAIN, LOWEST, cross, dot, l1, mad, scaled, sub};
 use crate::records::{AnswerRecord, HullRecord, PairRecord, StateRecord, code};
 
 /// Squared length below which a normal has no direction.

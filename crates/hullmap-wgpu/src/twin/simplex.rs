@@ -2,7 +2,7 @@
 //! in Rust.
 
 use super::support::Run;
-use super::{LOWEST, Vector, cross, dot, mad, scaled, sub};
+use super::vector::{LOWEST, Vector, cross, dot, mad, scaled, sub};
 use crate::records::{PairRecord, StateRecord};
 
 /// A corner of the simplex: a point of the Minkowski difference, and A's part of it.

@@ -13,7 +13,7 @@ use hullmap_format::{
     slot::{BUNDLE_PARTS, BUNDLE_PLANES, Branch, Slot},
 };
 
-use super::{EPSILON, LOWEST, Vector, dot, l1, mad, sub};
+use super::vector::{EPSILON, LOWEST, Vector, dot, l1, mad, sub};
 use crate::records::{HullRecord, Tables, kind};
 
 /// Entries of the stack of a support query.

@@ -11,7 +11,7 @@ use std::cell::Cell;
 
 use glam::DVec3;
 
-use super::{Pair, SupportQuery, has_facets};
+use super::pair::{Pair, SupportQuery, has_facets};
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::shapes::{Feature, Shape};
 use crate::solver::{Cache, Contact, Distance, Intersection, Settings, queries};

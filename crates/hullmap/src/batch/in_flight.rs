@@ -21,7 +21,7 @@
 //! ahead.
 
 use super::ahead::{fetch_pairs, fetch_queries};
-use super::{Pair, SupportQuery};
+use super::pair::{Pair, SupportQuery};
 use crate::shapes::Shape;
 use crate::solver::{
     Cache, Contact, ContactQuery, Distance, DistanceQuery, Intersection, IntersectionQuery, Query, Settings, Suspended,

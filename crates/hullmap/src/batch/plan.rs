@@ -9,7 +9,7 @@
 //! [`ahead`]: super::ahead
 //! [`in_flight`]: super::in_flight
 
-use super::Pair;
+use super::pair::Pair;
 use crate::shapes::Shape;
 
 /// Working set from which a batch fetches shapes ahead, in bytes. It costs hardly anything, and

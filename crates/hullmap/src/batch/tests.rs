@@ -7,6 +7,7 @@ use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{ALL_INDICES, bytes, point_set};
 use shapes::{families, rng::SplitMix64};
 
+use super::pair::has_facets;
 use super::plan::Plan;
 use super::*;
 use crate::pack::Pack;

@@ -49,6 +49,7 @@ mod bvh;
 mod cache;
 pub mod half_space;
 mod manifolds;
+mod members;
 mod motion;
 mod parts;
 pub mod seams;
@@ -56,97 +57,18 @@ mod signed_distance;
 mod traversal;
 
 use crate::cascade::{self, Stages};
-use crate::hull::Hull;
-use crate::pack::Pack;
 use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
-use bvh::{Nodes, Placement};
+use bvh::Placement;
 pub use cache::CompoundCache;
 pub use manifolds::{CompoundManifolds, ManifoldCounts};
+pub use members::Compound;
 pub use motion::{cast, ray};
 pub use parts::Parts;
 pub use signed_distance::signed_distance;
 use traversal::Traversal;
 
-/// The union of the hulls of a pack, or a single hull. A cheap copy: it borrows the pack.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::Compound;
-///
-/// let both = Compound::new(&pack);
-/// assert_eq!(both.hull_count(), 2);
-/// let right = both.hull(1).ok_or("no such hull")?;
-/// assert_eq!(right.bounds()[0].x, 3.0);
-/// assert_eq!(Compound::from(right).hull_count(), 1);
-/// assert!(both.hull(2).is_none());
-/// # Ok(())
-/// # }
-/// ```
-#[derive(Clone, Copy, Debug)]
-pub struct Compound<'a> {
-    members: Members<'a>,
-}
-
-#[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a hull consists of slices; a pointer to it would require an owner")]
-enum Members<'a> {
-    Pack(&'a Pack),
-    One(Hull<'a>),
-}
-
-impl<'a> Compound<'a> {
-    /// The union of all hulls of `pack`, in the frame of the pack.
-    pub fn new(pack: &'a Pack) -> Self {
-        Self { members: Members::Pack(pack) }
-    }
-
-    /// Number of hulls; 0 only for a pack that was opened without checks.
-    pub fn hull_count(&self) -> usize {
-        match self.members {
-            Members::Pack(pack) => pack.hull_count(),
-            Members::One(_) => 1,
-        }
-    }
-
-    /// The BVH.
-    fn nodes(&self) -> Nodes<'_> {
-        match self.members {
-            Members::Pack(pack) => Nodes::of_pack(pack.nodes()),
-            Members::One(hull) => {
-                let [low, high] = hull.bounds().map(|corner| corner.as_dvec3());
-                Nodes::one(low, high)
-            }
-        }
-    }
-
-    /// The hull with this index; `None` if the index is not below [`hull_count`](Self::hull_count).
-    pub fn hull(&self, index: usize) -> Option<Hull<'a>> {
-        match self.members {
-            Members::Pack(pack) => pack.hull(index).ok(),
-            Members::One(hull) => (index == 0).then_some(hull),
-        }
-    }
-}
-
-impl<'a> From<Hull<'a>> for Compound<'a> {
-    /// A compound of one hull.
-    fn from(hull: Hull<'a>) -> Self {
-        Self { members: Members::One(hull) }
-    }
-}
-
-impl<'a> From<&'a Pack> for Compound<'a> {
-    /// As [`Compound::new`].
-    fn from(pack: &'a Pack) -> Self {
-        Self::new(pack)
-    }
-}
-
-/// Distance for a pack without hulls, which only an unchecked pack can lack: nothing is known.
+/// Distance for a pack without hulls, which only an unchecked pack can be: nothing is known.
 const NOTHING_KNOWN: Distance = Distance {
     status: Status::Stalled,
     distance: 0.0,

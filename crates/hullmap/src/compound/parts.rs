@@ -1,7 +1,7 @@
 //! Arguments of compound queries: a compound, or a single shape.
 
-use super::Compound;
 use super::bvh::Nodes;
+use super::members::Compound;
 use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::shapes::Shape;

@@ -7,7 +7,7 @@ use rkyv::rend::u32_le;
 
 use super::Hull;
 use crate::support::SupportMap;
-use crate::support::facets::triangle_normal;
+use crate::support::facet_table::triangle_normal;
 use crate::vector::unit;
 
 impl<'a> Hull<'a> {

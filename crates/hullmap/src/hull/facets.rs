@@ -22,7 +22,7 @@ use hullmap_format::sections::Sections;
 
 use super::Hull;
 use crate::support::SupportMap;
-use crate::support::facets::{
+use crate::support::facet_table::{
     Edge, FLAT_VERTICES, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, SMALL_VERTICES, Side,
     stretch, triangle_normal,
 };

@@ -19,9 +19,9 @@ use hullmap_format::{
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
-use crate::support::facets::FacetTable;
+use crate::support::facet_table::FacetTable;
 use crate::support::index::Index;
-use crate::support::simd::Dispatch;
+use crate::support::simd::{Dispatch, HOT_BYTES};
 
 pub use arrays::HullArrays;
 pub use mass::MassProperties;
@@ -56,9 +56,6 @@ pub struct Hull<'a> {
     quads: &'a [ArchivedQuad],
     outer_vertices: &'a [[f32_le; 3]],
 }
-
-/// Bytes of a [`Hull`] that support queries and the solver read.
-pub(crate) const HOT_BYTES: usize = 128;
 
 const _: () = assert!(offset_of!(Hull<'_>, neighbour_starts) <= HOT_BYTES);
 
@@ -173,6 +170,13 @@ impl<'a> Hull<'a> {
     /// ```
     pub fn vertex(&self, index: u32) -> Option<Vec3> {
         self.vertices.get(index as usize).map(|v| Vec3::from_array(v.map(|c| c.to_native())))
+    }
+
+    /// [`vertex`](Self::vertex) in f64.
+    #[inline]
+    pub(crate) fn position(&self, index: u32) -> Option<DVec3> {
+        let [x, y, z] = self.vertices.get(index as usize)?;
+        Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
     }
 
     /// Positions of all vertices, in the order of their indices.

@@ -64,6 +64,55 @@ pub struct SharedHull {
     index: usize,
 }
 
+/// Hulls that keep the pack alive.
+impl Pack {
+    /// The hull of index `index`, counted from 0, as a value that keeps the pack alive.
+    ///
+    /// # Errors
+    /// [`NoSuchHull`] if `index` is not below [`hull_count`](Self::hull_count).
+    ///
+    /// # Complexity
+    /// O(1), one allocation. Clones of the result allocate nothing.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// use std::sync::Arc;
+    ///
+    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
+    /// let cube = pack.shared_hull(1)?;
+    /// drop(pack);
+    /// assert_eq!(cube.hull().name(), "cube");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn shared_hull(self: &Arc<Self>, index: usize) -> Result<SharedHull, NoSuchHull> {
+        SharedHull::new(Arc::clone(self), index)
+    }
+
+    /// The first hull named `name`, as a value that keeps the pack alive, or `None`.
+    ///
+    /// # Complexity
+    /// O(number of hulls).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// use std::sync::Arc;
+    ///
+    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
+    /// let rock = pack.shared_hull_named("rock").expect("the pack has a rock");
+    /// assert_eq!(rock.index(), 0);
+    /// # }
+    /// ```
+    pub fn shared_hull_named(self: &Arc<Self>, name: &str) -> Option<SharedHull> {
+        let index = self.hulls().position(|hull| hull.name() == name)?;
+        self.shared_hull(index).ok()
+    }
+}
+
 impl SharedHull {
     pub(crate) fn new(pack: Arc<Pack>, index: usize) -> Result<Self, NoSuchHull> {
         let cell = Cell::try_new(pack, |pack| pack.hull(index))?;

@@ -279,8 +279,7 @@ impl SupportMap for Hull<'_> {
 
     #[inline]
     fn point(&self, feature: u32) -> Option<DVec3> {
-        let [x, y, z] = self.vertices.get(feature as usize)?;
-        Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
+        self.position(feature)
     }
 
     #[inline(always)]

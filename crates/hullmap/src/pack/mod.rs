@@ -48,7 +48,7 @@ mod error;
 mod map;
 mod storage;
 
-use std::{fs::File, io::Read, path::Path, sync::Arc};
+use std::{fs::File, io::Read, path::Path};
 
 use hullmap_format::{
     archive::ArchivedBvhNode,
@@ -59,19 +59,19 @@ use hullmap_format::{
 };
 use rkyv::util::AlignedVec;
 
-use crate::hull::{Hull, SharedHull};
-use crate::support::facets::FacetTable;
+use crate::hull::Hull;
+use crate::support::facet_table::FacetTable;
 pub use error::{InvalidPack, NoSuchHull, OpenError};
 use storage::{Bytes, Storage};
 
 /// An opened pack.
 ///
-/// A [`Hull`] borrows from its pack. A [`SharedHull`] keeps its pack alive. Threads share a pack by
-/// reference or in an [`Arc`].
+/// A [`Hull`] borrows from its pack. A [`SharedHull`](crate::SharedHull) keeps its pack alive.
+/// Threads share a pack by reference or in an [`Arc`](std::sync::Arc).
 ///
 /// # Examples
-/// Reloading while other threads query the pack. A reader holds the lock only to clone the [`Arc`].
-/// The old pack is freed when its last reader drops it:
+/// Reloading while other threads query the pack. A reader holds the lock only to clone the
+/// [`Arc`](std::sync::Arc). The old pack is freed when its last reader drops it:
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let folder = tempfile::tempdir()?;
@@ -615,51 +615,5 @@ impl Pack {
     /// ```
     pub fn hulls(&self) -> impl Iterator<Item = Hull<'_>> {
         (0..self.hull_count()).filter_map(|index| self.hull(index).ok())
-    }
-
-    /// The hull of index `index`, counted from 0, as a value that keeps the pack alive.
-    ///
-    /// # Errors
-    /// [`NoSuchHull`] if `index` is not below [`hull_count`](Self::hull_count).
-    ///
-    /// # Complexity
-    /// O(1), one allocation. Clones of the result allocate nothing.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// use std::sync::Arc;
-    ///
-    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
-    /// let cube = pack.shared_hull(1)?;
-    /// drop(pack);
-    /// assert_eq!(cube.hull().name(), "cube");
-    /// # Ok(())
-    /// # }
-    /// ```
-    pub fn shared_hull(self: &Arc<Self>, index: usize) -> Result<SharedHull, NoSuchHull> {
-        SharedHull::new(Arc::clone(self), index)
-    }
-
-    /// The first hull named `name`, as a value that keeps the pack alive, or `None`.
-    ///
-    /// # Complexity
-    /// O(number of hulls).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// use std::sync::Arc;
-    ///
-    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
-    /// let rock = pack.shared_hull_named("rock").expect("the pack has a rock");
-    /// assert_eq!(rock.index(), 0);
-    /// # }
-    /// ```
-    pub fn shared_hull_named(self: &Arc<Self>, name: &str) -> Option<SharedHull> {
-        let index = self.hulls().position(|hull| hull.name() == name)?;
-        self.shared_hull(index).ok()
     }
 }

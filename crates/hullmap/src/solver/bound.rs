@@ -7,10 +7,14 @@
 use glam::DVec3;
 
 use super::barycentric::{blend, on_triangle};
-use super::epa::FOOT_ROUNDINGS;
 use super::gjk::{Simplex, closest_within};
 use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
+
+/// Witness points may be this many rounding errors farther from the foot than the interval is wide:
+/// one each for the support point and the closest point. The search for them ends at as many
+/// noises.
+pub(super) const FOOT_ROUNDINGS: f64 = 2.0;
 
 /// Maximum number of steps of the search for witness points. Most need 1 to 4.
 const MAX_STEPS: u32 = 100;

@@ -25,7 +25,8 @@
 //!   points).
 //! - A depth of zero has a normal, and a status of its own.
 
-use super::bound::Bound;
+use super::answer::{Contact, separated_contact};
+use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
 use super::epa::{self, Expansion, Goal, Progress, Room};
 use super::intersection::{axis_of_balls, portal_tetrahedron, store_separation};
@@ -39,63 +40,6 @@ use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
 use glam::DVec3;
-
-/// Answer of [`contact`](crate::contact()): penetration depth, normal and witness points of a pair.
-///
-/// Lengths are in the shapes' unit, points and directions in A's frame. If rounding error or a
-/// limit stopped the search, `status` says so; the interval from `depth_lower` to `depth_upper`
-/// always contains the depth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// False only if a separating plane proves the shapes separated.
-    pub hit: bool,
-    /// How the query ended, and thus how narrow the interval is.
-    pub status: Status,
-    /// Penetration depth: moving B by this length along `normal` makes the shapes touch. 0 if they
-    /// are separated or touch.
-    pub depth: f64,
-    /// Lower bound of the penetration depth, at least 0, with allowance for rounding error.
-    pub depth_lower: f64,
-    /// Upper bound of the penetration depth, with allowance for rounding error.
-    pub depth_upper: f64,
-    /// Unit vector from A to B. A separating axis if the shapes are separated.
-    pub normal: DVec3,
-    /// Witness point: the point of A that is deepest in B. If the shapes are separated, some point
-    /// of A; [`distance`](crate::distance()) computes the closest one.
-    ///
-    /// Both witness points are in their shapes and on their support planes along `normal`, and
-    /// `point_a` − `point_b` is `depth` times `normal`: all to within the width of the interval and
-    /// rounding error. With the statuses [`IterationLimit`](Status::IterationLimit) and
-    /// [`Stalled`](Status::Stalled), `point_a` − `point_b` may differ from that across the normal,
-    /// and if the lower bound is 0, along it as well.
-    pub point_a: DVec3,
-    /// Witness point: the point of B that is deepest in A. If the shapes are separated, some point
-    /// of B.
-    pub point_b: DVec3,
-    /// Number of steps of all phases together.
-    pub iterations: u32,
-    /// Number of support calls. One call queries both shapes once.
-    pub support_calls: u32,
-}
-
-impl Default for Contact {
-    /// A contact that claims nothing: the interval [0, ∞) contains every depth. It initialises the
-    /// slices of a batch.
-    fn default() -> Self {
-        Self {
-            hit: true,
-            status: Status::IterationLimit,
-            depth: 0.0,
-            depth_lower: 0.0,
-            depth_upper: f64::INFINITY,
-            normal: DVec3::X,
-            point_a: DVec3::ZERO,
-            point_b: DVec3::ZERO,
-            iterations: 0,
-            support_calls: 0,
-        }
-    }
-}
 
 /// Contact of `a` and `b` without regard to convex radii.
 ///
@@ -349,7 +293,7 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         _ => upper <= epa::TOUCHING_ROUNDINGS * rounding,
     };
     let off = expanded.bound.off();
-    let roundings = if touching { epa::BESIDE_ROUNDINGS } else { epa::FOOT_ROUNDINGS };
+    let roundings = if touching { epa::BESIDE_ROUNDINGS } else { FOOT_ROUNDINGS };
     // The interval is as wide as the witness points are off. NaN takes the failing branch.
     let width = upper - expanded.lower.max(0.0);
     let is_settled = off <= width.max(0.0) + roundings * rounding;
@@ -381,30 +325,6 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 }
 
-/// No contact: `axis` separates the shapes. Stores the axis in the cache.
-pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    cache: &mut Cache,
-    axis: DVec3,
-    iterations: u32,
-) -> Contact {
-    let axis = unit(axis).unwrap_or(DVec3::X);
-    cache.set_axis(axis);
-    let center = m.center_point();
-    Contact {
-        hit: false,
-        status: Status::Separated,
-        depth: 0.0,
-        depth_lower: 0.0,
-        depth_upper: 0.0,
-        normal: axis,
-        point_a: center.a,
-        point_b: center.b(),
-        iterations,
-        support_calls: m.support_calls(),
-    }
-}
-
 /// Contact of shapes that are balls within the tolerance. The line of centres gives it, with one
 /// support call.
 fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -421,7 +341,7 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let vertex = m.point(normal);
     let upper = vertex.w.dot(normal);
     // The support point of a hull that is nearly a ball may be beside the line of centres.
-    let is_settled = vertex.w.distance(normal * upper) <= upper - lower + epa::FOOT_ROUNDINGS * rounding;
+    let is_settled = vertex.w.distance(normal * upper) <= upper - lower + FOOT_ROUNDINGS * rounding;
     (is_settled && upper - lower <= tolerance * upper + rounding).then_some(Contact {
         hit: true,
         status: if upper - lower <= rounding { Status::Exact } else { Status::Within },

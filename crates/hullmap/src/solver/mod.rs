@@ -47,6 +47,7 @@
 
 #![forbid(unsafe_code)]
 
+mod answer;
 mod barycentric;
 mod bound;
 mod cache;
@@ -70,9 +71,9 @@ pub(crate) mod signed_distance;
 mod status;
 mod steps;
 
+pub use answer::Contact;
 pub use cache::Cache;
 pub use cast::Impact;
-pub use contact::Contact;
 pub(crate) use contact::ContactQuery;
 #[doc(hidden)]
 pub use contact::contact_by_facets;

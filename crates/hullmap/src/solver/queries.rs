@@ -26,11 +26,12 @@
 
 #![forbid(unsafe_code)]
 
+use super::answer::Contact;
 use super::bound::Bound;
+use super::bound::FOOT_ROUNDINGS;
 use super::cache::Cache;
-use super::contact::{Contact, core_contact};
+use super::contact::core_contact;
 use super::distance::{Distance, core_distance};
-use super::epa::FOOT_ROUNDINGS;
 use super::intersection::{Intersection, core_intersects};
 use super::minkowski::Minkowski;
 use super::settings::Settings;

@@ -28,8 +28,8 @@ use rkyv::rend::u32_le;
 use super::best_candidate::{self, best, best_of_blocks, exactly};
 use super::candidate::Candidate;
 use super::direction::Direction;
+use super::lookup::{Lookup, LookupKind};
 use super::simd::{self, Dispatch, Kernel, Portable, Simd};
-use super::support_map::{Lookup, LookupKind};
 
 /// Maximum number of blocks of a leaf that are fetched ahead. The processor itself fetches what
 /// follows when it reads them.

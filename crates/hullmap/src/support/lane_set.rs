@@ -1,6 +1,6 @@
 //! Sets of lanes and lists of blocks: faces or vertices of a small polytope.
 
-use super::facets::LANES;
+use super::facet_table::LANES;
 
 /// Number of blocks in a word.
 const WORD: usize = u64::BITS as usize / LANES;

@@ -9,16 +9,18 @@ pub(crate) mod best_candidate;
 mod bounds;
 pub(crate) mod candidate;
 pub(crate) mod direction;
+pub(crate) mod facet_table;
 pub(crate) mod facets;
 pub(crate) mod hint;
 pub(crate) mod index;
 pub(crate) mod lane_set;
+mod lookup;
 pub(crate) mod simd;
 mod support_map;
 
 pub use bounds::Bounds;
 pub use facets::Facets;
-pub use simd::Instructions;
 #[doc(hidden)]
-pub use support_map::Lookup;
+pub use lookup::Lookup;
+pub use simd::Instructions;
 pub use support_map::{SupportMap, SupportPoint};

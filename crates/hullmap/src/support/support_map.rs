@@ -2,6 +2,7 @@
 
 use super::bounds::Bounds;
 use super::facets::Facets;
+use super::lookup::Lookup;
 use crate::pose::Pose;
 use glam::DVec3;
 
@@ -37,47 +38,6 @@ pub struct SupportPoint {
     /// vertices return equal points for equal features, and other features for other points: a
     /// manifold merges points on the same features. A shape without vertices returns 0.
     pub feature: u32,
-}
-
-/// How far the look-up of a support query has come, for shapes that can interrupt it wherever it
-/// waits for memory.
-///
-/// Of 16 bytes, so that functions return it in registers.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lookup {
-    /// Bits of the direction that are still to be read, the next one on top.
-    pub(crate) path: [u32; 2],
-    /// Index of a word, the slot that refers to a node, or the first block and, in `path`, the
-    /// number of blocks.
-    pub(crate) at: u32,
-    /// Number of nodes above.
-    pub(crate) nodes: u16,
-    pub(crate) kind: LookupKind,
-}
-
-/// What a look-up has come to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LookupKind {
-    /// A word of the direction index.
-    Word,
-    /// Planes, a fan or a list of blocks.
-    Node,
-    /// The leaf is known.
-    Leaf,
-    /// Not interrupted. The whole look-up is still to be done.
-    Whole,
-}
-
-impl Lookup {
-    /// A look-up that is not interrupted.
-    pub(crate) const WHOLE: Self = Self { path: [0; 2], at: 0, nodes: 0, kind: LookupKind::Whole };
-
-    /// Whether the answer can be computed without waiting for another word or node.
-    #[inline(always)]
-    pub(crate) fn is_ready(&self) -> bool {
-        matches!(self.kind, LookupKind::Leaf | LookupKind::Whole)
-    }
 }
 
 /// A convex shape, described by its support mapping.

@@ -1,7 +1,8 @@
 //! The documents name files that exist: each path in back quotes is the end of a tracked path.
 
-use std::{collections::BTreeSet, fs, path::Path, process::Command};
+use std::{collections::BTreeSet, fs, path::Path};
 
+use hullmap_house::tracked;
 use hullmap_tests::outside::workspace;
 
 /// Documents outside of `docs`. All documents in `docs` are checked.
@@ -24,13 +25,6 @@ const PLACEHOLDERS: [&str; 10] = [
     "crates/hullmap/src/shapes/SHAPE.rs",
     "crates/hullmap-cli/src/commands/COMMAND.rs",
 ];
-
-/// Every tracked file, relative to the workspace. Empty outside of a git checkout.
-fn tracked() -> Vec<String> {
-    let listed = Command::new("git").arg("ls-files").current_dir(workspace()).output();
-    let listed = listed.map(|out| String::from_utf8(out.stdout).expect("paths are UTF-8")).unwrap_or_default();
-    listed.lines().filter(|path| workspace().join(path).exists()).map(str::to_owned).collect()
-}
 
 /// Text between back quotes, outside of fenced blocks. It may span lines.
 fn quoted(text: &str) -> Vec<String> {

@@ -11,6 +11,9 @@ use crate::hull::{
     solid,
 };
 
+/// Thickness of flat trial bodies, relative to the diagonal.
+pub const THICKNESS: f64 = 2e-7;
+
 /// A half-space: all x with `normal` · x ≤ `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {

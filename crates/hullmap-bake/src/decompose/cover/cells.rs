@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::body::{Body, Plane};
+use super::body::{Body, Plane, THICKNESS};
 use super::field::Field;
 
 /// Maximum number of cuts that lead to a cell.
@@ -309,7 +309,7 @@ type Step = Result<Vec<(Piece, u32)>, Vec<Cell>>;
 
 /// Cells of a piece, or the pieces it is cut into.
 fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Step {
-    let thickness = cutting.diagonal * super::THICKNESS;
+    let thickness = cutting.diagonal * THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
     let limit = if may_cut { cutting.limit } else { cutting.hard };
     // If the hull of some corners protrudes, so does the hull of all.
@@ -347,7 +347,7 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
 
 fn cell(piece: &Piece, body: &Body, cutting: &Cutting) -> Cell {
     let points = body.points.clone();
-    let few = few(&points, COARSE * cutting.hard, cutting.diagonal * super::THICKNESS);
+    let few = few(&points, COARSE * cutting.hard, cutting.diagonal * THICKNESS);
     let (low, high) = super::body::bounds(&points);
     let centre = (low + high) * 0.5;
     let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
@@ -393,7 +393,7 @@ fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Cell> {
     let one = |(corners, normal): (&[DVec3], DVec3)| {
         let mut single = Piece::default();
         single.push(corners, normal);
-        cell(&single, &Body::new(corners, cutting.diagonal * super::THICKNESS), cutting)
+        cell(&single, &Body::new(corners, cutting.diagonal * THICKNESS), cutting)
     };
     piece.polygons().map(one).collect()
 }

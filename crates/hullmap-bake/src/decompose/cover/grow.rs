@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::bits::Bits;
-use super::body::{Body, separation};
+use super::body::{Body, THICKNESS, separation};
 use super::cells::{self, Cell};
 use super::field::Field;
 
@@ -88,7 +88,7 @@ impl<'a> Ground<'a> {
     }
 
     fn body(&self, points: &[DVec3]) -> Body {
-        Body::new(points, self.diagonal * super::THICKNESS)
+        Body::new(points, self.diagonal * THICKNESS)
     }
 
     /// Points of a body's surface that are too far from the solid.

@@ -36,28 +36,26 @@ pub mod bits;
 pub mod body;
 pub mod cells;
 pub mod choose;
+mod deadline;
 pub mod field;
 pub mod grow;
 pub mod sample;
 pub mod wrap;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use bits::Bits;
-use body::Body;
+use body::{Body, THICKNESS};
 use cells::Cutting;
+pub use deadline::Deadline;
 use field::Field;
 use grow::{Candidate, Ground};
 use wrap::Bounds;
 
 use crate::{PointSet, hull::Hull, parts::solid::Solid, progress::Stage, simplify};
-
-/// Thickness of flat trial bodies, relative to the diagonal.
-const THICKNESS: f64 = 2e-7;
 
 /// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells fit
 /// together better and take longer.
@@ -137,26 +135,6 @@ pub struct Search<'a> {
     pub deadline: Option<Deadline>,
     /// The progress of the search.
     pub stage: Stage<'a>,
-}
-
-/// When a search stops.
-#[derive(Clone, Copy, Debug)]
-pub struct Deadline {
-    start: Instant,
-    limit: Duration,
-}
-
-impl Deadline {
-    /// The deadline `seconds` from now.
-    pub fn after(seconds: f64) -> Self {
-        let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        Self { start: Instant::now(), limit }
-    }
-
-    /// Whether the deadline has passed.
-    pub fn is_over(&self) -> bool {
-        self.start.elapsed() >= self.limit
-    }
 }
 
 impl Search<'_> {

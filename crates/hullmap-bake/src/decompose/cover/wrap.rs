@@ -12,8 +12,8 @@
 
 use glam::DVec3;
 
-use super::Deadline;
 use super::body::{Body, Plane};
+use super::deadline::Deadline;
 use super::field::Field;
 use super::sample::face_points;
 use crate::hull::{

@@ -15,12 +15,10 @@ use hullmap_format::{
     slot::{BUNDLE_PLANES, Slot},
 };
 
-use super::{
-    Certifier, Unproven, Visits,
-    arcs::Piece,
-    cube_slack,
-    region::{Cell, Line, Margin, Turn},
-};
+use super::arcs::Piece;
+use super::certifier::Certifier;
+use super::proof::{Proof, Unproven};
+use super::region::{Cell, Line, Margin, Turn, cube_slack};
 
 /// Range of squared lengths of vectors that count as being of unit length. The margins of
 /// [`super::region`] allow for it.
@@ -111,7 +109,7 @@ impl Frame {
 }
 
 /// A slot that has not been visited, with its region and the arcs in it.
-pub struct Pending {
+struct Pending {
     slot: usize,
     /// A square of the grid; `None` below planes and fans.
     square: Option<Square>,
@@ -119,10 +117,20 @@ pub struct Pending {
     pieces: Vec<Piece>,
 }
 
+/// What a descent has found so far.
+#[derive(Default)]
+pub(super) struct Visits {
+    proof: Proof,
+    /// Number of regions and pieces visited.
+    pub work: usize,
+    pending: Vec<Pending>,
+}
+
 impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
     /// Follows the arcs on a face of the cube from its roots. Slots wait in a list: a recursion
     /// would be as deep as the file allows.
-    pub(super) fn descend(&self, face: u32, pieces: Vec<Piece>, visits: &mut Visits) -> Result<(), Unproven> {
+    pub(super) fn descend(&self, face: u32, pieces: Vec<Piece>) -> Result<Proof, Unproven> {
+        let visits = &mut Visits::default();
         if let IndexKind::CubeMap { resolution } = self.kind {
             let borders: Vec<u32> = (0..=resolution).map(|step| cube::uniform_step_start(step, resolution)).collect();
             let first = face as usize * (resolution as usize).pow(2);
@@ -139,7 +147,7 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
             }
             self.visit(next, visits)?;
         }
-        Ok(())
+        Ok(visits.proof)
     }
 
     /// Follows the arcs through a slot.
@@ -148,11 +156,11 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         match (self.node(slot), square) {
             (None, _) => {
                 let Slot::Block(first) = Slot::decode(self.words.word(slot)) else { return Err(Unproven::Work) };
-                self.leaf(slot, run(first, self.kind.leaf_blocks()), &cell, &pieces, visits)
+                self.leaf(slot, run(first, self.kind.leaf_blocks()), &cell, &pieces, &mut visits.proof)
             }
             (Some(Node::List { at }), _) => {
                 let [first, count] = [0, 1].map(|word| self.words.word(at + word));
-                self.leaf(slot, run(first, count), &cell, &pieces, visits)
+                self.leaf(slot, run(first, count), &cell, &pieces, &mut visits.proof)
             }
             (Some(Node::Squares { at, bits }), Some(square)) => {
                 self.grid(&square.grid([bits; 2], at), &pieces, visits);

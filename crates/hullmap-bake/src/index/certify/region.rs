@@ -3,6 +3,12 @@
 use glam::DVec3;
 use hullmap_format::cube;
 
+/// How far beyond a cell arcs are followed. It is less than the margin by which the baker widens
+/// cells, so that its rounding error does not matter, and more than directions are misplaced.
+pub fn cube_slack() -> f64 {
+    cube::CELL_SLACK - 1e-10
+}
+
 /// Margins of a region at its border on a plane through the origin, in units of u and v.
 #[derive(Clone, Copy, Debug)]
 pub struct Margin {

@@ -5,7 +5,7 @@ use std::path::Path;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
 
-use super::run_with;
+use super::once::run;
 use crate::args::{Command, parse};
 use crate::baker::BakedPack;
 use crate::options::BuildOptions;
@@ -38,7 +38,7 @@ fn build(folder: &Path, files: &[(&str, &str)], words: &[&str]) -> (Result<Exit,
     line.extend(words);
     let Command::Build(args) = parse(line).unwrap().command else { unreachable!() };
     let mut out = Vec::new();
-    let result = run_with(&args, folder, &write_text, &mut Output::new(&mut out));
+    let result = run(&args, folder, &write_text, &mut Output::new(&mut out));
     (result, String::from_utf8(out).unwrap())
 }
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use notify::event::{AccessKind, AccessMode, EventKind, ModifyKind};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher};
 
-use super::{build, find_jobs};
+use super::once::{build, find_jobs};
 use crate::args::BuildArgs;
 use crate::config::FILE_NAME;
 use crate::interrupt;

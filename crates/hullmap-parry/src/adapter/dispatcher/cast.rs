@@ -8,6 +8,7 @@ use super::super::convert::{double, real, wide};
 use super::super::parry::math::Vector;
 use super::super::parry::query::{ShapeCastHit, ShapeCastOptions, ShapeCastStatus};
 use super::BakedHull;
+use super::nearest::contact_of;
 use super::pair::{Local, Pair, Placement, on_pair};
 
 /// A hit before this time counts as a contact at the start: its normal decides whether the shapes
@@ -81,7 +82,7 @@ fn start(
     t: f64,
     options: &ShapeCastOptions,
 ) -> Option<ShapeCastHit> {
-    let found = super::contact_of(pair, placement, &Settings::default());
+    let found = contact_of(pair, placement, &Settings::default());
     if !options.stop_at_penetration && found.normal.dot(velocity) >= 0.0 {
         return None;
     }

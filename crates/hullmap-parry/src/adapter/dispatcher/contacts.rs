@@ -10,13 +10,13 @@ use hullmap::compound::seams::{self, Side, Union};
 use hullmap::manifold::FeatureId;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
-use super::super::convert::{double, real};
+use super::super::convert::{double, real, wide};
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::{ContactManifold, TrackedContact};
-use super::super::parry::shape::PackedFeatureId;
+use super::super::parry::shape::{PackedFeatureId, Shape};
 use super::super::polygon::{edge_id, face_id, vertex_id};
 use super::BakedHull;
-use super::pair::{Pair, Placement, on_pair};
+use super::pair::{Pair, Placement, on_pair, pair};
 
 /// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry. Of 340 bodies on a
 /// cuboid, 318 came to rest with 1°, 320 with 0.5°, 304 with 2°, and 304 without the test.
@@ -56,6 +56,24 @@ pub(super) fn update<M, C: Default + Copy>(
         }
     });
     write(kept, placement, out);
+}
+
+/// Updates the manifold of two parts, or of a part and a shape, of which `parts` are the compounds.
+/// Returns false if hullmap does not solve the pair.
+pub(super) fn solve<M, C: Default + Copy>(
+    pos12: &Pose,
+    shape1: &dyn Shape,
+    shape2: &dyn Shape,
+    prediction: Real,
+    parts: [Option<PartOf<'_>>; 2],
+    manifold: &mut ContactManifold<M, C>,
+) -> bool {
+    let Some(found) = pair(pos12, shape1, shape2) else { return false };
+    if !hardly_moved(pos12, manifold) {
+        let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
+        update(&found, prediction, (&mut Manifold::new(), cache), parts, manifold);
+    }
+    true
 }
 
 fn settings(prediction: Real) -> ManifoldSettings {

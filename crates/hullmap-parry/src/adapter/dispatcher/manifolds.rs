@@ -4,16 +4,13 @@
 //! on their heights. hullmap's manifold of a half-space changes its points more often: of 340
 //! bodies, 312 came to rest with it, and 320 with parry's.
 
-use hullmap::{Cache, Manifold};
-
-use super::super::convert::wide;
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
 use super::HullDispatcher;
-use super::contacts::{PartOf, hardly_moved, update};
+use super::contacts::{hardly_moved, solve, update};
 use super::pair::pair;
 use super::welder::Welder;
 use super::workspace::Memory;
@@ -162,22 +159,4 @@ where
             manifold,
         )
     }
-}
-
-/// Updates the manifold of two parts, or of a part and a shape, of which `parts` are the compounds.
-/// Returns false if hullmap does not solve the pair.
-pub(super) fn solve<M, C: Default + Copy>(
-    pos12: &Pose,
-    shape1: &dyn Shape,
-    shape2: &dyn Shape,
-    prediction: Real,
-    parts: [Option<PartOf<'_>>; 2],
-    manifold: &mut ContactManifold<M, C>,
-) -> bool {
-    let Some(found) = pair(pos12, shape1, shape2) else { return false };
-    if !hardly_moved(pos12, manifold) {
-        let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
-        update(&found, prediction, (&mut Manifold::new(), cache), parts, manifold);
-    }
-    true
 }

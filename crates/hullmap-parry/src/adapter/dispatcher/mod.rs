@@ -3,12 +3,12 @@
 mod cast;
 mod contacts;
 mod manifolds;
+mod nearest;
 mod pair;
 mod partner;
 mod welder;
 mod workspace;
 
-use hullmap::glam::DVec3;
 use hullmap::{Cache, Settings, Status};
 
 use super::BakedHull;
@@ -20,7 +20,8 @@ use super::parry::query::{
     ShapeCastOptions, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use super::parry::shape::Shape;
-use pair::{Local, Pair, Placement, on_pair, pair};
+use nearest::contact_of;
+use pair::{Local, on_pair, pair};
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
 /// [`BakedHull`].
@@ -232,25 +233,4 @@ impl QueryDispatcher for HullDispatcher {
             stop_at_penetration,
         )
     }
-}
-
-/// Deepest or closest points of a pair, in A's frame. The normal has unit length.
-struct Nearest {
-    point_a: DVec3,
-    point_b: DVec3,
-    /// From A to B.
-    normal: DVec3,
-    /// Negative if the shapes overlap.
-    dist: f64,
-}
-
-fn contact_of(pair: &Pair<'_>, placement: &Placement, settings: &Settings) -> Nearest {
-    let cache = &mut Cache::new();
-    let found = on_pair!(*pair, a, b => hullmap::contact(a, b, placement.b_in_a, settings, cache));
-    if found.hit {
-        let (point_a, point_b) = (found.point_a, found.point_b);
-        return Nearest { point_a, point_b, normal: found.normal, dist: -found.depth };
-    }
-    let gap = on_pair!(*pair, a, b => hullmap::distance(a, b, placement.b_in_a, settings, cache));
-    Nearest { point_a: gap.point_a, point_b: gap.point_b, normal: gap.normal, dist: gap.distance }
 }

@@ -15,8 +15,7 @@ use super::super::parry::query::{
     ShapeCastHit, ShapeCastOptions, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use super::super::parry::shape::{Compound, Shape};
-use super::contacts::PartOf;
-use super::manifolds::solve;
+use super::contacts::{PartOf, solve};
 use super::pair::pose;
 use super::partner::Partner;
 use super::{BakedHull, HullDispatcher};

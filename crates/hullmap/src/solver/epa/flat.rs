@@ -3,13 +3,20 @@
 
 use glam::DVec3;
 
-use super::search::{End, Expansion};
-use super::{BESIDE_ROUNDINGS, FOOT_ROUNDINGS, TOUCHING_ROUNDINGS};
-use crate::solver::bound::Bound;
+use super::search::{End, Expansion, TOUCHING_ROUNDINGS};
+use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
 use crate::solver::gjk::{self, Simplex, closest};
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 use crate::vector::unit;
+
+/// Support values of flat differences up to this many rounding errors count as touching: their
+/// thickness is up to half of this, and their normal is as uncertain.
+pub(in crate::solver) const FLAT_ROUNDINGS: f64 = 16.0;
+
+/// Witness points of a touching face that are more than this many rounding errors from each other
+/// show that the origin is beside the face.
+pub(in crate::solver) const BESIDE_ROUNDINGS: f64 = 4.0;
 
 /// Maximum number of steps of the closest-point search.
 const MAX_FLAT: u32 = 100;

@@ -39,19 +39,20 @@ mod room;
 mod search;
 mod seed;
 
+pub(in crate::solver) use self::flat::{BESIDE_ROUNDINGS, FLAT_ROUNDINGS};
 pub(in crate::solver) use self::room::Large;
 pub(crate) use self::room::Room;
-pub(in crate::solver) use self::search::{End, Expansion, Goal, Terms};
+pub(in crate::solver) use self::search::{End, Expansion, Goal, TOUCHING_ROUNDINGS, Terms};
 
 use glam::DVec3;
 
 use self::flat::{expand_flat, settle, widest_normal};
 use self::polytope::Polytope;
 use self::room::{Big, Biggest, Medium, SIZES, Small, cleared};
-use self::search::{Aim, Next, State, aim, continue_with, run};
+use self::search::{Aim, KEEP, Next, State, aim, continue_with, run};
 use self::seed::{Flat, seed};
-use crate::solver::bound::Bound;
-use crate::solver::cache::{Cache, MAX_POINTS};
+use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
+use crate::solver::cache::Cache;
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::solver::scratch::Scratch;
 use crate::support::SupportMap;
@@ -62,28 +63,6 @@ pub(in crate::solver) const MAX_BIG_EXPANSIONS: u32 = (SIZES[2] - KEEP) as u32;
 /// A portal is not a start if the height of its tetrahedron is at most this many rounding errors:
 /// its planes would be noise.
 const THIN_ROUNDINGS: f64 = 64.0;
-
-/// Support values up to this many rounding errors count as touching: one for the support point, one
-/// for the normal.
-pub(in crate::solver) const TOUCHING_ROUNDINGS: f64 = 2.0;
-
-/// The same for flat differences, in rounding errors: their thickness is up to half of this, and
-/// their normal is as uncertain.
-pub(in crate::solver) const FLAT_ROUNDINGS: f64 = 16.0;
-
-/// Witness points may be this many rounding errors farther from the foot than the interval is wide:
-/// one each for the support point and the closest point. The search for them ends at as many
-/// noises.
-pub(in crate::solver) const FOOT_ROUNDINGS: f64 = 2.0;
-
-/// Witness points of a touching face that are more than this many rounding errors from each other
-/// show that the origin is beside the face.
-pub(in crate::solver) const BESIDE_ROUNDINGS: f64 = 4.0;
-
-/// Number of vertices at which a polytope is kept for the next query, unless it ends with fewer.
-/// Further vertices belong to small faces around the nearest one. These become dents when the pose
-/// changes, and each dent costs a support call.
-const KEEP: usize = MAX_POINTS;
 
 /// Expansions from a kept polytope after which it is stale and dropped.
 const WORN_OUT: u32 = 8;

@@ -4,11 +4,19 @@
 use glam::DVec3;
 
 use super::polytope::{COPLANAR_NOISES, Polytope};
-use super::{KEEP, TOUCHING_ROUNDINGS};
 use crate::solver::bound::Bound;
-use crate::solver::cache::Cache;
+use crate::solver::cache::{Cache, MAX_POINTS};
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
+
+/// Support values up to this many rounding errors count as touching: one for the support point, one
+/// for the normal.
+pub(in crate::solver) const TOUCHING_ROUNDINGS: f64 = 2.0;
+
+/// Number of vertices at which a polytope is kept for the next query, unless it ends with fewer.
+/// Further vertices belong to small faces around the nearest one. These become dents when the pose
+/// changes, and each dent costs a support call.
+pub(super) const KEEP: usize = MAX_POINTS;
 
 /// What the search computes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! What the first pass of the separating axis test, in f32, tells the second one, in f64.
 
 use super::scan::{Arc, Pair};
-use crate::support::facets::PointBlock;
+use crate::support::facet_table::PointBlock;
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::Dispatch;
 

@@ -14,7 +14,7 @@
 
 use super::first_pass::FirstPass;
 use super::scan::{Arc, Lanes, Pair, lowest_first, threshold, value_between};
-use crate::support::facets::{Edge, LANES, PointBlock};
+use crate::support::facet_table::{Edge, LANES, PointBlock};
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
 

@@ -20,7 +20,8 @@ use glam::{DMat3, DVec3};
 use super::first_pass::FirstPass;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facets::{Buffer, Facets, LANES, NormalBlock, PointBlock, View};
+use crate::support::facet_table::{LANES, NormalBlock, PointBlock};
+use crate::support::facets::{Buffer, Facets, View};
 use crate::support::lane_set::{Blocks, LaneSet};
 use crate::support::simd::{Dispatch, Pass, Simd};
 
@@ -594,7 +595,7 @@ mod tests {
     use crate::hull::Hull;
     use crate::pack::Pack;
     use crate::pose::Pose;
-    use crate::support::facets::{NORMAL_BLOCKS, POINT_BLOCKS};
+    use crate::support::facet_table::{NORMAL_BLOCKS, POINT_BLOCKS};
     use crate::support::simd::Instructions;
     use crate::vector::unit;
 

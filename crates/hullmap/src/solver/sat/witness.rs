@@ -14,7 +14,8 @@ use crate::solver::barycentric::on_triangle;
 use crate::solver::bound::Bound;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facets::{Facets, PointBlock};
+use crate::support::facet_table::PointBlock;
+use crate::support::facets::Facets;
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
 

@@ -19,8 +19,8 @@ use std::arch::x86_64::{
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
-use super::{Kernel, Pass, Simd};
-use crate::support::facets::{NormalBlock, PointBlock};
+use super::operations::{Kernel, Pass, Simd};
+use crate::support::facet_table::{NormalBlock, PointBlock};
 use crate::support::lane_set::{Blocks, LaneSet};
 
 /// Proof that the processor has AVX2, FMA, BMI1, BMI2 and POPCNT.

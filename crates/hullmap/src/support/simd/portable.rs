@@ -5,9 +5,9 @@ use glam::Vec4;
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
-use super::Simd;
+use super::operations::Simd;
 use crate::support::candidate::exact_dot;
-use crate::support::facets::{NormalBlock, PointBlock};
+use crate::support::facet_table::{NormalBlock, PointBlock};
 use crate::support::lane_set::{Blocks, LaneSet};
 
 /// The instruction set that every processor has.

@@ -1,0 +1,33 @@
+//! Simplified hulls, whose vertices are rounded to f32: how far they are pushed outward before.
+
+use crate::{
+    NO_SOURCE_VERTEX, PointSet,
+    hull::{self, Hull},
+};
+
+/// A simplified hull.
+#[derive(Clone, Debug)]
+pub struct Simplified {
+    /// The hull. None of its vertices is a source vertex. Its containment error is 0 unless it is
+    /// flat.
+    pub hull: Hull,
+    /// Maximum distance by which it exceeds the original hull, in the points' units.
+    pub outer_error: f64,
+}
+
+/// Distance by which vertices are pushed outward before they are rounded to f32, relative to the
+/// largest coordinate. Rounding moves each coordinate by up to 6e-8 of it, and a point by up to
+/// 1.04e-7.
+pub(super) const PUSH: f64 = 1.1e-7;
+
+/// Number of margins tried, each twice the previous one, before the hull is left as it is.
+pub(super) const MAX_TRIES: i32 = 8;
+
+/// Bound on the rounding error of a measured distance, relative to the diameter.
+pub(super) const ROUNDING: f64 = 1e-14;
+
+/// The hull of points that are not source vertices.
+pub(super) fn of_points(positions: Vec<[f32; 3]>) -> Option<Hull> {
+    let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
+    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
+}

@@ -1,0 +1,59 @@
+//! What a `hullmap.toml` says: options for all meshes, and for those that globs match.
+
+use std::path::{Path, PathBuf};
+
+use crate::glob::Glob;
+use crate::options::OptionLayer;
+
+/// A parsed `hullmap.toml`.
+#[derive(Debug)]
+pub struct Config {
+    /// The file, as named or found.
+    pub path: PathBuf,
+    /// Options for every mesh.
+    pub(super) defaults: OptionLayer,
+    /// In the file's order: later rules override earlier ones.
+    pub(super) rules: Vec<Rule>,
+}
+
+/// Options for the meshes that match one of several globs.
+#[derive(Debug)]
+pub(super) struct Rule {
+    /// Line of the globs in the file.
+    pub(super) line: usize,
+    pub(super) files: Vec<Glob>,
+    /// Whether its meshes are left out; `None` if the rule does not say.
+    pub(super) skip: Option<bool>,
+    pub(super) layer: OptionLayer,
+}
+
+impl Config {
+    /// Options that the file gives for a mesh.
+    ///
+    /// `below` is the mesh's path relative to the file's folder; `None` for a mesh outside that
+    /// folder, to which only globs without `/` can apply. `name` is its file name.
+    pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
+        let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
+        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.over(&lower))
+    }
+
+    /// Whether the file leaves a mesh out; parameters as for [`layer`](Self::layer).
+    pub fn skips(&self, below: Option<&Path>, name: &Path) -> bool {
+        let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
+        rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
+    }
+
+    /// An option of decomposed meshes in a file that never switches decomposition on.
+    pub(super) fn unused_option_of_parts(&self) -> Option<&'static str> {
+        let layers = || std::iter::once(&self.defaults).chain(self.rules.iter().map(|rule| &rule.layer));
+        let decomposes = layers().any(|layer| layer.decompose() == Some(true));
+        layers().find_map(OptionLayer::first_option_of_parts).filter(|_| !decomposes)
+    }
+}
+
+impl Rule {
+    /// Whether the rule applies to a mesh; parameters as for [`Config::layer`].
+    pub(super) fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
+        self.files.iter().any(|glob| glob.matches(below, name))
+    }
+}

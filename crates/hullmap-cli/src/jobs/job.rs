@@ -1,0 +1,84 @@
+//! One mesh to bake.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::pack_names::PackName;
+use crate::options::{BuildOptions, RecordSource};
+use crate::pack_file::{folder_of, recorded_path};
+
+/// One mesh, its pack, and the options.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The mesh, as named or found.
+    pub source: PathBuf,
+    /// Its path relative to the input folder, with `/`; the file name of a mesh that is itself an
+    /// input. The same on all machines.
+    pub place: String,
+    /// The pack.
+    pub output: PathBuf,
+    /// Remarks on the name of the pack.
+    pub name: PackName,
+    /// The options that shape the pack.
+    pub options: BuildOptions,
+    /// The `hullmap.toml` they come from, if any.
+    pub config: Option<PathBuf>,
+    /// The path of the source that the pack must record; `None` if the options decide.
+    pub records: Option<String>,
+    /// The files that the pack must be baked from; empty if any bytes will do.
+    pub inputs: Vec<Input>,
+    /// The key that the pack must have; empty if any will do.
+    pub key: String,
+}
+
+impl Job {
+    /// The source's path, as the pack records it. `project` is the folder where `bake` was started.
+    ///
+    /// # Errors
+    /// The canonical path of the source or of the pack's folder cannot be determined.
+    pub fn recorded_path(&self, project: &Path) -> io::Result<String> {
+        let name = || self.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        match (&self.records, self.options.record_source()) {
+            (Some(path), _) => Ok(path.clone()),
+            (None, RecordSource::Relative) => recorded_path(&self.source, folder_of(&self.output), project),
+            (None, RecordSource::Name) => Ok(name()),
+            (None, RecordSource::None) => Ok(String::new()),
+        }
+    }
+
+    /// Bytes of the mesh and of its buffers that were planned; `None` if any will do.
+    pub fn planned_bytes(&self) -> Option<u64> {
+        let sum = self.inputs.iter().fold(0_u64, |sum, input| sum.saturating_add(input.bytes));
+        (!self.inputs.is_empty()).then_some(sum)
+    }
+
+    /// Bytes of the mesh and of its buffers, without reading buffers. 0 for files that cannot be
+    /// read: baking them fails with an error.
+    ///
+    /// # Complexity
+    /// One look at the file, unless it is planned; a glTF file is read, to find its buffers.
+    pub fn source_bytes(&self) -> u64 {
+        if let Some(planned) = self.planned_bytes() {
+            return planned;
+        }
+        let length = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        // A GLB file contains its buffer; finding others would require reading all of it.
+        let is_gltf = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
+        let buffers = if is_gltf { hullmap_import::buffers_of(&self.source).unwrap_or_default() } else { Vec::new() };
+        length(&self.source) + buffers.iter().map(|path| length(path)).sum::<u64>()
+    }
+}
+
+/// A file that a pack is baked from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct Input {
+    /// Its path relative to the folder of the mesh: the name of the mesh, or the path of a buffer.
+    pub path: String,
+    /// Its size.
+    pub bytes: u64,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+}

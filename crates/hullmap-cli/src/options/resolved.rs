@@ -1,0 +1,261 @@
+//! The options of a bake: a layer with the defaults for all that it does not give.
+
+use hullmap_bake::decompose::{Cover, Length};
+use hullmap_bake::simplify::Limit;
+use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
+use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
+
+use super::defaults::{DefaultValue, OPTIONS, position};
+use super::layer::{Clash, OptionLayer};
+use super::value::Value;
+
+/// Resolved options: those without a value have their defaults, and those that do not apply are
+/// reset to them.
+///
+/// # Panics
+/// The methods panic if the table of [`defaults`] gives an option another kind of value than they
+/// expect: a fault of the program, which the tests of this module would show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildOptions(pub(super) OptionLayer);
+
+/// The path of its source that a pack records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordSource {
+    /// Relative to the pack's folder; the name if that would lead out of the project.
+    Relative,
+    /// The file name.
+    Name,
+    /// Nothing.
+    None,
+}
+
+impl OptionLayer {
+    /// The options, with their defaults for those that this layer does not give or that do not
+    /// apply.
+    pub fn resolve(&self) -> BuildOptions {
+        let mut resolved = self.clone();
+        let method = self.method();
+        if let (Some(word), Some(index)) = (method, position("decompose")) {
+            resolved.values[index] = Some(Value::Word(word));
+        }
+        let given = resolved.clone();
+        for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
+            let applies = option.applies_with.is_none_or(|(key, expected)| given.is(key, expected));
+            if value.is_none() || !applies {
+                *value = match option.default {
+                    DefaultValue::Value(text) => {
+                        Some(option.syntax.parse(text).expect("a default is an accepted value"))
+                    }
+                    DefaultValue::Unset { .. } => None,
+                };
+            }
+        }
+        BuildOptions(resolved)
+    }
+
+    /// The first option of this layer that applies with none of the resolved options, to which
+    /// other layers have contributed.
+    pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
+        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
+        given.find_map(|(option, _)| {
+            let (other, value) = option.applies_with?;
+            let has_effect = resolved.clone().any(|options| options.0.is(other, value));
+            (!has_effect).then_some(Clash::no_effect(option.key, other, value))
+        })
+    }
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        OptionLayer::default().resolve()
+    }
+}
+
+impl BuildOptions {
+    /// How the source is read.
+    pub fn import(&self) -> ImportOptions {
+        ImportOptions {
+            split: match self.word("split") {
+                "object" => Split::Object,
+                "auto" => Split::Auto,
+                _ => Split::None,
+            },
+            vertices: match self.word("vertices") {
+                "all" => Vertices::All,
+                _ => Vertices::Referenced,
+            },
+            unit_scale: self.number("unit_scale"),
+            up_axis: match self.word("up_axis") {
+                "y-to-z" => UpAxis::YToZ,
+                "z-to-y" => UpAxis::ZToY,
+                _ => UpAxis::Keep,
+            },
+            recentre: self.switch("recentre"),
+        }
+    }
+
+    /// Which direction index is built.
+    pub fn index(&self) -> IndexChoice {
+        match self.0.get("index_budget") {
+            Some(Value::Count(bytes_per_vertex)) => IndexChoice::Budget { bytes_per_vertex },
+            _ => {
+                let kind: IndexKind = self.word("index").parse().expect("the table lists the names of index kinds");
+                IndexChoice::Kind(kind.with_resolution(self.count("resolution")))
+            }
+        }
+    }
+
+    /// How meshes are decomposed into convex parts; `None` if they are not.
+    pub fn decompose(&self) -> Option<Cover> {
+        (self.0.get("decompose") == Some(Value::Word("cover"))).then(|| Cover {
+            max_error: self.max_error().unwrap_or(Cover::default().max_error),
+            max_parts: self.optional_count("max_parts"),
+            max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
+            seconds: match self.0.get("decompose_seconds") {
+                Some(Value::Number(seconds)) => Some(seconds),
+                _ => None,
+            },
+        })
+    }
+
+    /// How far the hull of points with this diagonal is simplified; `None` if it is not. The parts
+    /// of a cover are as simple as its limits allow.
+    pub fn simplify(&self, diagonal: f64) -> Option<Limit> {
+        match (self.0.get("decompose"), self.optional_count("max_vertices"), self.max_error()) {
+            (Some(Value::Word("cover")), ..) => None,
+            (_, Some(count), _) => Some(Limit::Vertices(count as usize)),
+            (_, _, Some(error)) => Some(Limit::Distance(error.of(diagonal))),
+            _ => None,
+        }
+    }
+
+    fn max_error(&self) -> Option<Length> {
+        match self.0.get("max_error") {
+            Some(Value::Number(error)) => Some(Length::Absolute(error)),
+            Some(Value::Percent(percent)) => Some(Length::Relative(percent / 100.0)),
+            _ => None,
+        }
+    }
+
+    fn optional_count(&self, key: &str) -> Option<u32> {
+        match self.0.get(key) {
+            Some(Value::Count(count)) => Some(count),
+            _ => None,
+        }
+    }
+
+    /// Whether the pack's name keeps the extension of the mesh; `None` if the names of the other
+    /// meshes decide.
+    pub fn keeps_extension(&self) -> Option<bool> {
+        match self.word("pack_names") {
+            "stem" => Some(false),
+            "full" => Some(true),
+            _ => None,
+        }
+    }
+
+    /// The path of its source that the pack records.
+    pub fn record_source(&self) -> RecordSource {
+        match self.word("record_source") {
+            "name" => RecordSource::Name,
+            "none" => RecordSource::None,
+            _ => RecordSource::Relative,
+        }
+    }
+
+    /// Whether packs leave out neighbours, quads, edges, and the faces of large hulls.
+    pub fn is_lean(&self) -> bool {
+        self.switch("lean")
+    }
+
+    /// Format version of the packs.
+    pub fn format_version(&self) -> u32 {
+        if self.is_lean() { LEAN_FORMAT_VERSION } else { FORMAT_VERSION }
+    }
+
+    fn word(&self, key: &str) -> &'static str {
+        match self.0.get(key) {
+            Some(Value::Word(word)) => word,
+            other => unexpected(key, other),
+        }
+    }
+
+    fn switch(&self, key: &str) -> bool {
+        match self.0.get(key) {
+            Some(Value::Switch(is_on)) => is_on,
+            other => unexpected(key, other),
+        }
+    }
+
+    fn count(&self, key: &str) -> u32 {
+        match self.0.get(key) {
+            Some(Value::Count(count)) => count,
+            other => unexpected(key, other),
+        }
+    }
+
+    fn number(&self, key: &str) -> f64 {
+        match self.0.get(key) {
+            Some(Value::Number(number)) => number,
+            other => unexpected(key, other),
+        }
+    }
+}
+
+fn unexpected(key: &str, value: Option<Value>) -> ! {
+    panic!("option {key} has an unexpected kind of value: {value:?}")
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// Options with these values, the others at their defaults.
+    pub fn options(pairs: &[(&str, &str)]) -> BuildOptions {
+        crate::options::layer::tests::layer(pairs).resolve()
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_libraries() {
+        let usual = BuildOptions::default();
+        assert_eq!(usual.import(), ImportOptions::DEFAULT);
+        assert_eq!(usual.index(), IndexChoice::default());
+        assert_eq!((usual.decompose(), usual.simplify(1.0)), (None, None));
+        let cover = Some(Cover::default());
+        assert_eq!(options(&[("decompose", "cover")]).decompose(), cover);
+    }
+
+    #[test]
+    fn every_option_reaches_the_libraries() {
+        let import = |key, value| options(&[(key, value)]).import();
+        let usual = ImportOptions::DEFAULT;
+        assert_eq!(import("split", "auto"), ImportOptions { split: Split::Auto, ..usual });
+        assert_eq!(import("split", "object"), ImportOptions { split: Split::Object, ..usual });
+        assert_eq!(import("vertices", "all"), ImportOptions { vertices: Vertices::All, ..usual });
+        assert_eq!(import("unit_scale", "0.01"), ImportOptions { unit_scale: 0.01, ..usual });
+        assert_eq!(import("up_axis", "y-to-z"), ImportOptions { up_axis: UpAxis::YToZ, ..usual });
+        assert_eq!(import("up_axis", "z-to-y"), ImportOptions { up_axis: UpAxis::ZToY, ..usual });
+        assert_eq!(import("recentre", "true"), ImportOptions { recentre: true, ..usual });
+        for kind in IndexKind::NAMED {
+            assert_eq!(options(&[("index", kind.as_str())]).index(), kind.into());
+        }
+        let cubemap = options(&[("index", "cubemap"), ("resolution", "5")]);
+        assert_eq!(cubemap.index(), IndexKind::CubeMap { resolution: 5 }.into());
+        assert_eq!(options(&[("index_budget", "40")]).index(), IndexChoice::Budget { bytes_per_vertex: 40 });
+        assert_eq!(options(&[("max_vertices", "64")]).simplify(3.0), Some(Limit::Vertices(64)));
+        assert_eq!(options(&[("max_error", "1e-3")]).simplify(3.0), Some(Limit::Distance(1e-3)));
+        let names = ["auto", "stem", "full"].map(|names| options(&[("pack_names", names)]).keeps_extension());
+        assert_eq!(names, [None, Some(false), Some(true)]);
+        assert_eq!(options(&[("max_error", "1%")]).simplify(3.0), Some(Limit::Distance(0.03)));
+        assert!(options(&[("lean", "true")]).is_lean() && !BuildOptions::default().is_lean());
+        let cover = |key, value| options(&[("decompose", "cover"), (key, value)]).decompose();
+        let usual = Cover::default();
+        assert_eq!(cover("max_error", "0.5"), Some(Cover { max_error: Length::Absolute(0.5), ..usual }));
+        assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
+        assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
+        assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
+        assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
+        assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
+    }
+}

@@ -1,0 +1,58 @@
+//! The points of each hull of a pack: point sets of the source, or convex parts of them.
+
+use std::borrow::Cow;
+
+use hullmap_bake::PointSet;
+use hullmap_bake::decompose::{Cover, decompose_in};
+use hullmap_bake::progress::Stage;
+use rayon::prelude::*;
+
+/// The points of one hull: a point set of the source, or a convex part of it.
+#[derive(Clone, Debug)]
+pub struct Part<'a> {
+    /// The points.
+    pub points: Cow<'a, PointSet>,
+    /// Index among the parts of its set; 0 for a whole set.
+    pub index: u32,
+    /// Index of the set in the source.
+    pub set: usize,
+}
+
+/// The points of each hull that point sets become: the sets themselves, or their convex parts.
+///
+/// The result depends on the sets and the parameters only, so that `bake verify` can compute it
+/// again. `stage` shows the progress.
+///
+/// # Errors
+/// A point set has no hull; the error names the first one.
+pub fn parts<'a>(point_sets: &'a [PointSet], cover: Option<&Cover>, stage: Stage) -> Result<Vec<Part<'a>>, String> {
+    let steps = stage.steps(point_sets.len());
+    // Stages of sets that are cut at the same time do not add up.
+    let inner = if point_sets.len() == 1 { stage } else { stage.from_to(0.0, 0.0) };
+    let cut = |points: &PointSet| {
+        let found = cover.map_or(Ok(None), |cover| decompose_in(points, cover, inner));
+        steps.take();
+        found
+    };
+    let cut: Vec<_> = point_sets.par_iter().map(cut).collect();
+    let mut parts = Vec::with_capacity(point_sets.len());
+    for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
+        match found.map_err(|error| format!("hull {}: {error}", points.name))? {
+            None => parts.push(Part { points: Cow::Borrowed(points), index: 0, set }),
+            Some(found) => {
+                let part = |(index, points)| Part { points: Cow::Owned(points), index, set };
+                parts.extend((0..).zip(found).map(part));
+            }
+        }
+    }
+    Ok(parts)
+}
+
+/// Diagonal of the box around points.
+pub fn diagonal(points: &PointSet) -> f64 {
+    let sides = [0, 1, 2].map(|axis| {
+        let along = || points.positions.iter().map(|p| f64::from(p[axis]));
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    sides.iter().map(|side| side * side).sum::<f64>().sqrt()
+}

@@ -1,0 +1,90 @@
+//! Answer of a contact query, and that of shapes which an axis separates.
+
+use glam::DVec3;
+
+use super::cache::Cache;
+use super::minkowski::Minkowski;
+use super::status::Status;
+use crate::support::SupportMap;
+use crate::vector::unit;
+
+/// Answer of [`contact`](crate::contact()): penetration depth, normal and witness points of a pair.
+///
+/// Lengths are in the shapes' unit, points and directions in A's frame. If rounding error or a
+/// limit stopped the search, `status` says so; the interval from `depth_lower` to `depth_upper`
+/// always contains the depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// False only if a separating plane proves the shapes separated.
+    pub hit: bool,
+    /// How the query ended, and thus how narrow the interval is.
+    pub status: Status,
+    /// Penetration depth: moving B by this length along `normal` makes the shapes touch. 0 if they
+    /// are separated or touch.
+    pub depth: f64,
+    /// Lower bound of the penetration depth, at least 0, with allowance for rounding error.
+    pub depth_lower: f64,
+    /// Upper bound of the penetration depth, with allowance for rounding error.
+    pub depth_upper: f64,
+    /// Unit vector from A to B. A separating axis if the shapes are separated.
+    pub normal: DVec3,
+    /// Witness point: the point of A that is deepest in B. If the shapes are separated, some point
+    /// of A; [`distance`](crate::distance()) computes the closest one.
+    ///
+    /// Both witness points are in their shapes and on their support planes along `normal`, and
+    /// `point_a` − `point_b` is `depth` times `normal`: all to within the width of the interval and
+    /// rounding error. With the statuses [`IterationLimit`](Status::IterationLimit) and
+    /// [`Stalled`](Status::Stalled), `point_a` − `point_b` may differ from that across the normal,
+    /// and if the lower bound is 0, along it as well.
+    pub point_a: DVec3,
+    /// Witness point: the point of B that is deepest in A. If the shapes are separated, some point
+    /// of B.
+    pub point_b: DVec3,
+    /// Number of steps of all phases together.
+    pub iterations: u32,
+    /// Number of support calls. One call queries both shapes once.
+    pub support_calls: u32,
+}
+
+impl Default for Contact {
+    /// A contact that claims nothing: the interval [0, ∞) contains every depth. It initialises the
+    /// slices of a batch.
+    fn default() -> Self {
+        Self {
+            hit: true,
+            status: Status::IterationLimit,
+            depth: 0.0,
+            depth_lower: 0.0,
+            depth_upper: f64::INFINITY,
+            normal: DVec3::X,
+            point_a: DVec3::ZERO,
+            point_b: DVec3::ZERO,
+            iterations: 0,
+            support_calls: 0,
+        }
+    }
+}
+
+/// No contact: `axis` separates the shapes. Stores the axis in the cache.
+pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    cache: &mut Cache,
+    axis: DVec3,
+    iterations: u32,
+) -> Contact {
+    let axis = unit(axis).unwrap_or(DVec3::X);
+    cache.set_axis(axis);
+    let center = m.center_point();
+    Contact {
+        hit: false,
+        status: Status::Separated,
+        depth: 0.0,
+        depth_lower: 0.0,
+        depth_upper: 0.0,
+        normal: axis,
+        point_a: center.a,
+        point_b: center.b(),
+        iterations,
+        support_calls: m.support_calls(),
+    }
+}

@@ -1,0 +1,69 @@
+//! The claims of one answer about a line or a half-space, and which of them are wrong.
+
+use glam::DVec3;
+use hullmap::{CastSettings, Impact};
+use shapes::rng::SplitMix64;
+
+use super::bodies::Pair;
+use super::tally::{Tally, Wrong};
+
+/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon.
+pub(super) const ROUNDING_UNITS: f64 = 64.0;
+
+/// Counts wrong claims about one answer.
+pub(super) struct Claims<'t> {
+    pub(super) wrong: Option<(&'static str, f64, f64)>,
+    pub(super) tightest: f64,
+    pub(super) queries: &'static str,
+    pub(super) tally: &'t mut Tally,
+}
+
+impl Claims<'_> {
+    pub(super) fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
+        // NaN takes the failing branch.
+        if !(found <= limit + slack) {
+            self.wrong.get_or_insert((what, found, limit));
+        } else if slack > 0.0 {
+            self.tightest = self.tightest.max((found - limit) / slack);
+        }
+    }
+
+    pub(super) fn demand(&mut self, what: &'static str, holds: bool) {
+        self.at_most(what, f64::from(u8::from(!holds)), 0.0, 0.0);
+    }
+
+    pub(super) fn finish(self, pair: &Pair<'_, '_>, details: impl FnOnce() -> String) {
+        self.tally.judged += 1;
+        self.tally.tightest = self.tally.tightest.max(self.tightest);
+        let queries = self.queries;
+        if let Some((what, found, limit)) = self.wrong {
+            let details = format!("{pair} --queries {queries}\n  {found:e} above {limit:e}\n  {}", details());
+            self.tally.take_wrong(Wrong { index: pair.index, what, details });
+        }
+    }
+}
+
+/// Powers of two by which a velocity is made slower: their squares, or the products with it,
+/// underflow.
+const SLOWER: [i32; 3] = [-100, -500, -900];
+
+/// The same cast at a speed that is less by a power of two: only the times differ, and by that
+/// power.
+pub(super) fn same_when_slow(
+    judge: &mut Claims<'_>,
+    rng: &mut SplitMix64,
+    found: &Impact,
+    velocity: DVec3,
+    settings: &CastSettings,
+    cast: impl Fn(DVec3, &CastSettings) -> Impact,
+) {
+    let scale = 2_f64.powi(SLOWER[rng.below(SLOWER.len())]);
+    if velocity * scale / scale != velocity {
+        // A component underflows.
+        return;
+    }
+    let slow = cast(velocity * scale, &CastSettings { max_t: settings.max_t / scale, ..*settings });
+    let [t_lower, t, t_upper] = [slow.t_lower, slow.t, slow.t_upper].map(|t| t * scale);
+    let is_same = Impact { t_lower, t, t_upper, ..slow } == *found;
+    judge.demand("a slow motion has another answer", is_same);
+}
