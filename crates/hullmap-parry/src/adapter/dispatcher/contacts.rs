@@ -15,7 +15,6 @@ use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::{ContactManifold, TrackedContact};
 use super::super::parry::shape::{PackedFeatureId, Shape};
 use super::super::polygon::{edge_id, face_id, vertex_id};
-use super::BakedHull;
 use super::pair::{Pair, Placement, on_pair, pair};
 
 /// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry. Of 340 bodies on a

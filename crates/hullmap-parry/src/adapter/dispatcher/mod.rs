@@ -21,7 +21,7 @@ use super::parry::query::{
 };
 use super::parry::shape::Shape;
 use nearest::contact_of;
-use pair::{Local, on_pair, pair};
+use pair::{Local, Pair, on_pair, pair};
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
 /// [`BakedHull`].

@@ -16,16 +16,16 @@ pub(super) enum Pair<'s> {
     Primitive(&'s BakedHull, Partner),
 }
 
-/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`.
+/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`. [`Pair`] must be in scope.
 macro_rules! on_pair {
     ($pair:expr, $a:ident, $b:ident => $answer:expr) => {
         match &$pair {
             Pair::Hulls($a, $b) => {
-                let ($a, $b): (&BakedHull, &BakedHull) = ($a, $b);
+                let ($a, $b) = (&**$a, &**$b);
                 $answer
             }
             Pair::Primitive($a, partner) => {
-                let ($a, $b): (&BakedHull, &dyn hullmap::Shape) = ($a, partner.shape());
+                let ($a, $b) = (&**$a, partner.shape());
                 $answer
             }
         }
