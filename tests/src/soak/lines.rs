@@ -28,7 +28,7 @@ use super::{
     Queries,
     bodies::{Body, Kind, Pair, Solid, size, support},
     judge::TOUCHING_ROUNDINGS,
-    planes,
+    manifolds, planes,
     tally::{Tally, Wrong},
 };
 
@@ -74,7 +74,11 @@ pub(super) struct Judge<'t> {
     pub(super) tally: &'t mut Tally,
 }
 
-impl Judge<'_> {
+impl<'t> Judge<'t> {
+    pub(super) fn new(queries: &'static str, tally: &'t mut Tally) -> Self {
+        Self { wrong: None, tightest: 0.0, queries, tally }
+    }
+
     pub(super) fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
         // NaN takes the failing branch.
         if !(found <= limit + slack) {
@@ -109,6 +113,7 @@ pub(super) fn judge(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
         Queries::Casts => judge_cast(pair, &mut rng, tally),
         Queries::Points => judge_point(pair, &mut rng, tally),
         Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
+        Queries::Manifolds => manifolds::judge(pair, &mut rng, tally),
     }
 }
 
@@ -257,7 +262,7 @@ fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
         normal: found.normal,
         steps: found.iterations.max(found.support_calls),
     };
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "rays", tally };
+    let mut judge = Judge::new("rays", tally);
     judge_form(&mut judge, &answer, &path);
     let as_impact = |found: RayHit| {
         let RayHit { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
@@ -330,7 +335,7 @@ fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
         normal: found.normal,
         steps: found.iterations.max(found.support_calls),
     };
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "casts", tally };
+    let mut judge = Judge::new("casts", tally);
     judge_form(&mut judge, &answer, &path);
     if is_cold {
         same_when_slow(&mut judge, rng, &found, path.velocity, &settings, |velocity, settings| {
@@ -425,7 +430,7 @@ fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let model = &body.model;
     let greatest = model.greatest + point.length();
     let slack = ROUNDING_UNITS * f64::EPSILON * greatest;
-    let mut judge = Judge { wrong: None, tightest: 0.0, queries: "points", tally };
+    let mut judge = Judge::new("points", tally);
     *judge.tally.lines.entry(found.status.as_str()).or_default() += 1;
     judge.demand("the steps are not bounded", found.iterations.max(found.support_calls) <= MAX_STEPS);
     judge.demand("a status about overlap", !matches!(found.status, Status::Separated | Status::Overlapping));

@@ -14,6 +14,7 @@
 //! | [`judge`] | the certificates of pairs |
 //! | [`lines`] | rays, shape casts and points, and their certificates |
 //! | [`planes`] | half-spaces, and their certificates |
+//! | [`manifolds`] | manifolds of moving pairs, and their certificates |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
 //! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
@@ -22,6 +23,7 @@
 pub mod bodies;
 pub mod judge;
 pub mod lines;
+pub mod manifolds;
 pub mod meeting;
 pub mod model;
 pub mod planes;
@@ -56,6 +58,8 @@ pub enum Queries {
     Points,
     /// Contacts, distances and casts of a half-space and one shape.
     HalfSpaces,
+    /// Manifolds of pairs that move: ten updates of each pair.
+    Manifolds,
 }
 
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the

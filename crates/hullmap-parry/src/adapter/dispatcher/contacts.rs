@@ -8,6 +8,7 @@
 
 use hullmap::compound::seams::{self, Side, Union};
 use hullmap::manifold::FeatureId;
+use hullmap::shapes::HalfSpace;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
 use super::super::convert::{double, real};
@@ -55,6 +56,18 @@ pub(super) fn update<M, C: Default + Copy>(
             seams::weld(kept, &before, &side_a, &side_b, b_in_a, &settings);
         }
     });
+    write(kept, placement, out);
+}
+
+/// The same for a half-space and a hull.
+pub(super) fn update_plane<M, C: Default + Copy>(
+    (plane, hull, placement): &(HalfSpace, &BakedHull, Placement),
+    prediction: Real,
+    kept: &mut Manifold,
+    out: &mut ContactManifold<M, C>,
+) {
+    stamp(kept, out);
+    kept.update_half_space(plane, *hull, placement.b_in_a, &settings(prediction));
     write(kept, placement, out);
 }
 

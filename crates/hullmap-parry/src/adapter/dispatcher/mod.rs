@@ -5,6 +5,7 @@ mod contacts;
 mod manifolds;
 mod pair;
 mod partner;
+mod patches;
 mod welder;
 mod workspace;
 
