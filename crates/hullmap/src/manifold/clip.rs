@@ -63,6 +63,8 @@ pub(super) struct PatchPoint {
     pub(super) heights: [f64; 2],
     /// Whether these are exact. Otherwise they are those of features that are not flat.
     pub(super) exact: [bool; 2],
+    /// Whether it was moved, and may be beside the incident feature.
+    pub(super) is_moved: bool,
     /// The features of A and of B that it lies on.
     pub(super) parts: [Part; 2],
 }
@@ -228,6 +230,22 @@ impl Outline {
         &self.corners[..self.count]
     }
 
+    /// Its point nearest to `at`.
+    fn nearest(&self, at: DVec2) -> DVec2 {
+        let corners = self.corners();
+        let sides = corners.iter().enumerate().map(|(i, start)| (start.at, corners[(i + 1) % corners.len()].at));
+        if sides.clone().all(|(start, end)| (end - start).perp_dot(at - start) >= 0.0) {
+            return at;
+        }
+        let on_sides = sides.map(|(start, end)| {
+            let along = end - start;
+            // NaN, of a side without length, becomes 0.
+            let t = ((at - start).dot(along) / along.length_squared()).max(0.0);
+            start + along * if t < 1.0 { t } else { 1.0 }
+        });
+        on_sides.min_by(|p, q| p.distance_squared(at).total_cmp(&q.distance_squared(at))).unwrap_or(at)
+    }
+
     /// Whether heights of its plane, which has this slope, are those of the surface. A point
     /// outside of a side by the slack is off a steep plane by a multiple of it.
     fn is_exact(&self, slope: DVec2) -> bool {
@@ -374,7 +392,7 @@ fn over(a: &Feature, vertex: &Corner, frame: &Frame) -> Option<PatchPoint> {
     let (origin, slope) = face.plane();
     let height = origin.height + slope.dot(vertex.at - origin.at);
     let (exact, parts) = ([face.is_exact(slope), true], [FACE, pair(vertex.vertex, vertex.vertex)]);
-    Some(PatchPoint { at: vertex.at, heights: [height, vertex.height], exact, parts })
+    Some(PatchPoint { at: vertex.at, heights: [height, vertex.height], exact, is_moved: false, parts })
 }
 
 /// Adds the ends of the common length of two parallel edges.
@@ -400,7 +418,8 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
             // Edges that are not quite parallel are beside each other there.
             let at = a0.at + along * t;
             let meets = at.distance(b0.at + other * s) <= SIDE_SLACK * a.extent.min(b.extent);
-            out.push(PatchPoint { at, heights, exact: [a.is_flat, b.is_flat && meets], parts: [on_a, on_b] });
+            let exact = [a.is_flat, b.is_flat && meets];
+            out.push(PatchPoint { at, heights, exact, is_moved: false, parts: [on_a, on_b] });
         }
     }
 }
@@ -417,6 +436,8 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         from[i] = Clipped { at: c.at, height: c.height, parts, side: Side::Incident, edge };
     }
     let slack = SIDE_SLACK * reference.extent;
+    // Whether any corner was outside of a side.
+    let mut crosses = false;
     for index in 0..reference.count {
         let (start, end) = (&reference.corners()[index], &reference.corners()[(index + 1) % reference.count]);
         let along = end.at - start.at;
@@ -428,7 +449,9 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         let inside = |c: &Clipped| along.perp_dot(c.at - start.at);
         let slack = slack * length;
         // Most sides of a large face cut nothing off.
-        if from[..count].iter().all(|c| inside(c) >= -slack) {
+        let least = from[..count].iter().map(inside).fold(f64::INFINITY, f64::min);
+        crosses |= least < 0.0;
+        if least >= -slack {
             continue;
         }
         let side_part = pair(start.vertex, end.vertex);
@@ -460,12 +483,16 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         count = kept;
     }
     let (origin, slope) = reference.plane();
-    for c in &from[..count] {
+    for c in &mut from[..count] {
+        // Beyond a sharp corner, a point may be farther from the reference than from its sides.
+        let nearest = if crosses { reference.nearest(c.at) } else { c.at };
+        let is_moved = nearest.distance(c.at) > slack;
+        c.at = if is_moved { nearest } else { c.at };
         let height = origin.height + slope.dot(c.at - origin.at);
         // A corner of the incident feature is on the surface unless it is rounded.
         let is_corner = incident.has_exact_corners && c.parts[0] != FACE && c.parts[0][0] == c.parts[0][1];
-        let exact = [incident.is_flat || is_corner, reference.is_exact(slope)];
-        let point = PatchPoint { at: c.at, heights: [c.height, height], exact, parts: c.parts };
+        let exact = [(incident.is_flat || is_corner) && !is_moved, reference.is_exact(slope)];
+        let point = PatchPoint { at: c.at, heights: [c.height, height], exact, is_moved, parts: c.parts };
         out.push(if reference_is_a { point.swapped() } else { point });
     }
 }

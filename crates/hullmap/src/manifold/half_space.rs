@@ -70,7 +70,7 @@ impl Manifold {
             let point = b_in_a.transform_point(point);
             // The origin is midway between the lowest point of B and the plane.
             let heights = [0.5 * signed, (point - frame.origin).dot(normal)];
-            PatchPoint { at: frame.over(point), heights, exact: [true; 2], parts: [FACE, part] }
+            PatchPoint { at: frame.over(point), heights, exact: [true; 2], is_moved: false, parts: [FACE, part] }
         };
         let add = |patch: &mut Patch, Corner { point, vertex }: Corner, is_exact: bool| {
             let mut point = place(point, [vertex; 2]);

@@ -552,7 +552,7 @@ fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
     }
     patch.retain(|p| p.depth() >= -prediction);
     let [flat_a, flat_b] = [is_face(a, on_a, Pose::IDENTITY, normal), is_face(b, on_b, b_in_a, normal)];
-    for point in patch.points_mut() {
+    for point in patch.points_mut().iter_mut().filter(|point| !point.is_moved) {
         point.exact = [point.exact[0] || flat_a, point.exact[1] || flat_b];
     }
     patch
@@ -620,7 +620,7 @@ fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
         if most < -lengths.prediction || patch.points().iter().any(is_same) {
             return;
         }
-        let mut point = PatchPoint { at, heights, exact, parts };
+        let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
         if settle((a, b, b_in_a), frame, lengths.above(), &mut point) && point.depth() >= -lengths.prediction {
             patch.push(point);
         }
