@@ -1,5 +1,6 @@
 //! Scenes of Rapier with baked hulls, and the same scenes with parry's own convex polyhedra.
 //!
+//! - [`pit`]: bodies that fall into a pit. Does the pile come to rest?
 //! - [`rest`]: one body falls on a floor. Does it come to rest, and is it lost?
 //! - [`slide`]: one body slides or rolls over a slab that is cut into parts. Does it stumble?
 //! - [`stack`]: upright prisms, one or ten of them, that must stand.
@@ -9,6 +10,7 @@
 
 pub mod floor;
 pub mod model;
+pub mod pit;
 pub mod rest;
 pub mod slide;
 pub mod stack;

@@ -62,17 +62,22 @@ impl Model {
 
     /// Distance of the lowest point of the body below its frame's origin, at a rotation.
     pub fn depth_below_origin(&self, rotation: Rotation) -> f32 {
-        -(rotation * self.hull.hull().support(rotation.inverse() * -Vector::Y).point).y
+        self.extent(Pose::from_parts(Vector::ZERO, rotation), -Vector::Y)
+    }
+
+    /// How far the body at `pose` reaches in direction `dir`, from the world's origin.
+    pub fn extent(&self, pose: Pose, dir: Vector) -> f32 {
+        (pose * self.hull.hull().support(pose.rotation.inverse() * dir).point).dot(dir)
     }
 }
 
-/// The hulls of all solid meshes in a folder of OBJ files, each with `size` as the longest side of
-/// its box. Sorted by name. Panics if a file cannot be read or imported.
+/// The hulls of all solid meshes in a folder of OBJ and STL files, each with `size` as the longest
+/// side of its box. Sorted by name. Panics if a file cannot be read or imported.
 pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
         .map(|entry| entry.expect("a folder entry").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "obj"))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "obj" || extension == "stl"))
         .collect();
     files.sort();
     files.iter().filter_map(|path| mesh(path, size)).collect()

@@ -15,6 +15,7 @@
 //! | [`judge`] | the certificates of pairs |
 //! | [`lines`] | rays, shape casts and points, and their certificates |
 //! | [`planes`] | half-spaces, and their certificates |
+//! | [`manifolds`] | manifolds of moving pairs, and their certificates |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
 //! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
@@ -25,6 +26,7 @@ pub mod body;
 mod claims;
 pub mod judge;
 pub mod lines;
+pub mod manifolds;
 pub mod meeting;
 pub mod model;
 pub mod planes;
@@ -60,6 +62,8 @@ pub enum Queries {
     Points,
     /// Contacts, distances and casts of a half-space and one shape.
     HalfSpaces,
+    /// Manifolds of pairs that move: ten updates of each pair.
+    Manifolds,
 }
 
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the
@@ -110,5 +114,6 @@ fn judge_line(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
         Queries::Casts => lines::judge_cast(pair, &mut rng, tally),
         Queries::Points => lines::judge_point(pair, &mut rng, tally),
         Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
+        Queries::Manifolds => manifolds::judge(pair, &mut rng, tally),
     }
 }

@@ -7,6 +7,7 @@ use hullmap_tests::{
         Queries,
         bodies::{Bodies, Stock},
         body::Kind,
+        manifolds::FRAMES,
         meeting::Meeting,
         soak,
         tally::Tally,
@@ -104,4 +105,25 @@ fn every_ray_cast_point_and_half_space_has_a_certificate() {
             assert!(of(status) > PAIRS / 200, "{queries:?}: {status} {}", of(status));
         }
     }
+}
+
+/// Manifolds of pairs that move: points on both surfaces, depths along the normal. The program
+/// `solver-soak` does this for any number of pairs, and the nightly run for a million updates.
+#[test]
+fn every_point_of_a_manifold_has_a_certificate() {
+    let stock = Stock::bake(&[], 1);
+    let bodies = Bodies::new(&stock);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let pairs = PAIRS / 20;
+    let tally = soak(&bodies, Queries::Manifolds, SEED, 0..pairs, threads);
+    println!("seed {SEED}\n{tally}");
+    let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
+    assert!(wrong.is_empty(), "seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
+    assert_eq!(tally.judged, pairs * FRAMES);
+    // The sample is representative.
+    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
+    for count in ["no points", "one point", "two points", "three points", "four points"] {
+        assert!(of(count) > tally.judged / 50, "{count}: {}", of(count));
+    }
+    assert!(of("kept") > tally.judged / 2, "{} points kept", of("kept"));
 }

@@ -5,7 +5,9 @@
 //!   closest to the direction, merged with the faces that are nearly in its plane, if three of its
 //!   corners are near enough. Otherwise, the closest face at any angle.
 //! - parry's own narrow phase does not pass its prediction. It gets the closest face at any angle,
-//!   merged with those within 2.3° of it, and of a face that stands alone the best four corners.
+//!   merged with those within 2.3° of it, and of that the four corners that support the body best.
+//!   If the body's centre is not over them, so that it tips, vertices farther out are considered as
+//!   well.
 //!
 //! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
 //! Without the face, a body that lands on a rim has contact points on that rim only. It tips beyond
@@ -29,7 +31,7 @@ use super::baked_hull::{Form, on_form};
 use super::convert::{narrow, wide};
 use super::parry::math::Vector;
 use super::parry::shape::{PolygonalFeature, PolygonalFeatureMap, SupportMap};
-use super::polygon;
+use super::polygon::Outline;
 
 impl SupportMap for BakedHull {
     #[inline]
@@ -40,9 +42,19 @@ impl SupportMap for BakedHull {
 
 impl PolygonalFeatureMap for BakedHull {
     fn local_support_feature(&self, dir: Vector, out: &mut PolygonalFeature) {
+        let dir = wide(dir);
         let mut face = Feature::new();
-        on_form!(self, shape => shape.reduced_feature_within(wide(dir), f64::INFINITY, &mut face));
-        polygon::write(&face, out);
+        on_form!(self, shape => shape.reduced_feature_within(dir, f64::INFINITY, &mut face));
+        let outline = Outline::new(self, dir);
+        let mut four = outline.four(&face);
+        if !outline.is_stable(&face, &four) {
+            if face.is_reduced() {
+                on_form!(self, shape => shape.feature_within(dir, f64::INFINITY, &mut face));
+            }
+            outline.widen(&mut face);
+            four = outline.four(&face);
+        }
+        outline.write(&face, &four, out);
     }
 
     fn is_convex_polyhedron(&self) -> bool {

@@ -68,6 +68,7 @@ impl Shape for Hull<'_> {
         let around = coarse_ring(self, &cone);
         if !self.baked_face(dir, &around, out) {
             refine(self, &cone, around, out);
+            self.mark_flat(out);
         }
     }
 
@@ -146,6 +147,20 @@ impl Hull<'_> {
         let mut own = Feature::new();
         if self.own_corners(face, wanted, &mut own) && area(out, normal) < area(&own, normal) {
             *out = own;
+        } else {
+            self.mark_flat(out);
+        }
+    }
+
+    /// Marks a feature as flat if it is a vertex or an edge of the hull.
+    fn mark_flat(&self, out: &mut Feature) {
+        let is_flat = match out.corners() {
+            [] | [_] => true,
+            [a, b] => self.neighbours(a.vertex).any(|vertex| vertex == b.vertex),
+            _ => false,
+        };
+        if is_flat {
+            out.set_flat();
         }
     }
 
@@ -200,6 +215,7 @@ impl Hull<'_> {
             out.push(Corner { point: point.as_dvec3(), vertex });
         }
         out.set_reduced();
+        out.set_flat();
         true
     }
 
@@ -272,6 +288,7 @@ impl Hull<'_> {
             let Some(point) = self.vertex(vertex) else { return false };
             out.push(Corner { point: point.as_dvec3(), vertex });
         }
+        out.set_flat();
         true
     }
 

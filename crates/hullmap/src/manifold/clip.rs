@@ -25,6 +25,7 @@
 
 #![forbid(unsafe_code)]
 
+use super::select::Spot;
 use crate::shapes::{Corner, Feature, MAX_CORNERS};
 use crate::vector::perpendicular;
 use glam::{DVec2, DVec3};
@@ -38,6 +39,9 @@ const SIDE_SLACK: f64 = 1e-6;
 
 /// A feature whose area is at most this multiple of its squared extent is an edge.
 const FLAT_AREA: f64 = 1e-6;
+
+/// Maximum slope of a plane whose heights are those of the surface.
+const STEEPEST: f64 = 1.0;
 
 /// Sine of the angle within which two edges count as parallel: the tilt within which faces count as
 /// one.
@@ -57,6 +61,10 @@ pub(super) struct PatchPoint {
     pub(super) at: DVec2,
     /// Heights of A's and of B's surface along the normal.
     pub(super) heights: [f64; 2],
+    /// Whether these are exact. Otherwise they are those of features that are not flat.
+    pub(super) exact: [bool; 2],
+    /// Whether it was moved, and may be beside the incident feature.
+    pub(super) is_moved: bool,
     /// The features of A and of B that it lies on.
     pub(super) parts: [Part; 2],
 }
@@ -64,6 +72,14 @@ pub(super) struct PatchPoint {
 impl PatchPoint {
     pub(super) fn depth(&self) -> f64 {
         self.heights[0] - self.heights[1]
+    }
+
+    /// The same point with A and B exchanged.
+    fn swapped(mut self) -> Self {
+        self.heights.reverse();
+        self.exact.reverse();
+        self.parts.reverse();
+        self
     }
 }
 
@@ -92,6 +108,34 @@ impl Patch {
         }
     }
 
+    /// Depth of the deepest point; negative infinity without any.
+    pub(super) fn deepest(&self) -> f64 {
+        self.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The points as the choice of four sees them.
+    pub(super) fn spots(&self) -> Spots {
+        let mut spots = Spots { spots: [Spot::default(); MAX_POINTS + 1], count: self.count };
+        for (spot, point) in spots.spots.iter_mut().zip(self.points()) {
+            *spot = Spot { at: point.at, depth: point.depth() };
+        }
+        spots
+    }
+
+    pub(super) fn points_mut(&mut self) -> &mut [PatchPoint] {
+        &mut self.points[..self.count]
+    }
+
+    /// Adds a point in place of the one on the same features, or of the last one if the patch is
+    /// full. Returns its index.
+    pub(super) fn put(&mut self, point: PatchPoint) -> usize {
+        let known = self.points().iter().position(|p| p.parts == point.parts);
+        let at = known.unwrap_or(self.count.min(MAX_POINTS));
+        self.points[at] = point;
+        self.count = self.count.max(at + 1);
+        at
+    }
+
     pub(super) fn retain(&mut self, keep: impl Fn(&PatchPoint) -> bool) {
         let mut kept = 0;
         for i in 0..self.count {
@@ -101,6 +145,20 @@ impl Patch {
             }
         }
         self.count = kept;
+    }
+}
+
+/// Points of a patch, as the choice of four sees them.
+pub(super) struct Spots {
+    spots: [Spot; MAX_POINTS + 1],
+    count: usize,
+}
+
+impl std::ops::Deref for Spots {
+    type Target = [Spot];
+
+    fn deref(&self) -> &[Spot] {
+        &self.spots[..self.count]
     }
 }
 
@@ -117,6 +175,8 @@ struct Flat {
 struct Outline {
     corners: [Flat; MAX_CORNERS],
     count: usize,
+    is_flat: bool,
+    has_exact_corners: bool,
     /// Positive if counter-clockwise; 0 for an edge or a vertex.
     area: f64,
     extent: f64,
@@ -124,7 +184,14 @@ struct Outline {
 
 impl Outline {
     fn new(feature: &Feature, frame: &Frame) -> Self {
-        let mut out = Self { corners: [Flat::default(); MAX_CORNERS], count: 0, area: 0.0, extent: 0.0 };
+        let mut out = Self {
+            corners: [Flat::default(); MAX_CORNERS],
+            count: 0,
+            is_flat: feature.is_flat(),
+            has_exact_corners: feature.has_exact_corners(),
+            area: 0.0,
+            extent: 0.0,
+        };
         for corner in feature.corners() {
             out.corners[out.count] = frame.flat(corner);
             out.count += 1;
@@ -147,6 +214,8 @@ impl Outline {
                 .iter()
                 .copied()
                 .fold(start, |end, c| if c.at.distance(start.at) > end.at.distance(start.at) { c } else { end });
+            // The line between two corners of a steep face is on it, but may be below its top.
+            out.is_flat &= out.count <= 2;
             out.count = if out.extent > 0.0 { 2 } else { 1 };
             out.corners[..2].copy_from_slice(&[start, end]);
             out.area = 0.0;
@@ -159,6 +228,28 @@ impl Outline {
 
     fn corners(&self) -> &[Flat] {
         &self.corners[..self.count]
+    }
+
+    /// Its point nearest to `at`.
+    fn nearest(&self, at: DVec2) -> DVec2 {
+        let corners = self.corners();
+        let sides = corners.iter().enumerate().map(|(i, start)| (start.at, corners[(i + 1) % corners.len()].at));
+        if sides.clone().all(|(start, end)| (end - start).perp_dot(at - start) >= 0.0) {
+            return at;
+        }
+        let on_sides = sides.map(|(start, end)| {
+            let along = end - start;
+            // NaN, of a side without length, becomes 0.
+            let t = ((at - start).dot(along) / along.length_squared()).max(0.0);
+            start + along * if t < 1.0 { t } else { 1.0 }
+        });
+        on_sides.min_by(|p, q| p.distance_squared(at).total_cmp(&q.distance_squared(at))).unwrap_or(at)
+    }
+
+    /// Whether heights of its plane, which has this slope, are those of the surface. A point
+    /// outside of a side by the slack is off a steep plane by a multiple of it.
+    fn is_exact(&self, slope: DVec2) -> bool {
+        self.is_flat && slope.length_squared() <= STEEPEST * STEEPEST
     }
 
     /// The feature's plane as an origin and a slope. Newell's method averages over corners that are
@@ -194,8 +285,14 @@ impl Frame {
     }
 
     fn flat(&self, corner: &Corner) -> Flat {
-        let p = corner.point - self.origin;
-        Flat { at: DVec2::new(p.dot(self.x), p.dot(self.y)), height: p.dot(self.normal), vertex: corner.vertex }
+        let height = (corner.point - self.origin).dot(self.normal);
+        Flat { at: self.over(corner.point), height, vertex: corner.vertex }
+    }
+
+    /// Position of a point in the plane.
+    pub(super) fn over(&self, point: DVec3) -> DVec2 {
+        let p = point - self.origin;
+        DVec2::new(p.dot(self.x), p.dot(self.y))
     }
 
     /// The point at a position in the plane and a height.
@@ -274,23 +371,28 @@ fn is_inside(incident: &Outline, reference: &Outline) -> bool {
     })
 }
 
-/// Adds B's support point if it is over A's face, or else A's if it is over B's face.
-pub(super) fn deepest_over(a: &Feature, b: &Feature, [on_a, on_b]: [&Corner; 2], frame: &Frame, out: &mut Patch) {
-    let height_over = |feature: &Feature, point: &Flat| {
-        let face = Outline::new(feature, frame);
-        let mut vertex = face;
-        (vertex.corners[0], vertex.count) = (*point, 1);
-        let (origin, slope) = face.plane();
-        (face.area > 0.0 && is_inside(&vertex, &face)).then(|| origin.height + slope.dot(point.at - origin.at))
-    };
-    let (flat_a, flat_b) = (frame.flat(on_a), frame.flat(on_b));
-    if let Some(height) = (a.corners().len() > 2).then(|| height_over(a, &flat_b)).flatten() {
-        let parts = [FACE, pair(flat_b.vertex, flat_b.vertex)];
-        out.push(PatchPoint { at: flat_b.at, heights: [height, flat_b.height], parts });
-    } else if let Some(height) = (b.corners().len() > 2).then(|| height_over(b, &flat_a)).flatten() {
-        let parts = [pair(flat_a.vertex, flat_a.vertex), FACE];
-        out.push(PatchPoint { at: flat_a.at, heights: [flat_a.height, height], parts });
+/// Adds a `vertex` of B if it is over A's face, and returns whether it is.
+pub(super) fn vertex_over(a: &Feature, vertex: &Corner, frame: &Frame, out: &mut Patch) -> bool {
+    over(a, vertex, frame).map(|point| out.push(point)).is_some()
+}
+
+/// The same with A and B exchanged.
+pub(super) fn vertex_over_swapped(b: &Feature, vertex: &Corner, frame: &Frame, out: &mut Patch) -> bool {
+    over(b, vertex, frame).map(|point| out.push(point.swapped())).is_some()
+}
+
+/// The point of a `vertex` of B over a face of A; `None` if it is not over it.
+fn over(a: &Feature, vertex: &Corner, frame: &Frame) -> Option<PatchPoint> {
+    let (face, vertex) = (Outline::new(a, frame), frame.flat(vertex));
+    let mut alone = face;
+    (alone.corners[0], alone.count) = (vertex, 1);
+    if !(face.area > 0.0 && is_inside(&alone, &face)) {
+        return None;
     }
+    let (origin, slope) = face.plane();
+    let height = origin.height + slope.dot(vertex.at - origin.at);
+    let (exact, parts) = ([face.is_exact(slope), true], [FACE, pair(vertex.vertex, vertex.vertex)]);
+    Some(PatchPoint { at: vertex.at, heights: [height, vertex.height], exact, is_moved: false, parts })
 }
 
 /// Adds the ends of the common length of two parallel edges.
@@ -313,7 +415,11 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
         // NaN takes the failing branch.
         if (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&s) {
             let heights = [a0.height + (a1.height - a0.height) * t, b0.height + (b1.height - b0.height) * s];
-            out.push(PatchPoint { at: a0.at + along * t, heights, parts: [on_a, on_b] });
+            // Edges that are not quite parallel are beside each other there.
+            let at = a0.at + along * t;
+            let meets = at.distance(b0.at + other * s) <= SIDE_SLACK * a.extent.min(b.extent);
+            let exact = [a.is_flat, b.is_flat && meets];
+            out.push(PatchPoint { at, heights, exact, is_moved: false, parts: [on_a, on_b] });
         }
     }
 }
@@ -330,6 +436,8 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         from[i] = Clipped { at: c.at, height: c.height, parts, side: Side::Incident, edge };
     }
     let slack = SIDE_SLACK * reference.extent;
+    // Whether any corner was outside of a side.
+    let mut crosses = false;
     for index in 0..reference.count {
         let (start, end) = (&reference.corners()[index], &reference.corners()[(index + 1) % reference.count]);
         let along = end.at - start.at;
@@ -341,7 +449,9 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         let inside = |c: &Clipped| along.perp_dot(c.at - start.at);
         let slack = slack * length;
         // Most sides of a large face cut nothing off.
-        if from[..count].iter().all(|c| inside(c) >= -slack) {
+        let least = from[..count].iter().map(inside).fold(f64::INFINITY, f64::min);
+        crosses |= least < 0.0;
+        if least >= -slack {
             continue;
         }
         let side_part = pair(start.vertex, end.vertex);
@@ -373,11 +483,17 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         count = kept;
     }
     let (origin, slope) = reference.plane();
-    for c in &from[..count] {
+    for c in &mut from[..count] {
+        // Beyond a sharp corner, a point may be farther from the reference than from its sides.
+        let nearest = if crosses { reference.nearest(c.at) } else { c.at };
+        let is_moved = nearest.distance(c.at) > slack;
+        c.at = if is_moved { nearest } else { c.at };
         let height = origin.height + slope.dot(c.at - origin.at);
-        let (heights, parts) =
-            if reference_is_a { ([height, c.height], [c.parts[1], c.parts[0]]) } else { ([c.height, height], c.parts) };
-        out.push(PatchPoint { at: c.at, heights, parts });
+        // A corner of the incident feature is on the surface unless it is rounded.
+        let is_corner = incident.has_exact_corners && c.parts[0] != FACE && c.parts[0][0] == c.parts[0][1];
+        let exact = [(incident.is_flat || is_corner) && !is_moved, reference.is_exact(slope)];
+        let point = PatchPoint { at: c.at, heights: [c.height, height], exact, is_moved, parts: c.parts };
+        out.push(if reference_is_a { point.swapped() } else { point });
     }
 }
 

@@ -6,13 +6,14 @@
 //!    no sides that would clip them.
 //! 3. Select and match points as for two shapes.
 
-use super::clip::{FACE, Frame, Patch, PatchPoint};
-use super::{Manifold, ManifoldSettings, part, slight};
+use super::clip::{FACE, Frame, Part, Patch, PatchPoint};
+use super::surface::settle_b;
+use super::{Lengths, Manifold, ManifoldSettings, farther_out, part, tips};
 use crate::pose::Pose;
-use crate::shapes::{Feature, HalfSpace, Shape};
+use crate::shapes::{Corner, Feature, HalfSpace, Shape};
 use crate::solver::Contact;
-use crate::vector::perpendicular;
-use glam::DVec2;
+use crate::support::SupportPoint;
+use glam::DVec3;
 
 impl Manifold {
     /// Updates the points for the half-space `a` and `b` placed at `b_in_a`, and returns their
@@ -61,29 +62,41 @@ impl Manifold {
             self.clear();
             return contact;
         }
-        let side = perpendicular(normal);
-        let frame = Frame { origin: (contact.point_a + contact.point_b) * 0.5, x: side, y: normal.cross(side), normal };
+        let lengths = Lengths { depth, prediction, reach };
+        let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, normal);
+        let dir = b_in_a.inverse_transform_vector(-normal);
+        let mut patch = Patch::new();
+        let place = |point: DVec3, part: Part| {
+            let point = b_in_a.transform_point(point);
+            // The origin is midway between the lowest point of B and the plane.
+            let heights = [0.5 * signed, (point - frame.origin).dot(normal)];
+            PatchPoint { at: frame.over(point), heights, exact: [true; 2], is_moved: false, parts: [FACE, part] }
+        };
+        let add = |patch: &mut Patch, Corner { point, vertex }: Corner, is_exact: bool| {
+            let mut point = place(point, [vertex; 2]);
+            let is_there = is_exact || settle_b((b, b_in_a), &frame, lengths.above(), &mut point);
+            if is_there && point.depth() >= -prediction {
+                patch.push(point);
+            }
+        };
         let mut feature = Feature::new();
         // The plane has no sides: no corner of the whole feature is needed.
-        b.reduced_feature_within(b_in_a.inverse_transform_vector(-normal), prediction, &mut feature);
-        let mut patch = Patch::new();
-        for corner in feature.corners() {
-            let p = b_in_a.transform_point(corner.point) - frame.origin;
-            patch.push(PatchPoint {
-                at: DVec2::new(p.dot(frame.x), p.dot(frame.y)),
-                // The origin is midway between the lowest point of B and the plane.
-                heights: [0.5 * signed, p.dot(normal)],
-                parts: [FACE, [corner.vertex; 2]],
-            });
+        b.reduced_feature_within(dir, prediction, &mut feature);
+        feature.corners().iter().for_each(|corner| add(&mut patch, *corner, feature.has_exact_corners()));
+        if depth > patch.deepest() + lengths.slight() {
+            // A touching body may be above the plane by a rounding error, and has a point in any
+            // case.
+            patch.put(place(b_in_a.inverse().transform_point(contact.point_b), part(&feature)));
         }
-        patch.retain(|p| p.depth() >= -prediction);
-        let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
-        let slight = slight(prediction, reach);
-        if depth > deep + slight {
-            let parts = [FACE, part(&feature)];
-            patch.push(PatchPoint { heights: [0.5 * signed, -0.5 * signed], parts, ..PatchPoint::default() });
+        let center = frame.over(b_in_a.transform_point(b.interior_point()));
+        let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
+        if tips(&choice, &patch, center, &lengths) {
+            for SupportPoint { point, feature } in farther_out(b, dir, &lengths) {
+                add(&mut patch, Corner { point, vertex: feature }, true);
+            }
+            choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
         }
-        let choice = self.select(&patch, &frame, b_in_a, reach, slight);
+        let choice = choice.with_deepest(&patch.spots(), lengths.slight() - (depth - patch.deepest()).max(0.0));
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }

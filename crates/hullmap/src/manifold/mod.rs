@@ -19,10 +19,10 @@
 //!    Drop points separated by more than the prediction.
 //! 4. Add the contact point itself where it is deeper than all clipped points by more than a tenth
 //!    of the prediction, as on curved surfaces and crossing edges.
-//! 5. Select four points (`select`): those that span the largest area, always with one that is as
-//!    deep as the deepest, within a tenth of the prediction. Last frame's four stay while they span
-//!    nearly as much; if none of them is that deep, the deepest replaces one of them.
-//! 6. Match each point with one of the last frame, by feature or else by position. A matched point
+//! 5. Select the four points that support the body best (`select`). If its centre is not over them,
+//!    so that it tips, consider vertices farther out.
+//! 6. Move points to the surfaces where features are not flat (`surface`).
+//! 7. Match each point with one of the last frame, by feature or else by position. A matched point
 //!    keeps what the caller stored in it.
 //!
 //! # Deviations
@@ -36,37 +36,48 @@
 
 mod clip;
 mod half_space;
-mod select;
+#[doc(hidden)]
+pub mod select;
+mod surface;
 
 use crate::pose::Pose;
-use crate::shapes::{Corner, Feature, Shape};
+use crate::shapes::feature::tilted;
+use crate::shapes::{Corner, Feature, Shape, TILT};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
-use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, deepest_over, meet};
-use glam::DVec3;
-use select::{Choice, area, choose};
+use crate::support::SupportPoint;
+use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet, vertex_over, vertex_over_swapped};
+use glam::{DVec2, DVec3};
+use select::{Choice, SAME_PLACE, SLIGHT};
 use std::fmt;
+use surface::settle;
 
 /// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 4;
-
-/// Last frame's four points stay while their area is at least this fraction of the best four
-/// points' area.
-const KEPT_AREA: f64 = 0.9;
-
-/// Depths that differ by less than this fraction of the prediction count as equal.
-///
-/// The deepest of the corners of a smooth body changes with every hundredth of a degree. If it is
-/// always among the four, the body rocks for ever. Of 102 real meshes, 98 come to rest with a
-/// tenth, 93 with half as much (decision 13).
-const SLIGHT: f64 = 0.1;
 
 /// Depths that differ by less than this count as equal in any case, relative to the smaller shape's
 /// outer radius. Larger than the solver's tolerance on any depth below that radius.
 const SAME_DEPTH: f64 = 1e-4;
 
-/// A point on other features than before counts as the same point if it has moved by less than this
-/// on one of the shapes, relative to the smaller shape's outer radius.
-const SAME_PLACE: f64 = 0.02;
+/// Maximum height of the corners of a face above its plane, relative to the length of its sides:
+/// the rounding error of f32 vertices, about.
+const COPLANAR: f64 = 5e-7;
+
+/// Minimum cosine of the angle between the contact normal and the normal of a face whose heights
+/// are taken from its plane: 45 degrees.
+const LEAST_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Distance from the centre, relative to the smaller shape's outer radius, of a point on which a
+/// body balances.
+const BALANCED: f64 = 0.05;
+
+/// Distance by which a point moves inward if a ray misses the surface there, relative to the
+/// smaller shape's outer radius: ten times the slack of clipping. Rays miss at the corners of discs
+/// that lie on each other, and a stack falls if these have no points.
+const INWARD: f64 = 1e-5;
+
+/// Tangent of the maximum angle between the normal and a direction in which a tipping body's far
+/// side is searched for.
+const STEEPEST: f64 = 1.0;
 
 /// How far two surfaces may be separated and still have manifold points, of negative depth, so that
 /// a rocking body keeps them.
@@ -195,20 +206,18 @@ impl fmt::Display for PointId {
 
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 ///
-/// The two points lie on the planes of the features that meet. If a shape's feature is one face,
-/// its plane is the surface. If a hull's faces were merged, the plane can be off the surface, along
-/// the normal, by a quarter of the prediction, and at most by [`TILT`](crate::shapes::TILT) times
-/// the extent of the feature. The contact that [`update`](Manifold::update) returns has points on
-/// the surfaces.
+/// The two points lie on the surfaces, as far as the points of the contact do. Where the surfaces
+/// overlap deeper than the reported contact, within its interval, both give way by half of the
+/// excess.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// The features it lies on.
     pub id: PointId,
-    /// The point on A's feature, in A's frame.
+    /// The point on A's surface, in A's frame.
     pub point_a: DVec3,
-    /// The point on B's feature, in A's frame.
+    /// The point on B's surface, in A's frame.
     pub point_b: DVec3,
-    /// The point on B's feature, in B's frame.
+    /// The point on B's surface, in B's frame.
     pub local_b: DVec3,
     /// Penetration depth at this point along the manifold's normal n, (`point_a` − `point_b`) · n;
     /// negative if the surfaces are separated there. At most the depth of the contact.
@@ -341,15 +350,28 @@ impl Manifold {
             depth = -gap.distance;
         }
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
+        let lengths = Lengths { depth, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
         let mut patch = clipped((a, b, b_in_a), &frame, prediction, &mut features);
-        let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
-        let slight = slight(prediction, reach);
-        if depth > deep + slight {
-            let heights = [depth * 0.5, -depth * 0.5];
-            patch.push(PatchPoint { heights, parts: features.each_ref().map(part), ..PatchPoint::default() });
+        let heights = [depth * 0.5, -depth * 0.5];
+        let parts = features.each_ref().map(part);
+        let point = PatchPoint { heights, exact: [true; 2], parts, ..PatchPoint::default() };
+        if depth > patch.deepest() + lengths.slight() {
+            patch.push(point);
         }
-        let choice = self.select(&patch, &frame, b_in_a, reach, slight);
+        let center = center((a, b, b_in_a), &frame);
+        let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
+        if tips(&choice, &patch, center, &lengths) {
+            widen((a, b, b_in_a), &mut patch, &frame, &lengths);
+            choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
+        }
+        choice = settled((a, b, b_in_a), &mut patch, choice, &frame, &lengths);
+        // Between the corners of a feature that is not flat, the surface may be less deep.
+        let deep = choice.indices().iter().map(|i| patch.points()[*i].depth()).fold(f64::NEG_INFINITY, f64::max);
+        if depth > deep + lengths.slight() {
+            let index = patch.put(point);
+            choice.insert(&patch.spots(), index);
+        }
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }
@@ -378,18 +400,20 @@ impl Manifold {
             return;
         }
         let frame = Frame::new(corner_b.point, normal);
+        let lengths = Lengths { depth, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
         let mut patch = clipped((a, b, b_in_a), &frame, prediction, &mut features);
-        let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
-        let slight = slight(prediction, reach);
-        if depth > deep + slight {
+        if depth > patch.deepest() + lengths.slight() {
             // The support point of a curved surface may be over the other body's face, but no
             // corner.
             let [feature_a, feature_b] = &features;
-            deepest_over(feature_a, feature_b, [&corner_a, &corner_b], &frame, &mut patch);
+            if !vertex_over(feature_a, &corner_b, &frame, &mut patch) {
+                vertex_over_swapped(feature_b, &corner_a, &frame, &mut patch);
+            }
             patch.retain(|p| p.depth() >= -prediction);
         }
-        let choice = self.select(&patch, &frame, b_in_a, reach, slight);
+        let choice = self.choose(&patch, &frame, b_in_a, center((a, b, b_in_a), &frame), &lengths);
+        let choice = settled((a, b, b_in_a), &mut patch, choice, &frame, &lengths);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
     }
 
@@ -399,60 +423,37 @@ impl Manifold {
         let frame = Frame::new(point_b, normal);
         let depth = (point_a - point_b).dot(normal);
         let mut patch = Patch::new();
-        patch.push(PatchPoint { heights: [depth, 0.0], parts: [FACE; 2], ..PatchPoint::default() });
+        patch.push(PatchPoint { heights: [depth, 0.0], exact: [true; 2], parts: [FACE; 2], ..PatchPoint::default() });
         let mut choice = Choice::default();
         choice.push(0);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
     }
 
-    /// The best four points in `patch`, or last frame's if they span nearly as much area.
-    fn select(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, reach: f64, slight: f64) -> Choice {
-        let best = choose(patch.points(), slight);
-        self.keep(patch, &best, frame, b_in_a, reach, slight).unwrap_or(best)
+    /// The best four points in `patch`, preferably last frame's.
+    fn choose(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, center: DVec2, lengths: &Lengths) -> Choice {
+        let last = self.present(patch, frame, b_in_a, lengths.reach);
+        select::choose(&patch.spots(), center, lengths.slight(), last)
     }
 
-    /// Last frame's four points in `patch`, or three of them and the deepest, if they span nearly
-    /// as much area as the `best` four.
-    fn keep(
-        &self,
-        patch: &Patch,
-        best: &Choice,
-        frame: &Frame,
-        b_in_a: Pose,
-        reach: f64,
-        slight: f64,
-    ) -> Option<Choice> {
+    /// Last frame's points, if all of them are in `patch`.
+    fn present(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, reach: f64) -> Option<Choice> {
         let points = patch.points();
-        if self.count < MAX_POINTS || points.len() < MAX_POINTS {
-            return None;
-        }
         let a_in_b = b_in_a.inverse();
         // Distance between a point and an old one: on A or on B, whichever is smaller.
         let apart = |p: &PatchPoint, old: &ManifoldPoint| {
             let on_a = frame.point(p.at, p.heights[0]).distance(old.point_a);
             on_a.min(a_in_b.transform_point(frame.point(p.at, p.heights[1])).distance(old.local_b))
         };
-        let mut kept = Choice::default();
+        let mut present = Choice::default();
         for old in self.points() {
             let by_place = || {
                 let distances = points.iter().map(|p| apart(p, old)).enumerate();
                 let nearest = distances.min_by(|p, q| p.1.total_cmp(&q.1));
                 nearest.filter(|(_, distance)| *distance <= SAME_PLACE * reach).map(|(i, _)| i)
             };
-            kept.push(points.iter().position(|p| p.parts == old.id.parts).or_else(by_place)?);
+            present.push(points.iter().position(|p| p.parts == old.id.parts).or_else(by_place)?);
         }
-        let (&[a, b, c, d], &[e, f, g, h]) = (kept.indices(), best.indices()) else { return None };
-        let spanned = |indices: [usize; 4]| area(indices.map(|i| points[i].at));
-        let mut old = [a, b, c, d];
-        let deep = (0..points.len()).fold(0, |best, i| if points[i].depth() > points[best].depth() { i } else { best });
-        if old.iter().all(|i| points[*i].depth() < points[deep].depth() - slight) {
-            let without = |slot: usize| std::array::from_fn(|i| if i == slot { deep } else { old[i] });
-            let candidates = (0..MAX_POINTS).map(without);
-            old = candidates.max_by(|p, q| spanned(*p).total_cmp(&spanned(*q))).unwrap_or(old);
-        }
-        let mut kept = Choice::default();
-        old.into_iter().for_each(|i| kept.push(i));
-        (spanned(old) >= KEPT_AREA * spanned([e, f, g, h])).then_some(kept)
+        Some(present)
     }
 
     /// Replaces the points by the chosen ones; matched points keep what the caller stored.
@@ -502,6 +503,27 @@ impl Manifold {
     }
 }
 
+/// Lengths of an update.
+struct Lengths {
+    /// Of the contact; negative for a gap.
+    depth: f64,
+    prediction: f64,
+    /// The smaller outer radius.
+    reach: f64,
+}
+
+impl Lengths {
+    /// A height above both surfaces, from the origin of the frame.
+    fn above(&self) -> f64 {
+        self.depth.abs() + self.reach
+    }
+
+    /// Depths that differ by less than this count as equal.
+    fn slight(&self) -> f64 {
+        (SLIGHT * self.prediction).max(SAME_DEPTH * self.reach)
+    }
+}
+
 /// The points within the prediction where the features that face each other along the normal of
 /// `frame` overlap. Writes the features of A and of B, in A's frame.
 fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
@@ -529,7 +551,138 @@ fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
         }
     }
     patch.retain(|p| p.depth() >= -prediction);
+    let [flat_a, flat_b] = [is_face(a, on_a, Pose::IDENTITY, normal), is_face(b, on_b, b_in_a, normal)];
+    for point in patch.points_mut().iter_mut().filter(|point| !point.is_moved) {
+        point.exact = [point.exact[0] || flat_a, point.exact[1] || flat_b];
+    }
     patch
+}
+
+/// Whether a feature that is not marked as flat is a face of `shape` at `pose`, not steep against
+/// the unit vector `normal`. All its corners lie in one plane, and the shape does not reach beyond
+/// it: rays are not needed. All are in A's frame.
+fn is_face<S: Shape + ?Sized>(shape: &S, feature: &Feature, pose: Pose, normal: DVec3) -> bool {
+    let [first, second, .., last] = feature.corners() else { return false };
+    if feature.is_flat() || !feature.has_exact_corners() {
+        return false;
+    }
+    let corners = feature.corners();
+    let across = corners.windows(2).fold(DVec3::ZERO, |sum, c| match c {
+        [p, q] => sum + (p.point - first.point).cross(q.point - first.point),
+        _ => sum,
+    });
+    let across = across.normalize_or_zero();
+    let outward = across * across.dot(first.point - pose.transform_point(shape.interior_point())).signum();
+    if outward.dot(normal).abs() < LEAST_COSINE {
+        return false;
+    }
+    let slack = COPLANAR * second.point.distance(first.point).max(last.point.distance(first.point));
+    let height = |point: DVec3| outward.dot(point - first.point);
+    if corners.iter().any(|corner| !(height(corner.point).abs() <= slack)) {
+        return false;
+    }
+    let top = shape.support_point(pose.inverse_transform_vector(outward)).point;
+    height(pose.transform_point(top)) <= slack
+}
+
+/// The centre of the smaller body, in the plane perpendicular to the normal of `frame`.
+fn center<A: Shape + ?Sized, B: Shape + ?Sized>((a, b, b_in_a): (&A, &B, Pose), frame: &Frame) -> DVec2 {
+    let a_is_smaller = a.outer_radius() < b.outer_radius();
+    frame.over(if a_is_smaller { a.interior_point() } else { b_in_a.transform_point(b.interior_point()) })
+}
+
+/// Whether the smaller body tips on the chosen points: its centre is not over them, and not close
+/// to one of them, as that of a ball is.
+fn tips(choice: &Choice, patch: &Patch, center: DVec2, lengths: &Lengths) -> bool {
+    let spots = patch.spots();
+    let is_close = |i: &usize| spots[*i].at.distance(center) <= BALANCED * lengths.reach;
+    !choice.is_below(&spots, center) && !choice.indices().iter().any(is_close)
+}
+
+/// Adds vertices of the smaller body that are farther out and within the prediction of the other
+/// one.
+///
+/// A body whose centre is not over its points tips, to where it has none. If the body is small or
+/// deep in the other one, its far side is in there as well, or will be in the next frame.
+fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    patch: &mut Patch,
+    frame: &Frame,
+    lengths: &Lengths,
+) {
+    let mut add = |point: DVec3, exact: [bool; 2], parts: [Part; 2]| {
+        let heights = [(point - frame.origin).dot(frame.normal); 2];
+        // The other surface is at most half of the depth beyond the origin.
+        let [on_a, on_b] = [0.5 * lengths.depth, -0.5 * lengths.depth];
+        let most = if exact[1] { on_a - heights[1] } else { heights[0] - on_b };
+        let at = frame.over(point);
+        let is_same = |known: &PatchPoint| known.parts == parts || known.at.distance(at) <= SAME_PLACE * lengths.reach;
+        if most < -lengths.prediction || patch.points().iter().any(is_same) {
+            return;
+        }
+        let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
+        if settle((a, b, b_in_a), frame, lengths.above(), &mut point) && point.depth() >= -lengths.prediction {
+            patch.push(point);
+        }
+    };
+    // A flat shape has no side that is farther out than its face.
+    if a.outer_radius() < b.outer_radius() {
+        if a.inner_radius() > 0.0 {
+            for SupportPoint { point, feature } in farther_out(a, frame.normal, lengths) {
+                add(point, [true, false], [[feature; 2], FACE]);
+            }
+        }
+    } else if b.inner_radius() > 0.0 {
+        let dir = b_in_a.inverse_transform_vector(-frame.normal);
+        for SupportPoint { point, feature } in farther_out(b, dir, lengths) {
+            add(b_in_a.transform_point(point), [false, true], [FACE, [feature; 2]]);
+        }
+    }
+}
+
+/// Support points of `shape` in directions that are tilted from `dir`, in its frame, so far that
+/// the points are about as high above the support plane as the depth and the prediction.
+fn farther_out<S: Shape + ?Sized>(shape: &S, dir: DVec3, lengths: &Lengths) -> impl Iterator<Item = SupportPoint> {
+    let Lengths { depth, prediction, reach } = *lengths;
+    // A support point at the distance l, in a direction that is tilted by the tangent t, is at most
+    // t l above the support plane.
+    #[expect(clippy::manual_clamp, reason = "NaN, of a point on a point, becomes the lower end")]
+    let tilt = ((depth.max(0.0) + prediction) / reach).max(TILT).min(STEEPEST);
+    tilted(shape, dir, tilt).into_iter()
+}
+
+/// The `choice` of the points of `patch`, moved to the surfaces. Points drop out where a surface
+/// is missing, or farther than the prediction from the other one.
+fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
+    pair: (&A, &B, Pose),
+    patch: &mut Patch,
+    choice: Choice,
+    frame: &Frame,
+    lengths: &Lengths,
+) -> Choice {
+    let mut kept = Choice::default();
+    let middle = patch.points().iter().map(|point| point.at).sum::<DVec2>() / patch.points().len().max(1) as f64;
+    for index in choice.indices() {
+        let point = &mut patch.points_mut()[*index];
+        if point.exact == [true; 2] {
+            if point.depth() <= lengths.depth + SAME_DEPTH * lengths.reach {
+                kept.push(*index);
+                continue;
+            }
+            // No point is deeper than the contact: the plane of a sliver is off.
+            point.exact = [false; 2];
+        }
+        let mut is_there = settle(pair, frame, lengths.above(), point);
+        if !is_there {
+            point.at += (middle - point.at).normalize_or_zero() * (INWARD * lengths.reach);
+            point.exact = [false; 2];
+            is_there = settle(pair, frame, lengths.above(), point);
+        }
+        if is_there && point.depth() >= -lengths.prediction {
+            kept.push(*index);
+        }
+    }
+    kept
 }
 
 /// The distance of shapes that `axis` separates; `None` if it is above `prediction`.
@@ -544,7 +697,7 @@ fn near<A: Shape + ?Sized, B: Shape + ?Sized>(
         return None;
     }
     let gap = queries::distance(a, b, b_in_a, settings, cache);
-    (gap.lower <= prediction && gap.status != Status::Overlapping).then_some(gap)
+    (gap.distance <= prediction && gap.status != Status::Overlapping).then_some(gap)
 }
 
 /// Moves a feature of B from B's frame to A's.
@@ -552,11 +705,6 @@ fn place(on_b: &mut Feature, b_in_a: Pose) {
     for corner in on_b.corners_mut() {
         corner.point = b_in_a.transform_point(corner.point);
     }
-}
-
-/// Depths that differ by less than this length count as equal.
-fn slight(prediction: f64, reach: f64) -> f64 {
-    (SLIGHT * prediction).max(SAME_DEPTH * reach)
 }
 
 /// The part of a shape with this feature that the contact point lies on.

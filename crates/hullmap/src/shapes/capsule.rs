@@ -4,7 +4,7 @@ use super::error::ShapeError;
 use super::feature::Feature;
 use super::segment::Segment;
 use super::shape::Shape;
-use super::{direction, error::length};
+use super::{direction, error::length, round};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
@@ -99,21 +99,15 @@ impl Shape for Capsule {
     /// the segment, otherwise a point of a cap.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.segment.feature(dir, out);
-        self.round(dir, out);
+        round(out, dir, self.radius, DVec3::ZERO);
+        // Every direction that is perpendicular to a segment is one of its normals.
+        out.set_flat();
     }
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.segment.feature_within(dir, reach, out);
-        self.round(dir, out);
-    }
-}
-
-impl Capsule {
-    /// Moves the corners of the segment's feature outward along `dir`.
-    fn round(&self, dir: DVec3, out: &mut Feature) {
-        let offset = direction(dir) * self.radius;
-        for corner in out.corners_mut() {
-            corner.point += offset;
-        }
+        round(out, dir, self.radius, DVec3::ZERO);
+        // Every direction that is perpendicular to a segment is one of its normals.
+        out.set_flat();
     }
 }

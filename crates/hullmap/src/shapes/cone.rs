@@ -97,6 +97,7 @@ impl Shape for Cone {
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
+        out.set_flat();
         let n = direction(dir);
         let across = length_of(n.x, n.y);
         // Sine of the angle between `n` and the normal of the side: that normal rises by the radius

@@ -95,6 +95,7 @@ impl Shape for Cuboid {
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
+        out.set_flat();
         let dir = direction(dir);
         let sign = negative(dir);
         // Axes whose ends differ in height by at most `reach`, or that are perpendicular to `dir`

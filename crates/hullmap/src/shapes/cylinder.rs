@@ -72,6 +72,7 @@ impl Shape for Cylinder {
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
+        out.set_flat();
         let n = direction(dir);
         let across = length_of(n.x, n.y);
         // How much lower the far end of the cap and of the side's line is.

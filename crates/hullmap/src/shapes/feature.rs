@@ -82,7 +82,9 @@ pub struct Corner {
 /// The vertex (one corner), edge (two corners) or face (three or more) that faces a direction.
 ///
 /// The corners of a face are in order around it, clockwise or counter-clockwise. A *reduced*
-/// feature has a few corners of a larger one: see [`Shape::reduced_feature_within`].
+/// feature has a few corners of a larger one: see [`Shape::reduced_feature_within`]. A *flat*
+/// feature lies on the surface of the shape, between its corners as well; of any other one, only
+/// the corners do.
 ///
 /// [`Shape::reduced_feature_within`]: super::Shape::reduced_feature_within
 ///
@@ -106,12 +108,20 @@ pub struct Feature {
     corners: [Corner; MAX_CORNERS],
     count: usize,
     is_reduced: bool,
+    is_flat: bool,
+    is_rounded: bool,
 }
 
 impl Feature {
     /// A feature without corners.
     pub const fn new() -> Self {
-        Self { corners: [Corner { point: DVec3::ZERO, vertex: 0 }; MAX_CORNERS], count: 0, is_reduced: false }
+        Self {
+            corners: [Corner { point: DVec3::ZERO, vertex: 0 }; MAX_CORNERS],
+            count: 0,
+            is_reduced: false,
+            is_flat: false,
+            is_rounded: false,
+        }
     }
 
     /// Whether corners were left out to save time.
@@ -122,6 +132,32 @@ impl Feature {
     /// Records that corners were left out, until the feature is cleared.
     pub fn set_reduced(&mut self) {
         self.is_reduced = true;
+    }
+
+    /// Whether the whole feature lies on the surface of the shape.
+    pub fn is_flat(&self) -> bool {
+        self.is_flat
+    }
+
+    /// Records that the whole feature lies on the surface of the shape, until the feature is
+    /// cleared. A manifold then needs no rays to find the surface between the corners.
+    pub fn set_flat(&mut self) {
+        self.is_flat = true;
+    }
+
+    /// Whether each corner lies on the surface.
+    pub(crate) fn has_exact_corners(&self) -> bool {
+        self.is_flat || !self.is_rounded
+    }
+
+    /// Records that the corners were moved outward along one normal, which need not be theirs.
+    pub(crate) fn set_rounded(&mut self) {
+        self.is_rounded = true;
+    }
+
+    /// Forgets that the feature is flat.
+    pub(crate) fn set_curved(&mut self) {
+        self.is_flat = false;
     }
 
     /// Forgets that corners were left out: whatever a shape returns as its whole feature is final.
@@ -144,14 +180,14 @@ impl Feature {
     /// Removes all corners.
     pub fn clear(&mut self) {
         self.count = 0;
-        self.is_reduced = false;
+        (self.is_reduced, self.is_flat, self.is_rounded) = (false, false, false);
     }
 
     /// Keeps the corners that satisfy `keep`, in order.
     pub(crate) fn retain(&mut self, keep: impl Fn(&Corner) -> bool) {
         let mut kept = Self::new();
         self.corners().iter().filter(|corner| keep(corner)).for_each(|corner| kept.push(*corner));
-        kept.is_reduced = self.is_reduced;
+        (kept.is_reduced, kept.is_flat, kept.is_rounded) = (self.is_reduced, self.is_flat, self.is_rounded);
         *self = kept;
     }
 
@@ -197,6 +233,12 @@ impl Default for Feature {
 pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
     let cone = Cone::new(dir, TILT);
     refine(shape, &cone, coarse_ring(shape, &cone), out);
+}
+
+/// Support points in eight directions that are tilted from `dir` to all sides, by the angle whose
+/// tangent is `tilt`.
+pub fn tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, tilt: f64) -> [SupportPoint; COARSE] {
+    coarse_ring(shape, &Cone::new(dir, tilt))
 }
 
 /// Support points in every fourth direction of the cone.

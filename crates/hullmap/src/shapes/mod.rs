@@ -68,6 +68,8 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use error::ShapeError;
+#[doc(hidden)]
+pub use feature::tilted;
 pub use feature::{Corner, Feature, MAX_CORNERS, TILT, ring};
 pub use half_space::HalfSpace;
 pub use rounded::Rounded;
@@ -106,6 +108,48 @@ fn push_rim(out: &mut Feature, z: f64, radius: f64, first: u32) {
         let (x, y) = turn(step);
         out.push(Corner { point: DVec3::new(x * radius, y * radius, z), vertex: first + step as u32 });
     }
+}
+
+/// Moves the feature of a core, with a point in its interior, outward by the convex radius.
+///
+/// A face is moved along its own normal, and an edge along its normal closest to `dir`, so that
+/// they lie on the rounded surface as they lie on the core's. A feature whose normal is far from
+/// `dir`, such as a needle's, is moved along `dir`, and no longer flat. Nor is an edge that is not
+/// perpendicular to `dir`: its closest normal may not be a normal of the core.
+fn round(out: &mut Feature, dir: DVec3, radius: f64, interior: DVec3) {
+    /// Maximum cosine of the angle between perpendicular directions: rounding error.
+    const LEVEL: f64 = 1e-9;
+    /// Minimum cosine of the angle between `dir` and the normal of a feature that faces it: five
+    /// times the tilt within which faces are merged.
+    const FACING: f64 = 0.98;
+    let n = direction(dir);
+    let mut is_level = true;
+    let outward = match out.corners() {
+        [] | [_] => n,
+        [a, b] => {
+            let along = direction(b.point - a.point);
+            is_level = n.dot(along).abs() <= LEVEL;
+            n - along * n.dot(along)
+        }
+        corners => {
+            let normal = corners.windows(3).fold(DVec3::ZERO, |sum, c| match c {
+                [a, b, c] => sum + (b.point - a.point).cross(c.point - a.point),
+                _ => sum,
+            });
+            // A thin shape's feature may face away from `dir` a little.
+            let height = corners.iter().map(|corner| normal.dot(corner.point - interior)).sum::<f64>();
+            normal * if height == 0.0 { normal.dot(n) } else { height }
+        }
+    };
+    let facing = unit(outward).filter(|outward| outward.dot(n) >= FACING);
+    if !is_level || facing.is_none() {
+        out.set_curved();
+    }
+    if out.corners().len() > 1 {
+        out.set_rounded();
+    }
+    let offset = facing.unwrap_or(n) * radius;
+    out.corners_mut().iter_mut().for_each(|corner| corner.point += offset);
 }
 
 /// Keeps every eighth corner of a disc: the square is the largest quadrilateral in its polygon.

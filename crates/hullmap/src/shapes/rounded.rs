@@ -3,7 +3,7 @@
 use super::error::ShapeError;
 use super::feature::Feature;
 use super::shape::Shape;
-use super::{direction, error::length};
+use super::{direction, error::length, round};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
@@ -82,26 +82,16 @@ impl<S: Shape> Shape for Rounded<S> {
     /// The inner shape's feature, moved outward along `dir` by the radius.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.shape.feature(dir, out);
-        self.round(dir, out);
+        round(out, dir, self.radius, self.shape.interior_point());
     }
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.shape.feature_within(dir, reach, out);
-        self.round(dir, out);
+        round(out, dir, self.radius, self.shape.interior_point());
     }
 
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.shape.reduced_feature_within(dir, reach, out);
-        self.round(dir, out);
-    }
-}
-
-impl<S> Rounded<S> {
-    /// Moves the corners of the inner shape's feature outward along `dir`.
-    fn round(&self, dir: DVec3, out: &mut Feature) {
-        let offset = direction(dir) * self.radius;
-        for corner in out.corners_mut() {
-            corner.point += offset;
-        }
+        round(out, dir, self.radius, self.shape.interior_point());
     }
 }

@@ -91,6 +91,7 @@ impl Shape for Segment {
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
+        out.set_flat();
         let n = direction(dir);
         let rise = (self.ends[1] - self.ends[0]).dot(n);
         if self.half_length > 0.0 && rise.abs() <= (TILT * (2.0 * self.half_length)).max(reach) {

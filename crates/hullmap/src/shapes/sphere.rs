@@ -71,5 +71,6 @@ impl Shape for Sphere {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         out.clear();
         out.push(Corner { point: self.support_point(dir).point, vertex: 0 });
+        out.set_flat();
     }
 }

@@ -94,6 +94,7 @@ impl Shape for Triangle {
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
+        out.set_flat();
         let n = direction(dir);
         let SupportPoint { point: top, feature } = self.support_point(n);
         for (corner, vertex) in self.corners.into_iter().zip(0..) {

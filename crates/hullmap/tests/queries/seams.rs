@@ -127,7 +127,7 @@ fn worst<'m>(manifolds: impl Iterator<Item = &'m Manifold>, whole: &Hull<'_>) ->
 #[test]
 fn the_parts_of_a_convex_body_have_the_contacts_of_the_whole() {
     let mut rng = SplitMix64::new(SEED);
-    let (mut tried, mut unwelded_wrong, mut missing, mut wrong, mut truth_wrong) = (0, 0, 0, 0, 0);
+    let (mut tried, mut unwelded_wrong, mut missing, mut wrong) = (0, 0, 0, 0);
     let mut largest = 0.0_f64;
     for round in 0..24 {
         let planes = solid(&mut rng, round % 3 == 0);
@@ -146,12 +146,12 @@ fn the_parts_of_a_convex_body_have_the_contacts_of_the_whole() {
                 let mut manifolds = CompoundManifolds::new(64);
                 manifolds.update(&union, &body, pose, &settings());
                 let (found, angle) = worst(manifolds.iter().map(|(_, m)| m), &hull);
+                // Points beside the contact, on which the body would tip, are on faces that lean: the
+                // normal is off there, for the whole body as well.
+                let own = worst([&reference].into_iter(), &hull).1;
                 tried += 1;
-                largest = largest.max(angle);
-                truth_wrong += usize::from(worst([&reference].into_iter(), &hull).1 > 0.02);
-                if angle > 0.02 {
-                    wrong += 1;
-                }
+                largest = largest.max(angle - own);
+                wrong += usize::from(angle > own + 0.02);
                 // A contact that is on the edge of the prediction may be on either side of it.
                 if deepest > -0.8 * PREDICTION && !(found > deepest - 0.3 * PREDICTION) {
                     missing += 1;
@@ -160,17 +160,14 @@ fn the_parts_of_a_convex_body_have_the_contacts_of_the_whole() {
                 manifolds.clear();
                 manifolds.set_welding(false);
                 manifolds.update(&union, &body, pose, &settings());
-                unwelded_wrong += usize::from(worst(manifolds.iter().map(|(_, m)| m), &hull).1 > 0.02);
+                unwelded_wrong += usize::from(worst(manifolds.iter().map(|(_, m)| m), &hull).1 > own + 0.02);
             }
         }
     }
-    println!(
-        "{tried} poses: {wrong} with wrong normals, worst sine {largest:.3}; {truth_wrong} of the whole; {missing} without the contact"
-    );
+    println!("{tried} poses: {wrong} with wrong normals, worst sine {largest:.3}; {missing} without the contact");
     println!("without welding: {unwelded_wrong} with wrong normals");
     assert!(unwelded_wrong * 8 > tried, "{unwelded_wrong} of {tried}: the poses do not meet seams");
     assert_eq!(missing, 0, "of {tried}, seed {SEED:#x}");
-    // Of the whole body itself, some normals are counted: points lie on the planes of merged faces.
     assert!(wrong * 40 <= tried && largest < 0.2, "{wrong} of {tried}, seed {SEED:#x}");
 }
 

@@ -7,9 +7,8 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::PathBuf;
 
+use hullmap_scenes::pit::Pit;
 use rapier3d::prelude::*;
-
-use crate::pit::{HALF_WIDTH, Pit};
 
 /// Size of an image in pixels.
 const SIZE: [usize; 2] = [960, 540];
@@ -48,7 +47,7 @@ struct Image {
 
 impl Camera {
     /// A camera for this pit. The folder is created. Fails if the folder cannot be created.
-    pub fn new(folder: PathBuf, pit: &Pit) -> io::Result<Self> {
+    pub fn new(folder: PathBuf, pit: &Pit<'_>) -> io::Result<Self> {
         std::fs::create_dir_all(&folder)?;
         // Fewer bodies make a lower pile.
         let height = 0.8 + pit.bodies.len() as f32 / 500.0;
@@ -60,20 +59,25 @@ impl Camera {
     }
 
     /// Writes image number `frame` of the pit. Fails if the file cannot be written.
-    pub fn shoot(&self, pit: &Pit, frame: usize) -> Result<(), Box<dyn std::error::Error>> {
+    pub fn shoot(&self, pit: &Pit<'_>, frame: usize) -> Result<(), Box<dyn std::error::Error>> {
         let samples = SIZE[0] * SIZE[1] * SAMPLES * SAMPLES;
         let mut image = Image { colours: vec![SKY; samples], nearness: vec![0.0; samples] };
-        let corner = |x: f32, z: f32| Vector::new(x * HALF_WIDTH, 0.0, z * HALF_WIDTH);
+        let corner = |x: f32, z: f32| Vector::new(x, 0.0, z) * pit.half_width;
         let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
         self.draw(&mut image, [a, b, c], FLOOR);
         self.draw(&mut image, [a, c, d], FLOOR);
         for (i, (handle, model)) in pit.bodies.iter().enumerate() {
             let body = &pit.world.bodies[*handle];
             let colour = if body.is_sleeping() { ASLEEP } else { AWAKE[(i + i / 8) % AWAKE.len()] };
-            let mesh = &pit.meshes[*model];
-            let vertices: Vec<Vector> = mesh.vertices.iter().map(|v| *body.position() * *v).collect();
-            for triangle in &mesh.triangles {
-                self.draw(&mut image, triangle.map(|v| vertices[v as usize]), colour);
+            let hull = model.hull.hull();
+            let vertices: Vec<Vector> = hull.vertices().map(|v| *body.position() * v).collect();
+            for face in hull.faces() {
+                // As a fan of triangles.
+                let corners: Vec<Vector> = face.map(|v| vertices[v as usize]).collect();
+                corners
+                    .windows(2)
+                    .skip(1)
+                    .for_each(|pair| self.draw(&mut image, [corners[0], pair[0], pair[1]], colour));
             }
         }
         let file = BufWriter::new(File::create(self.folder.join(format!("{frame:04}.png")))?);

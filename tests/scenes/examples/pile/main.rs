@@ -12,7 +12,6 @@
 //! `--view FOLDER` writes a sequence of PNG images for each way. Bodies that sleep turn grey.
 
 mod camera;
-mod pit;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -20,12 +19,15 @@ use std::time::{Duration, Instant};
 use clap::{Parser, ValueEnum};
 use hullmap_scenes::floor::Floor;
 use hullmap_scenes::model::{Model, mesh};
+use hullmap_scenes::pit::Pit;
 use hullmap_scenes::stack::stand;
 use hullmap_scenes::way::Way;
 use shapes::families::Family;
 
 use camera::Camera;
-use pit::Pit;
+
+/// Half the width of the pit.
+const HALF_WIDTH: f32 = 6.0;
 
 /// Steps a second.
 const RATE: usize = 60;
@@ -130,7 +132,7 @@ struct Outcome {
 }
 
 fn pile(arguments: &Arguments, models: &[Model], choice: Choice) -> Result<Outcome, Box<dyn std::error::Error>> {
-    let mut pit = Pit::new(models, arguments.bodies, choice.way());
+    let mut pit = Pit::new(models, arguments.bodies, HALF_WIDTH, 7, choice.way());
     let camera = arguments.view.as_ref().map(|folder| Camera::new(folder.join(choice.name()), &pit)).transpose()?;
     let steps = arguments.seconds.max(1) * RATE;
     let between = RATE / arguments.frame_rate as usize;

@@ -11,7 +11,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::Parser;
 use hullmap_scenes::floor::Floor;
 use hullmap_scenes::model::{Model, generated, mesh, meshes};
-use hullmap_scenes::rest::{Outcome, drop, rotations};
+use hullmap_scenes::pit::Pit;
+use hullmap_scenes::rest::{Outcome, STEP_SECONDS, drop, rotations};
 use hullmap_scenes::stack::stand;
 use hullmap_scenes::way::Way;
 
@@ -48,6 +49,12 @@ struct Arguments {
     /// Also prisms of 3 to 500 sides, alone and in stacks of ten
     #[arg(long)]
     stacks: bool,
+    /// Also a pit with this many bodies of each mesh, for three times as long
+    #[arg(long, default_value_t = 0)]
+    pit: usize,
+    /// Half the width of the pit in m
+    #[arg(long, default_value_t = 3.0)]
+    half_width: f32,
 }
 
 /// One simulation.
@@ -102,9 +109,10 @@ fn main() {
     });
     if arguments.bodies {
         for (job, outcome) in jobs.iter().zip(&outcomes) {
-            if outcome.lost || outcome.asleep_after.is_none() || outcome.deepest > 0.06 * job.size.max(0.4) {
+            let is_bad = outcome.lost || outcome.is_stuck() || outcome.has_gained();
+            if is_bad || outcome.asleep_after.is_none() || outcome.deepest > 0.06 * job.size.max(0.4) {
                 println!(
-                    "{} | {} | {} orientation {} | {}speed {:.4} | deepest {:.1} mm",
+                    "{} | {} | {} orientation {} | {}speed {:.4} | deepest {:.1} mm, in the end {:.1} mm | gained {:.1} mJ/kg",
                     rows[job.row].0,
                     job.way.name(),
                     job.model.name,
@@ -112,31 +120,84 @@ fn main() {
                     if outcome.lost { "lost | " } else { "" },
                     outcome.speed,
                     outcome.deepest * 1e3,
+                    outcome.final_depth * 1e3,
+                    outcome.gained * 1e3,
                 );
             }
         }
     }
-    println!("asleep after {} s of {} bodies (lost; deepest, mm)\n", arguments.seconds, large.len() * turns.len());
-    println!("| floor |{}", ways.iter().map(|way| format!(" {} |", way.name())).collect::<String>());
-    println!("|---|{}", "---|".repeat(ways.len()));
+    println!("{} bodies, after {} s\n", large.len() * turns.len(), arguments.seconds);
+    println!(
+        "| floor | hulls | asleep | lost | stuck | deepest, mm | deepest at the end, mm | gained energy | most, mJ/kg |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let mut totals = vec![[0; 5]; ways.len()];
     for (row, (name, ..)) in rows.iter().enumerate() {
-        let cell = |way: Way| {
+        for (way, totals) in ways.iter().zip(&mut totals) {
             let of: Vec<&Outcome> = jobs
                 .iter()
                 .zip(&outcomes)
-                .filter(|(job, _)| job.row == row && job.way == way)
+                .filter(|(job, _)| job.row == row && job.way == *way)
                 .map(|(_, outcome)| outcome)
                 .collect();
-            let asleep = of.iter().filter(|outcome| outcome.asleep_after.is_some() && !outcome.lost).count();
-            let lost = of.iter().filter(|outcome| outcome.lost).count();
-            let kept = of.iter().filter(|outcome| !outcome.lost);
-            let deepest = kept.map(|outcome| outcome.deepest).fold(0.0, f32::max) * 1e3;
-            format!(" {asleep} ({lost}; {deepest:.1}) |")
-        };
-        println!("| {name} |{}", ways.iter().map(|way| cell(*way)).collect::<String>());
+            let count = |is: &dyn Fn(&Outcome) -> bool| of.iter().filter(|outcome| is(outcome)).count();
+            let greatest = |value: fn(&Outcome) -> f32| {
+                of.iter().filter(|outcome| !outcome.lost).map(|outcome| value(outcome) * 1e3).fold(0.0, f32::max)
+            };
+            let counts = [
+                of.len(),
+                count(&|outcome| outcome.asleep_after.is_some() && !outcome.lost),
+                count(&|outcome| outcome.lost),
+                count(&Outcome::is_stuck),
+                count(&Outcome::has_gained),
+            ];
+            totals.iter_mut().zip(counts).for_each(|(total, count)| *total += count);
+            let [_, asleep, lost, stuck, gained] = counts;
+            println!(
+                "| {name} | {} | {asleep} | {lost} | {stuck} | {:.1} | {:.1} | {gained} | {:.1} |",
+                way.name(),
+                greatest(|outcome| outcome.deepest),
+                greatest(|outcome| outcome.final_depth),
+                greatest(|outcome| outcome.gained),
+            );
+        }
+    }
+    println!();
+    for (way, [count, asleep, lost, stuck, gained]) in ways.iter().zip(totals) {
+        let share = 100.0 * asleep as f64 / count as f64;
+        let way = way.name();
+        println!(
+            "{way}: {asleep} of {count} asleep ({share:.1} %), {lost} lost, {stuck} stuck, {gained} gained energy"
+        );
+    }
+    if arguments.pit > 0 {
+        pits(&arguments, &ways, &large);
     }
     if arguments.stacks {
         stacks(&arguments, &ways);
+    }
+}
+
+/// Prints the table of pits, one for each mesh.
+fn pits(arguments: &Arguments, ways: &[Way], models: &[Model]) {
+    let jobs: Vec<(&Model, Way)> = models.iter().flat_map(|model| ways.iter().map(move |way| (model, *way))).collect();
+    let seconds = 3.0 * arguments.seconds;
+    let ends = in_parallel(arguments.threads, &jobs, |(model, way)| {
+        let models = std::slice::from_ref(*model);
+        let mut pit = Pit::new(models, arguments.pit, arguments.half_width, arguments.seed, *way);
+        (0..(seconds / STEP_SECONDS).round() as u32).for_each(|_| pit.world.step());
+        (pit.asleep(), pit.lost(), pit.deepest() * 1e3)
+    });
+    println!("\npits of {} bodies, after {seconds} s: asleep (lost; deepest at the end, mm)\n", arguments.pit);
+    println!("| mesh |{}", ways.iter().map(|way| format!(" {} |", way.name())).collect::<String>());
+    println!("|---|{}", "---|".repeat(ways.len()));
+    for (jobs, ends) in jobs.chunks(ways.len()).zip(ends.chunks(ways.len())) {
+        let cell = |(asleep, lost, deepest): &(usize, usize, f32)| format!(" {asleep} ({lost}; {deepest:.1}) |");
+        println!("| {} |{}", jobs[0].0.name, ends.iter().map(cell).collect::<String>());
+    }
+    for (i, way) in ways.iter().enumerate() {
+        let asleep: usize = ends.iter().skip(i).step_by(ways.len()).map(|(asleep, ..)| asleep).sum();
+        println!("{}: {asleep} of {} asleep", way.name(), arguments.pit * models.len());
     }
 }
 

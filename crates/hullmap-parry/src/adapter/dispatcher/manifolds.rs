@@ -1,19 +1,16 @@
 //! The manifold function for a pair of shapes, chosen as in parry, with this dispatcher for parts.
-//!
-//! A half-space uses parry's function on the feature of the hull, whose four corners do not depend
-//! on their heights. hullmap's manifold of a half-space changes its points more often: of 340
-//! bodies, 312 came to rest with it, and 320 with parry's.
 
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
-use super::HullDispatcher;
-use super::contacts::{hardly_moved, solve, update};
-use super::pair::pair;
+use super::contacts::{hardly_moved, solve, update, update_plane};
+use super::pair::{pair, plane};
+use super::patches::Body;
 use super::welder::Welder;
 use super::workspace::Memory;
+use super::{BakedHull, HullDispatcher};
 
 impl<M, C> PersistentQueryDispatcher<M, C> for HullDispatcher
 where
@@ -39,6 +36,22 @@ where
             }
             return Ok(());
         }
+        if let Some(found) = plane(pos12, shape1, shape2) {
+            manifolds.resize_with(1, ContactManifold::new);
+            let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
+            if !hardly_moved(pos12, manifold)
+                && let Some(memory) = Memory::of(workspace)
+            {
+                update_plane(&found, prediction, &mut memory.manifold, manifold);
+            }
+            return Ok(());
+        }
+        let body = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
+            (None, Some(hull)) => Some(Body { hull, is_second: true }),
+            (Some(hull), None) => Some(Body { hull, is_second: false }),
+            _ => None,
+        };
+        let before = body.as_ref().map(|body| body.points(manifolds)).unwrap_or_default();
         let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
         let welder = Welder::new(shape1, shape2);
         if let (Some(composite1), Some(composite2)) = (composite1, composite2) {
@@ -126,6 +139,9 @@ where
                         .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
                 }
             }
+        }
+        if let Some(body) = body {
+            body.thin(manifolds, &before, prediction);
         }
         Ok(())
     }

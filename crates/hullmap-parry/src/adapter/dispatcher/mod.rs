@@ -6,6 +6,7 @@ mod manifolds;
 mod nearest;
 mod pair;
 mod partner;
+mod patches;
 mod welder;
 mod workspace;
 

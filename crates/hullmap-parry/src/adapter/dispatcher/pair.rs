@@ -2,6 +2,7 @@
 
 use hullmap::Pose;
 use hullmap::glam::{DQuat, DVec3};
+use hullmap::shapes::HalfSpace;
 
 use super::super::convert::{narrow, wide};
 use super::super::parry;
@@ -62,6 +63,24 @@ pub(super) fn pair<'s>(
         (None, None) => return None,
     };
     Some((pair, placement(pos12, flipped)?))
+}
+
+/// A half-space and a hull at `pos12`. A is the half-space.
+pub(super) fn plane<'s>(
+    pos12: &parry::math::Pose,
+    shape1: &'s dyn Shape,
+    shape2: &'s dyn Shape,
+) -> Option<(HalfSpace, &'s BakedHull, Placement)> {
+    let plane = |shape: &dyn Shape| {
+        let found = shape.as_shape::<parry::shape::HalfSpace>()?;
+        HalfSpace::new(wide(found.normal), 0.0).ok()
+    };
+    let (a, b, flipped) = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
+        (None, Some(hull)) => (plane(shape1)?, hull, false),
+        (Some(hull), None) => (plane(shape2)?, hull, true),
+        _ => return None,
+    };
+    Some((a, b, placement(pos12, flipped)?))
 }
 
 /// The placement of A and B for parry's relative pose.
