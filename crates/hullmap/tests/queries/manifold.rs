@@ -462,6 +462,32 @@ fn flat_thin_and_featureless_shapes_have_manifolds() {
     assert!((reach - 5.0).abs() < 1e-5);
 }
 
+/// Wedges lie on each other, tip over tip. Clipping has a slack at each side, and a point within it
+/// of both sides of a sharp corner may be far beyond the corner.
+#[test]
+fn points_are_not_beyond_sharp_corners() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED);
+    let wedge = |half_width: f64| {
+        let outline = [[0.0, 0.0], [1.0, -half_width], [1.0, half_width]];
+        tree_pack(&solids::extrusion(&outline, -0.1, 0.1).vertices)
+    };
+    let packs = [wedge(0.002), wedge(0.01), wedge(0.3)];
+    let mut points = 0;
+    for round in 0..3_000 {
+        let [a, b] = [round % 3, round / 3 % 3].map(|i| packs[i].hull(0).unwrap());
+        let apart = [1e-7, 1e-6, 1e-5, 1e-3][rng.below(4)];
+        let [x, y] = [0, 1].map(|_| rng.between(-apart, apart));
+        let pose = at(x, y, 0.1999, DQuat::from_rotation_z(rng.between(0.0, 6.3)));
+        for p in manifold(&a, &b, pose).points() {
+            let off = [height_over_faces(&a, p.point_a), height_over_faces(&b, p.local_b)];
+            assert!(off.iter().all(|off| off.abs() <= 2e-6), "{round}, {pose:?}: {off:?}, {p:?}");
+            points += 1;
+        }
+    }
+    assert!(points > 3_000, "{points}");
+}
+
 /// Signed distance of `point` from the planes of a hull's faces: the greatest one, which is its
 /// depth if it is inside.
 fn height_over_faces(hull: &Hull, point: DVec3) -> f64 {
