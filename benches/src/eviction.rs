@@ -6,7 +6,7 @@
 
 use std::{fs, hint::black_box};
 
-/// Size of the buffer over that of the last-level cache. Twice, since caches do not always replace
+/// Size of the buffer, in sizes of the last-level cache. Twice, since caches do not always replace
 /// the oldest line.
 const LAST_LEVEL_FACTOR: usize = 2;
 

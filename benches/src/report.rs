@@ -177,8 +177,8 @@ impl Report {
 
     /// One line for each family, n, rival and mode, after a header line.
     ///
-    /// `to_best` and `to_best_exact` are ratios: the time over that of the fastest rival that is
-    /// not ours, and of the fastest exact one.
+    /// `to_best` and `to_best_exact` are ratios: the time over the time of the fastest rival that
+    /// is not ours, and of the fastest exact one.
     pub fn to_csv(&self) -> Csv {
         let mut csv = Csv::new(&[
             "family",

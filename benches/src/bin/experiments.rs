@@ -16,7 +16,7 @@ use hullmap_bench::{
     subject::SEED,
 };
 
-/// Vertex counts of both figures, and those of the tree alone.
+/// Vertex counts of both figures, and of the tree alone.
 const COUNTS: [usize; 6] = [8, 32, 128, 512, 2048, 8192];
 const TREE_COUNTS: [usize; 2] = [32_768, 65_536];
 

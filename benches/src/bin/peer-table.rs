@@ -278,11 +278,11 @@ fn tables(cells: &[Cell]) -> Vec<Matrix> {
         ("Random poses, empty caches: ns per query, hullmap / MuJoCo / parry3d", |ns| {
             format!("{:.0} / {:.0} / {:.0}", ns[0], ns[1], ns[2])
         }),
-        ("Random poses, empty caches: time of MuJoCo over that of hullmap", |ns| format!("{:.2}", ns[1] / ns[0])),
+        ("Random poses, empty caches: time of MuJoCo over hullmap's", |ns| format!("{:.2}", ns[1] / ns[0])),
         ("Along paths: ns per query, hullmap cold / hullmap warm / MuJoCo", |ns| {
             format!("{:.0} / {:.0} / {:.0}", ns[3], ns[4], ns[5])
         }),
-        ("Along paths: time of MuJoCo over that of hullmap, warm", |ns| format!("{:.2}", ns[5] / ns[4])),
+        ("Along paths: time of MuJoCo over hullmap's, warm", |ns| format!("{:.2}", ns[5] / ns[4])),
         ("Along paths: time of hullmap, warm over cold", |ns| format!("{:.2}", ns[4] / ns[3])),
     ];
     kinds

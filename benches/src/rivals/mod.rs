@@ -1,4 +1,4 @@
-//! Methods of answering support queries: ours, and those of other engines.
+//! Methods of answering support queries: ours and other engines'.
 
 pub mod cube_map;
 pub mod hill_climb;

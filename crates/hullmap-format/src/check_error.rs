@@ -489,7 +489,7 @@ pub enum HullError {
         /// Upper bound.
         high: f32,
     },
-    /// The position in a lane differs from that of its vertex.
+    /// The position in a lane differs from its vertex's.
     #[error(
         "block {block}, lane {lane}: it has position {found:?} (expected {expected:?}, the position of vertex {vertex})"
     )]

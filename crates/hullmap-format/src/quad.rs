@@ -37,9 +37,9 @@ pub fn double_quad_area([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
 /// around the vertex that they share. The fall of an edge from v to w is the sine of the angle by
 /// which it descends from the plane of the face: (v − w) · n / |v − w|, with the unit normal n.
 ///
-/// `faces` are those of a solid, as indices of `positions`, counter-clockwise seen from outside.
-/// `left_of` returns the face in which the second vertex follows the first. Indices that are out of
-/// range are skipped.
+/// `faces` are a solid's, as indices of `positions`, counter-clockwise seen from outside. `left_of`
+/// returns the face in which the second vertex follows the first. Indices that are out of range are
+/// skipped.
 ///
 /// # Source
 /// Let s be the fall of a face. In each direction at an angle below asin s from its normal, the

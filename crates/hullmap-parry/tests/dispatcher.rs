@@ -234,7 +234,7 @@ fn voxels() -> Voxels {
     Voxels::new(Vector::splat(1.0), &boxes)
 }
 
-/// Overlaps and casts equal those of one cuboid of the same extent.
+/// Overlaps and casts agree with one cuboid of the same extent.
 #[test]
 fn voxels_are_boxes() {
     let (hull, voxels) = (baked(&families::rock(100, 1)), voxels());
@@ -352,7 +352,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
     }
 }
 
-/// Queries of a compound equal those of its nearest part.
+/// Queries of a compound agree with its nearest part.
 #[test]
 fn compounds_answer_as_their_nearest_part() {
     let (hull, rock) = (baked(&families::rock(100, 1)), baked(&families::rock(100, 2)));

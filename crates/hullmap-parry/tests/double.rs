@@ -35,7 +35,7 @@ fn shapes_keep_double_precision() {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         points.iter().map(|p| pose * *p).for_each(|p| (low, high) = (low.min(p), high.max(p)));
         let found = hull.compute_aabb(&pose);
-        // The margin is that of f32, in both precisions.
+        // The margin of f32, in both precisions.
         let margin = (low - found.mins).min(found.maxs - high);
         assert!(
             margin.min_element() > 0.0 && (found.maxs - found.mins - (high - low)).max_element() < 1e-5,

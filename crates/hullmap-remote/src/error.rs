@@ -41,7 +41,7 @@ pub enum RemoteError {
 }
 
 impl RemoteError {
-    /// Whether the server is away.
+    /// Whether the server is unreachable.
     pub fn is_unreachable(&self) -> bool {
         matches!(self, Self::Unreachable { .. })
     }

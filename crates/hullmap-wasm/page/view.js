@@ -108,7 +108,7 @@ function rayTo(mesh, matrix, from, along) {
 }
 
 const SHADERS = {
-  // The normal is that of the flat triangle, from screen-space derivatives. Both sides are lit.
+  // The flat triangle's normal, from screen-space derivatives. Both sides are lit.
   triangles: [
     `#version 300 es
     in vec3 corner; uniform mat4 model; uniform mat4 toView; uniform mat4 toClip; out vec3 seen;

@@ -68,7 +68,7 @@ pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<
     baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs(), Stage::default()))
 }
 
-/// Bakes a mesh from arrays, for instance those of a geometry of three.js.
+/// Bakes a mesh from arrays, for instance of a geometry of three.js.
 ///
 /// `positions` has three numbers for each vertex; they are rounded to 32-bit floats once. `indices`
 /// has three indices of vertices for each triangle. Without it, the mesh is a point cloud, which

@@ -257,7 +257,7 @@ impl Shape {
         let settings = settings(max_t);
         let count = if starts == 1 { ways } else { starts };
         let (mut origins, mut directions) = (origins.iter().cycle(), directions.iter().cycle());
-        // The kinds of fields are those of any answer.
+        // All answers have the same kinds of fields.
         let any = Ray::new(DVec3::ZERO, DVec3::ZERO).map_err(error)?;
         let mut columns = Columns::like(&self.0.ray(&any, &settings));
         for index in 0..count {

@@ -69,7 +69,7 @@ try {
   await loaded(() => page.setInputFiles("#file-b", rock));
   assert.match(await page.locator("#facts").textContent(), /pawn\.obj.*Hull vertices257/s);
 
-  // The pack that the button downloads is that of the command.
+  // The pack that the button downloads equals the command's.
   const packs = {};
   for (const mesh of [pawn, rock]) {
     native("build", mesh, "--out", meshes, "--force");

@@ -112,7 +112,7 @@ fn random_pair(hulls: &[Hull<'_>], at: usize, rng: &mut SplitMix64) -> Pair {
 struct Tally {
     separated: usize,
     overlapping: usize,
-    /// The interval of the GPU holds 0, or that of the processor does.
+    /// The interval of the GPU or of the processor holds 0.
     open_on_gpu: usize,
     open_on_processor: usize,
     /// Proven on the GPU, but not within the tolerance.

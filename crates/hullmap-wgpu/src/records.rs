@@ -96,7 +96,7 @@ impl HullRecord {
 pub struct Tables<'a> {
     /// One record for each hull, pack by pack.
     pub hulls: Vec<HullRecord>,
-    /// The section `blocks`, unchanged: 32 words a block. Those of several packs are joined.
+    /// The section `blocks`, unchanged: 32 words per block. The blocks of several packs are joined.
     pub blocks: Cow<'a, [u32]>,
     /// The section `slots`, likewise.
     pub slots: Cow<'a, [u32]>,

@@ -258,7 +258,7 @@ fn rows(stdout: &[u8]) -> Result<Vec<Value>, String> {
     text.lines().map(|line| serde_json::from_str(line).map_err(|error| format!("{error}: {line}"))).collect()
 }
 
-/// Whether a path can only be that of a temporary file of `bake`.
+/// Whether a path can only belong to a temporary file of `bake`.
 fn is_temporary(name: &str) -> bool {
     let name = name.rsplit('/').next().unwrap_or(name);
     name.starts_with('.') && name.ends_with(".tmp")

@@ -426,7 +426,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             at_most("the distance's lower bound is above the planes' gap", d.lower, (-way).max(by_balls), slack);
         }
         let (width, hair) = (d.upper - d.lower, self.hair);
-        // The normal is that of planes, unless the balls prove the bound.
+        // The normal comes from planes, unless the balls prove the bound.
         if matches!(d.status, Status::Exact | Status::Within) && d.lower > by_balls.max(0.0) {
             for (what, inside) in [
                 ("the distance's point is not on the surface of A", reaches[0] - d.normal.dot(d.point_a)),
@@ -469,7 +469,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         }
     }
 
-    /// The depth against that of all facets of the Minkowski difference.
+    /// The depth against all facets of the Minkowski difference.
     fn judge_by_facets(&self, pair: &Pair<'_, '_>, answers: &Answers, tally: &mut Tally) {
         let (Solid::Hull(a), Solid::Hull(b)) = (&self.a.solid, &self.b.solid) else { return };
         if a.rank() < 2 || b.rank() < 2 {
@@ -491,7 +491,7 @@ impl<'s, 'p> Scene<'s, 'p> {
                     || matches!(deep.status, Status::IterationLimit | Status::Stalled));
         if !fits {
             let more = format!("depth by facets {depth:e} along {axis}");
-            self.wrong(pair, "the depth is not that of the facets", "cold", answers, more, tally);
+            self.wrong(pair, "the depth differs from the facets'", "cold", answers, more, tally);
         }
     }
 

@@ -118,7 +118,7 @@ fn is_thin(body: &Body<'_>) -> bool {
 }
 
 /// Whether the normals of the body's faces may be rounding error. Its planes still contain it, and
-/// do not describe it. Those of polygons do.
+/// do not describe it. The planes of polygons do.
 fn is_sliver(body: &Body<'_>) -> bool {
     is_thin(body) && body.kind != Kind::Flat
 }

@@ -13,7 +13,7 @@ use super::bodies::{Body, single, size, support};
 /// The intended pose of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meeting {
-    /// Touching in any direction, or in that of a face.
+    /// Touching in any direction, or in the direction of a face's normal.
     Kissing,
     /// A face of B on one of A, parallel or nearly.
     Faces,

@@ -39,7 +39,7 @@ pub struct Placed<R> {
 }
 
 impl<R: Reach> Placed<R> {
-    /// `shape` at the pose `b_in_a`, which maps its frame to that of the directions.
+    /// `shape` at the pose `b_in_a`, which maps its frame to the frame of the directions.
     pub fn new(shape: R, b_in_a: Pose) -> Self {
         let unturn = DMat3::from_quat(b_in_a.rotation()).transpose();
         Self { shape, unturn, shift: b_in_a.translation() }

@@ -220,7 +220,7 @@ fn a_folder_without_meshes_does_not_stop_the_others() {
 }
 
 /// A stem of 240 characters failed: "cannot write: File name too long; check the folder's
-/// permissions", because the temporary name was longer than that of the pack.
+/// permissions", because the temporary name was longer than the pack's.
 #[test]
 fn names_may_be_long() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
 //! Small clouds of game data, many of them slivers or nearly flat, and large ones of families known
 //! to be hard.
 //!
-//! The clouds are those of the file that `HULLMAP_HULLS` names. Each is baked with every index
-//! kind and queried in many directions. Brute force gives the expected answers.
+//! The clouds come from the file that `HULLMAP_HULLS` names. Each is baked with every index kind
+//! and queried in many directions. Brute force gives the expected answers.
 
 use std::{
     collections::BTreeMap,
@@ -66,7 +66,7 @@ struct Seen {
     directions: usize,
 }
 
-/// Bakes a cloud with every index, checks it, and adds the results to those of its rank.
+/// Bakes a cloud with every index, checks it, and adds the results to the sums of its rank.
 fn check(name: &str, points: &[[f32; 3]], seen: &Mutex<BTreeMap<u32, Seen>>) {
     let truth = Truth::new(points);
     let mut this = Seen { clouds: 1, points: points.len(), ..Seen::default() };

@@ -410,8 +410,8 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
     }
 }
 
-/// Hulls of every rank; among those of rank 3, hulls with small and deep indices, with planes, and
-/// with long leaves.
+/// Hulls of every rank; among the solids, hulls with small and deep indices, with planes, and with
+/// long leaves.
 fn shapes_of_all_ranks() -> Vec<PointSet> {
     vec![
         points("point", vec![[1.0, -2.0, 3.5]; 3]),

@@ -20,8 +20,8 @@ use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 20_261_122;
 
-/// Triangles and segments against hulls, and against each other: their truth is that of the polygon
-/// or segment with the same corners.
+/// Triangles and segments against hulls, and against each other: their truth is the polygon or
+/// segment with the same corners.
 #[test]
 fn triangles_and_segments_against_hulls() {
     let mut rng = SplitMix64::new(SEED);

@@ -73,7 +73,7 @@ pub fn bake_arrays(
 
 /// Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
 ///
-/// The pack has the same bytes as that of `bake build` with the same options, if it is saved in the
+/// The pack has the same bytes as from `bake build` with the same options, if it is saved in the
 /// folder of the mesh: it records the name of the file, its hash and the options. `stage` shows the
 /// progress, and may be cancelled.
 ///

@@ -346,7 +346,7 @@ mod tests {
         assert!(write_beside(&folder.path().join("no/x.hullmap"), b"").is_err());
     }
 
-    /// The temporary name was longer than that of the pack, and too long for the file system.
+    /// The temporary name was longer than the pack's, and too long for the file system.
     #[test]
     fn names_may_be_as_long_as_the_file_system_allows() {
         let folder = tempfile::tempdir().unwrap();

@@ -58,7 +58,7 @@ const RAYS: usize = 12;
 /// Volume of a mesh without inside, relative to its area times its diagonal.
 const SHEET: f64 = 1e-9;
 
-/// The solid that a mesh bounds. Its frame is that of the mesh's positions.
+/// The solid that a mesh bounds. Its frame is the frame of the mesh's positions.
 pub struct Solid {
     /// Triangles of the mesh, then those that close it.
     triangles: Vec<Triangle>,
@@ -183,8 +183,7 @@ impl Solid {
         self.bounds
     }
 
-    /// All triangles that bound or may bound the solid: those of the mesh, then those that close
-    /// it.
+    /// All triangles that bound or may bound the solid: the mesh's, then those that close it.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }

@@ -61,7 +61,7 @@ pub struct Simplified {
     pub outer_error: f64,
 }
 
-/// Minimum number of vertices that may be requested: those of a tetrahedron.
+/// Minimum number of vertices that may be requested: a tetrahedron has that many.
 pub const MIN_VERTICES: usize = 4;
 
 /// Number of vertices at which a collapse starts, relative to the number at which it ends. A ratio

@@ -9,10 +9,9 @@
 //!   logarithms.
 //!
 //! A test fails only if all of several attempts exceed the bound, and each attempt keeps the
-//! shortest times so far. On Linux the time is that of the processor. Other processes still disturb
-//! it, because they take their part of the caches: the tests that run on every change only
-//! distinguish linear from quadratic work, and `the_exponent_of_every_count_is_1` is run on a quiet
-//! machine.
+//! shortest times so far. On Linux this is processor time. Other processes still disturb it,
+//! because they take their part of the caches: the tests that run on every change only distinguish
+//! linear from quadratic work, and `the_exponent_of_every_count_is_1` is run on a quiet machine.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};

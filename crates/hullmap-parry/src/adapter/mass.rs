@@ -1,4 +1,4 @@
-//! Mass properties, from the ones that the bake recorded.
+//! Mass properties, from those in the pack.
 
 use hullmap::glam::DMat3;
 

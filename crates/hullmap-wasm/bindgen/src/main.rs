@@ -1,7 +1,7 @@
 //! Writes JavaScript and TypeScript around a WebAssembly module, as the command `wasm-bindgen`
 //! does.
 //!
-//! A program of the workspace, so that its version is locked together with that of the crate.
+//! A program of the workspace, so that its version is locked together with the crate's.
 
 #![forbid(unsafe_code)]
 

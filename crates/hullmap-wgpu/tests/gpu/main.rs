@@ -139,7 +139,7 @@ fn warm_answers_mean_the_same_and_take_fewer_steps() {
         }
         println!("{query:?}: {} steps warm, {} cold", steps[0], steps[1]);
         assert!(steps[0] < steps[1], "{query:?}: {steps:?}");
-        // Other pairs in the same places: the states are those of other hulls.
+        // Other pairs in the same places: the states belong to other hulls.
         let others = scene::pairs(&pack, pairs.len(), 20);
         solve(&mut warm, query, &others);
         for (at, state) in states.iter_mut().enumerate() {
@@ -189,7 +189,7 @@ fn intervals_hold_the_distance() {
     let Some(device) = scene::device() else { return };
     let pack = scene::pack(IndexKind::Tree);
     let hulls: Vec<_> = (0..pack.hull_count()).map(|index| pack.hull(index).unwrap()).collect();
-    // The reference knows no segments and points.
+    // The reference does not support segments and points.
     let polytopes: Vec<_> = hulls.iter().map(|hull| (hull.rank() >= 2).then(|| Polytope::new(hull))).collect();
     let mut pairs = scene::pairs(&pack, scene::pair_count(4_000), 2);
     let touching = scene::touching_pairs(&pack, pairs.len() / 4, 18);

@@ -11,9 +11,8 @@
 //!    give that memory some 100 ns to arrive.
 //! 3. A lane that is done takes the next pair, whose shapes have been fetched in the meantime.
 //!
-//! The bits of the answers are those of single queries. Suspending costs time when everything is in
-//! the first caches, so a batch does it only if its shapes are larger
-//! ([`Plan`](super::plan::Plan)).
+//! Answers have the same bits as single queries. Suspending costs time when everything is in the
+//! first caches, so a batch does it only if its shapes are larger ([`Plan`](super::plan::Plan)).
 //!
 //! # Tried and rejected
 //! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a

@@ -2,8 +2,8 @@
 //!
 //! With the feature `parallel`, rayon distributes the pairs over the threads of the current pool.
 //! Without it, the calling thread solves them in order. Every pair has a cache of its own, so the
-//! answers are bit-identical to those of single queries, for any number of threads. They are
-//! written to the caller's slice, in the order of the pairs, without allocation per pair.
+//! answers are bit-identical to single queries, for any number of threads. They are written to the
+//! caller's slice, in the order of the pairs, without allocation per pair.
 //!
 //! If the shapes of a batch are larger than the caches, queries wait for memory. Then each thread
 //! keeps several support queries, intersection tests or distances in flight, so that they wait at

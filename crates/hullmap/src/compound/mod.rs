@@ -2,10 +2,10 @@
 //! their BVHs. Either side may also be a single shape of any kind.
 //!
 //! A concave mesh is baked as convex parts, and the pack of its parts is a compound shape. The BVHs
-//! in the packs find the pairs of hulls to query. The answers equal those of querying every pair.
-//! [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its normals
-//! are normals of the union: [`seams`] corrects normals at edges between parts, where bodies would
-//! otherwise stumble.
+//! in the packs find the pairs of hulls to query. The answers are the same as when every pair is
+//! queried. [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its
+//! normals are normals of the union: [`seams`] corrects normals at edges between parts, where
+//! bodies would otherwise stumble.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
@@ -263,7 +263,7 @@ fn strength(status: Overlap) -> u8 {
 
 /// Distance between two compounds; 0 if any pair of hulls overlaps.
 ///
-/// Points, normal and distance are those of the nearest pair. The interval contains the distance of
+/// Points, normal and distance belong to the nearest pair. The interval contains the distance of
 /// the compounds: no pair is nearer than `lower`, and the distance of some pair is at most `upper`.
 /// The status is that of the nearest pair, unless another pair's interval makes the whole wider
 /// than the settings allow. Then it is the status of that other pair.
@@ -373,7 +373,7 @@ impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
 /// Calls `visit` with the contact of every pair of hulls that is not proved separated.
 ///
 /// `visit` receives the indices of the hulls in A and in B, and their
-/// [`contact`](crate::contact()). The order is that of the traversal, and is the same for the same
+/// [`contact`](crate::contact()). The order follows the traversal, and is the same for the same
 /// input. Returns the number of contacts and the cost.
 ///
 /// `cache` belongs to this ordered pair of compounds; the query reads and updates it.

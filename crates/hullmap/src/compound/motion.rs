@@ -25,7 +25,7 @@ const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// When `b`, which starts at `b_in_a` and translates by `motion`, first meets `a`.
 ///
-/// The answer is that of the pair of parts that meet first, and its interval contains the time of
+/// The answer comes from the pair of parts that meet first, and its interval contains the time of
 /// impact of the compounds. If only grazing pairs were found, where rounding error decides, it
 /// contains the intervals of all of them. If there is no hit, points and normal mean nothing.
 ///
@@ -79,7 +79,7 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 
 /// Where `ray` first enters `a`.
 ///
-/// The ray is in the frame of the compound. The answer is that of the part that is hit first, and
+/// The ray is in the frame of the compound. The answer comes from the part that is hit first, and
 /// its interval contains the t of the whole compound. `hulls` has the index of the part first. If
 /// only grazing parts were found, where rounding error decides, it contains the intervals of all of
 /// them. If there is no hit, the normal means nothing.

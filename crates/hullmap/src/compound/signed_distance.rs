@@ -48,7 +48,7 @@ const NOTHING_KNOWN: SignedDistance = SignedDistance {
 /// the surface of its part, may be inside another one.
 ///
 /// The interval contains this minimum. A positive lower bound proves that the point is outside of
-/// the union, a negative upper bound that it is inside. The status is that of the deciding part,
+/// the union, a negative upper bound that it is inside. The status comes from the deciding part,
 /// unless another part's interval makes the whole wider than the settings allow. Then it is the
 /// status of that other part. `hulls` has the index of the part first.
 ///

@@ -7,8 +7,8 @@ use super::Hull;
 
 /// Mass properties of a solid of uniform density, in the hull's local frame.
 ///
-/// Units follow from those of the hull's lengths and of the density. A hull in metres and a density
-/// in kilograms per cubic metre give kilograms, metres, and kilograms times square metres.
+/// Units follow from the units of the hull's lengths and of the density. A hull in metres and a
+/// density in kilograms per cubic metre give kilograms, metres, and kilograms times square metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MassProperties {
     /// Mass: density times volume.

@@ -127,7 +127,7 @@ enum Checks {
     All,
 }
 
-/// Compares the checksum in the header with that of the payload.
+/// Compares the checksum in the header with the payload's.
 fn check_checksum(header: &Header, payload: &[u8]) -> Result<(), InvalidPack> {
     let (expected, found) = (header.checksum, header.checksum_of(payload));
     if found == expected { Ok(()) } else { Err(InvalidPack::Checksum { expected, found }) }

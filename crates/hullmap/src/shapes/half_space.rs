@@ -284,7 +284,7 @@ impl HalfSpace {
         self.lowest(b, b_in_a).intersection()
     }
 
-    /// Contact of the half-space and `b`, placed at `b_in_a`. The normal is that of the plane.
+    /// Contact of the half-space and `b`, placed at `b_in_a`. The normal is the plane's.
     ///
     /// `point_b` is the deepest point of `b`, and `point_a` its projection onto the plane, also if
     /// they are separated. The interval is as narrow as rounding error allows.
@@ -296,7 +296,7 @@ impl HalfSpace {
     }
 
     /// Distance between the half-space and `b`, placed at `b_in_a`; 0 if they overlap or touch. The
-    /// normal is that of the plane. If they overlap, both points are the lowest point of `b`.
+    /// normal is the plane's. If they overlap, both points are the lowest point of `b`.
     ///
     /// # Complexity
     /// One support query. No allocation.
@@ -308,8 +308,8 @@ impl HalfSpace {
 impl HalfSpace {
     /// When `b`, which starts at `b_in_a` and translates by `motion`, first meets the half-space.
     ///
-    /// As [`cast`](crate::cast()). The normal is always that of the plane. A hit so close to
-    /// `max_t` that rounding error decides has the status [`Touching`](Status::Touching).
+    /// As [`cast`](crate::cast()). The normal is always the plane's. A hit so close to `max_t` that
+    /// rounding error decides has the status [`Touching`](Status::Touching).
     ///
     /// # Complexity
     /// One support query. No allocation.

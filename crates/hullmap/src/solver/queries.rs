@@ -132,7 +132,7 @@ fn touching_length<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B,
     TOUCHING_ROUNDINGS * rounding(reach, 0.0) + TOUCHING_SHORTFALLS * (a.support_error() + b.support_error())
 }
 
-/// Unit direction from the witness point of core A to that of core B.
+/// Unit direction from the witness point of core A to the one of core B.
 ///
 /// Witness points moved along it have exactly the reported distance. `gap.normal`, which proves the
 /// lower bound, may differ slightly from it; it serves where the witness points are too close for a

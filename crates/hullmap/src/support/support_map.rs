@@ -235,8 +235,8 @@ pub trait SupportMap {
     /// Convex radius: the shape is the Minkowski sum of its core and a ball of this radius. The
     /// default is 0: the shape is its own core.
     ///
-    /// The core of a sphere is a point, that of a capsule a segment. Queries solve the cores, which
-    /// takes a few exact steps where a curved shape would take many, and then add the radii.
+    /// The core of a sphere is a point, and a capsule's core is a segment. Queries solve the cores,
+    /// which takes a few exact steps where a curved shape would take many, and then add the radii.
     fn convex_radius(&self) -> f64 {
         0.0
     }
@@ -248,13 +248,13 @@ pub trait SupportMap {
     }
 
     /// Radii of two balls around the interior point: one that the core contains, and one that
-    /// contains the core. By default those of the shape.
+    /// contains the core. By default the shape's.
     fn core_radii(&self) -> [f64; 2] {
         [self.inner_radius(), self.outer_radius()]
     }
 
     /// The point of the core with this feature, as [`point`](Self::point) is for the shape; by
-    /// default that of the shape.
+    /// default the shape's.
     fn core_point(&self, feature: u32) -> Option<DVec3> {
         self.point(feature)
     }

@@ -390,8 +390,8 @@ fn frames(count: usize, seed: u64) -> Vec<Pose> {
         .collect()
 }
 
-/// The manifolds of compounds equal those of all pairs of parts, frame for frame, with their
-/// impulses.
+/// The manifolds of compounds equal the manifolds of all pairs of parts, frame for frame, with
+/// their impulses.
 #[test]
 fn manifolds_agree_with_those_of_all_pairs() {
     let (a, b) = (pack(20, 1.0, 3), pack(16, 1.0, 4));

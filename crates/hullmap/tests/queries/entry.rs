@@ -547,7 +547,7 @@ fn subnormal_velocities_keep_their_digits() {
         let unit = power_of_two(exponent);
         let (velocity, start) = (DVec3::new(-4.0, 3.0, 0.0) * unit, DVec3::new(1e-15, -0.75e-15, 0.0));
         for (what, found) in all_entries(size, start, velocity, &settings) {
-            // The first of the two lengths is that of a ray.
+            // The first of the two lengths is a ray's.
             let is_free = what.starts_with("ray");
             let x = if is_free { size } else { 2.0 * size };
             let t = (1e-15 - x) / 4.0 / unit;

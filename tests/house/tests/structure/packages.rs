@@ -41,7 +41,7 @@ fn version(text: &str) -> Vec<u32> {
     numbers
 }
 
-/// Dependencies of a package, apart from those of its tests.
+/// Dependencies of a package, without its tests.
 fn dependencies(package: &Value) -> impl Iterator<Item = &Value> {
     package["dependencies"].as_array().unwrap().iter().filter(|dependency| dependency["kind"] != "dev")
 }

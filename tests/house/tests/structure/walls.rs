@@ -233,7 +233,7 @@ fn unsafe_code_is_in_few_files() {
     assert_eq!(found, [&allowed[..], &tests].concat(), "of {} files", sources.len());
     assert!(sources.len() > 50);
 
-    // Every crate root except those of tests also has the lint.
+    // Every crate root except in tests also has the lint.
     let roots: Vec<&PathBuf> = sources
         .iter()
         .filter(|path| ["lib.rs", "main.rs"].iter().any(|root| path.ends_with(Path::new("src").join(root))))

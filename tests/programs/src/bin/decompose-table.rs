@@ -1,5 +1,5 @@
 //! Prints parts, vertices, proven bounds and time of the convex decomposition of concave meshes,
-//! beside those of CoACD.
+//! beside CoACD's.
 //!
 //! ```text
 //! cargo run --release -p hullmap-programs --bin concave-meshes -- FOLDER

@@ -13,7 +13,7 @@ use crate::packs::find_packs;
 use crate::table::{grouped, rounded, shortest};
 use crate::terminal::{self, Output};
 
-/// Description of a pack. Field names are those of the JSON.
+/// Description of a pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct PackDescription {
     file: String,

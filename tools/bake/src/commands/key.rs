@@ -15,7 +15,7 @@ use crate::terminal::{self, Output};
 /// Number of keys that are computed before they are printed.
 const AT_ONCE: usize = 1024;
 
-/// Key of one pack. Field names are those of the JSON.
+/// Key of one pack. Field names are the JSON's.
 #[derive(Serialize)]
 struct Row<'a> {
     source: String,

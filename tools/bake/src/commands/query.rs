@@ -12,8 +12,8 @@ use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash, rounded};
 use crate::terminal::Output;
 
-/// Answer for one pose. Field names are those of the JSON; fields that the mode does not compute
-/// are `None`.
+/// Answer for one pose. Field names are the JSON's; fields that the mode does not compute are
+/// `None`.
 #[derive(Debug, Serialize)]
 struct PoseAnswer {
     /// Index of the pose.

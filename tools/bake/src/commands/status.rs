@@ -33,7 +33,7 @@ enum State {
     Missing,
 }
 
-/// One pack. Field names are those of the JSON.
+/// One pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct Row {
     source: String,

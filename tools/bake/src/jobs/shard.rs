@@ -80,7 +80,7 @@ mod tests {
         }
     }
 
-    /// Machines with another version of the program must agree. The remainders are those of the C
+    /// Machines with another version of the program must agree. The remainders come from the C
     /// library xxHash.
     #[test]
     fn the_shard_of_a_place_never_changes() {

@@ -56,7 +56,7 @@ impl Status {
     }
 }
 
-/// Result of one file. Field names are those of the JSON; `None` if the file did not get that far.
+/// Result of one file. Field names are the JSON's; `None` if the file did not get that far.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// The mesh; for an orphan, its former path.

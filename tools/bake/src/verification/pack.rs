@@ -48,8 +48,8 @@ pub enum Reference<'a> {
     StoredHull,
 }
 
-/// Result of verifying one hull. Field names are those of the JSON; `None` if the pack or its
-/// source cannot be used.
+/// Result of verifying one hull. Field names are the JSON's; `None` if the pack or its source
+/// cannot be used.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct HullVerification {
     /// The pack.
@@ -280,7 +280,7 @@ fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
     }
     for (hull, result) in hulls.iter().zip(results) {
         let (Some(solid), Some(claim), Some(at)) = (hull.solid(), hull.protrusion(), hull.protrusion_at()) else {
-            result.problems.push("its fit was not measured, but that of other parts was".to_owned());
+            result.problems.push("its fit was not measured, but the fit of other parts was".to_owned());
             continue;
         };
         if solid != judge.kind() {
@@ -306,7 +306,7 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
     let directions = directions(&vertices, &faces, count, seed);
     let mut problems = source.map_or_else(Vec::new, |set| identity_problems(hull, &vertices, set));
     if faces.is_empty() && hull.rank() >= 2 {
-        problems.push("its vertices are not those of a convex hull".to_owned());
+        problems.push("its vertices are not the vertices of a convex hull".to_owned());
     }
     let source_points = source.map(|set| Points::new(&set.positions));
     let points = match source_points {

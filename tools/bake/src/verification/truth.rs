@@ -1,8 +1,8 @@
 //! Reference support values: the maximum dot product over every point, in f64.
 //!
 //! Coordinates and directions are f32; their products are exact in f64, and each dot product
-//! carries two roundings of 1.1e-16. The result equals that of a plain scan (except for the sign of
-//! a zero), but is computed faster:
+//! carries two roundings of 1.1e-16. The result equals the result of a plain scan (except for the
+//! sign of a zero), but is computed faster:
 //!
 //! 1. Duplicate points are dropped, and the others sorted along a Morton curve, in blocks.
 //! 2. For a direction, every block gets a bound: the dot product with that corner of its bounding

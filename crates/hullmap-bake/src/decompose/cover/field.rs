@@ -220,7 +220,7 @@ impl<'a> Field<'a> {
 /// A triangle in the queue of a search.
 struct Piece {
     bound: f64,
-    /// A distance that exceeds that of its middle.
+    /// A distance that exceeds its middle's.
     within: f64,
     /// A triangle of the mesh that is near.
     hint: Option<[DVec3; 3]>,

@@ -1,4 +1,4 @@
-//! Points on the faces of a body, those of large faces first.
+//! Points on the faces of a body, large faces first.
 
 use glam::DVec3;
 

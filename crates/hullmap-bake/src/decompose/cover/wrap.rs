@@ -5,7 +5,7 @@
 //! 1. Start with the planes of the largest faces.
 //! 2. Find a point of the polytope that is too far from the solid: a vertex, a point of a face, or
 //!    a point that the proof found. Add the plane of a large face that cuts it off. Repeat.
-//! 3. Drop planes, those of small faces first, as long as nothing becomes too far.
+//! 3. Drop planes, small faces first, as long as nothing becomes too far.
 //!
 //! All planes are moved outward by more than rounding to f32 moves a vertex, so that the hull of
 //! the rounded vertices contains the part.

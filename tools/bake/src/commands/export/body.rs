@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::geometry::{polygons, positions};
 
-/// A hull to be written. Field names are those of the JSON.
+/// A hull to be written. Field names are the JSON's.
 #[derive(Clone, Debug, Serialize)]
 pub struct Body {
     /// Name in the file.

@@ -42,7 +42,7 @@ use robot::Robot;
 /// Maximum number of hull names in a message.
 const NAMES_IN_MESSAGE: usize = 5;
 
-/// The hulls of a pack as JSON. Field names are those of the JSON.
+/// The hulls of a pack as JSON. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct ExportedPack<'a> {
     /// Path of the source as the pack records it.

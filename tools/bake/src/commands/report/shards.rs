@@ -45,7 +45,7 @@ pub fn merged(pages: &Path, names: &[String]) -> Result<Vec<Card>, Failure> {
         return Err(Failure::usage(message));
     };
     if shards.iter().any(|shard| shard.count != count) {
-        let message = "it has reports for different numbers of shards; remove those of the wrong number";
+        let message = "it has reports for different numbers of shards; remove the reports for the wrong number";
         return Err(Failure::usage(format!("{}: {message}", pages.display())));
     }
     let mut cards: BTreeMap<String, Card> = BTreeMap::new();
