@@ -110,7 +110,7 @@ impl<C> Default for ColliderPlugin<C> {
     }
 }
 
-/// What the collider `C` of an entity was built from.
+/// Source of the collider `C` of an entity.
 #[derive(Component)]
 struct BuiltFrom<C: EngineCollider> {
     pack: AssetId<PackAsset>,

@@ -75,7 +75,7 @@ fn l1(a: Vector) -> f32 {
     a[0].abs() + a[1].abs() + a[2].abs()
 }
 
-/// What the kernel reads about `pair`.
+/// Input of the kernel for `pair`.
 ///
 /// # Examples
 /// ```

@@ -1,5 +1,5 @@
-//! What crates may depend on and contain: walls between crates, unsafe code, other packages and
-//! their licences, and what is published.
+//! Rules for what crates may depend on and contain: walls between crates, unsafe code, other
+//! packages and their licences, and what is published.
 
 mod dependencies;
 mod packages;

@@ -124,7 +124,7 @@ pub enum Unproven {
     Work,
 }
 
-/// What has been proven of an index.
+/// Result of the proof of an index.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Proof {
     /// Bound on the regret of a query in any direction, relative to the diameter, beyond the
@@ -206,7 +206,7 @@ struct Certifier<'a, W: ?Sized> {
     work: usize,
 }
 
-/// What a descent has found so far.
+/// Findings of a descent so far.
 #[derive(Default)]
 struct Visits {
     proof: Proof,

@@ -10,7 +10,7 @@ use crate::solver::cache::Cache;
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 
-/// What the search computes.
+/// Quantity that the search computes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solver) enum Goal {
     /// Only whether the origin is inside.
