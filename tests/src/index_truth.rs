@@ -24,7 +24,7 @@ const JUDGED: usize = 40;
 
 /// A baked hull with the normals of the faces at each vertex.
 pub struct Subject {
-    /// What it is, for messages.
+    /// Description for messages.
     pub name: String,
     /// The hull with its index.
     pub baked: BakedHull,
@@ -32,7 +32,7 @@ pub struct Subject {
     cones: Vec<Vec<DVec3>>,
 }
 
-/// What was found in a number of directions.
+/// Findings in a number of directions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Answers {
     /// Number of directions.

@@ -17,7 +17,7 @@ use crate::{
     hull::{Hull, adjacency::Adjacency, quads::quads},
 };
 
-/// What a pack contains of each hull.
+/// Contents of a pack for each hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Detail {
     Full,

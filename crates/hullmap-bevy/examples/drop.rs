@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// What both apps have: assets, time that passes in steps, and a barrel.
+/// An app with the contents of both: assets, time that passes in steps, and a barrel.
 fn new_app(assets: &Path) -> App {
     let assets = AssetPlugin { file_path: assets.to_string_lossy().into_owned(), ..Default::default() };
     let mut app = App::new();

@@ -254,7 +254,7 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    /// What the last update found, with a pointer to the points.
+    /// Result of the last update, with a pointer to the points.
     pub(crate) fn answer(&mut self) -> ManifoldPoints {
         let ManifoldCounts { touching, dropped, pairs, iterations, support_calls, .. } = self.counts;
         let (points, count) = (self.shown.as_mut_ptr(), self.shown.len());

@@ -618,7 +618,7 @@ pub struct ReportArgs {
     pub limits: LimitArgs,
 }
 
-/// What a query computes.
+/// Quantity that a query computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Mode {
     /// Whether the two overlap

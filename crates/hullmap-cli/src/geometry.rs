@@ -13,7 +13,8 @@ pub fn positions(hull: &Hull) -> Vec<[f32; 3]> {
 /// segment and a point have none.
 ///
 /// A lean pack has no faces of large hulls. They are built again from the vertices, which takes as
-/// long as baking the hull. If the vertices are not the vertices of a convex hull, there are no faces.
+/// long as baking the hull. There are no faces if the vertices are not the vertices of a convex
+/// hull.
 pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
     if hull.face_count() > 0 || hull.rank() < 2 {
         return hull.faces().map(Iterator::collect).collect();

@@ -37,6 +37,6 @@ pub fn kept_warnings(pack: &Pack) -> Vec<String> {
 /// Remarks from elsewhere within limits, each as `here` shows it.
 pub fn bounded_remarks<'a>(remarks: impl Iterator<Item = &'a str>, here: impl Fn(&str) -> String) -> Vec<String> {
     let bounded = |text: &str| text.chars().take(MAX_REMARK).collect::<String>();
-    // What is shown here may be longer than there.
+    // `here` may lengthen a remark.
     remarks.take(MAX_REMARKS).map(|text| bounded(&here(&bounded(text)))).collect()
 }

@@ -20,7 +20,7 @@ pub struct Project {
     root: PathBuf,
 }
 
-/// What is at a path, seen from a project.
+/// Result of following a path from inside a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
     /// A regular file.
@@ -57,7 +57,7 @@ impl Project {
         Some(Self { root: widest.unwrap_or(&folder).to_owned() })
     }
 
-    /// What is at an absolute path. `..` is resolved before links are.
+    /// Follows an absolute path. `..` is resolved before links are.
     pub fn find(&self, path: &Path) -> Found {
         let path = plain(path);
         if !path.starts_with(&self.root) {

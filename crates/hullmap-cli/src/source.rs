@@ -31,7 +31,7 @@ pub struct Source {
     pub warnings: Vec<String>,
 }
 
-/// What a pack records about its source.
+/// Record of a pack about its source.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
     /// XXH3-128 of all bytes it was baked from: see [`SourceFile::hash`].

@@ -62,7 +62,7 @@ pub const PLANES_LIMIT: u32 = 1 << 28;
 const TAG_SHIFT: u32 = 30;
 const PAYLOAD_MASK: u32 = PAYLOAD_LIMIT - 1;
 
-/// What is below a slot.
+/// Node or leaf below a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// A branch: see [`Branch`]. In a binary tree, the position of its two slots.

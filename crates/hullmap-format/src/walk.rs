@@ -148,7 +148,7 @@ pub struct Visit {
     pub below: Below,
 }
 
-/// What is below a slot.
+/// Node or leaf below a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Below {
     /// A leaf, plain or list: its blocks.

@@ -36,7 +36,7 @@ pub struct LineFault {
     pub fault: Fault,
 }
 
-/// What is wrong with a source file.
+/// Fault of a source file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// A fault without a variant of its own: the whole message.

@@ -90,7 +90,7 @@ const UNREAD: [Unread; 43] = [
     format("PCD", &["pcd"]),
 ];
 
-/// What a file holds instead of a mesh.
+/// Contents of a file that is not a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Foreign {
     /// A scene in this format.

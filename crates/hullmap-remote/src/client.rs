@@ -49,7 +49,7 @@ pub struct Client {
     abilities: Abilities,
 }
 
-/// What a server can do.
+/// Abilities that a server states.
 #[derive(Clone, Copy, Debug)]
 struct Abilities {
     executes: bool,

@@ -23,11 +23,11 @@ pub struct Card {
     verdict: Verdict,
     /// Faults, then warnings.
     remarks: Vec<String>,
-    /// What the pack holds; `None` if it does not open.
+    /// Contents of the pack; `None` if it does not open.
     content: Option<Content>,
 }
 
-/// What a card shows about a pack that opens.
+/// Contents of a card for a pack that opens.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 struct Content {
     /// Path of its page, relative to the folder's.

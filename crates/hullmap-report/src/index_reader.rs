@@ -41,7 +41,7 @@ pub enum ReadError {
     },
 }
 
-/// What the report reads from a pack's bytes because the runtime does not expose it.
+/// Parts of a pack that the report reads from its bytes, because the runtime does not expose it.
 #[derive(Debug)]
 pub struct Contents {
     /// The direction index of each hull.

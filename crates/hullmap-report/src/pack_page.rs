@@ -317,8 +317,8 @@ fn verification(pack: &Analysis) -> String {
          its queries are compared with its own vertices."
     };
     let parts = if pack.has_loose_parts() && pack.source.is_some() {
-        " A part is within its bounds if no point of the mesh refutes how much the parts leave uncovered, and no point of \
-         the part how far it protrudes."
+        " A part is within its bounds if no tested point of the mesh refutes its uncovered distance, and no tested point of \
+         the part its protrusion."
     } else {
         ""
     };

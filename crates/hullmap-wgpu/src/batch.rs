@@ -54,7 +54,7 @@ struct DirectionRecord {
     hull: u32,
 }
 
-/// What the support kernel writes.
+/// Output of the support kernel.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct FoundRecord {
@@ -408,7 +408,7 @@ impl<'p> Batch<'p> {
         &self.answers
     }
 
-    /// What the kernel read and wrote in the last batch. Empty if the processor solved it.
+    /// Inputs and outputs of the kernel in the last batch. Empty if the processor solved it.
     ///
     /// # Examples
     /// ```

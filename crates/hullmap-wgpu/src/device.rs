@@ -33,7 +33,7 @@ const PROGRESS_BYTES: usize = 176;
 /// ends; this is for devices that do not answer.
 const TIMEOUT: Duration = Duration::from_secs(120);
 
-/// What the kernels read in a uniform buffer.
+/// Parameters of the kernels, in a uniform buffer.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Parameters {
@@ -594,7 +594,7 @@ impl PairBuffers {
         pack.read(&self.staging, pairs.len(), out)
     }
 
-    /// What both kernels of pairs bind.
+    /// Bindings of both kernels of pairs.
     fn bound<'b>(
         &'b self,
         pack: &'b DevicePack,

@@ -43,7 +43,7 @@ pub(crate) mod kind {
     pub(crate) const BINARY: u32 = 2;
 }
 
-/// What the kernels read about one hull: 48 bytes.
+/// Input of the kernels for one hull: 48 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct HullRecord {
@@ -193,7 +193,7 @@ pub struct Pair {
     pub b_in_a: Pose,
 }
 
-/// What the kernels read about one pair: 64 bytes.
+/// Input of the kernels for one pair: 64 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PairRecord {
@@ -333,7 +333,7 @@ impl StateRecord {
     pub const FIRST_WORD: u32 = 2;
 }
 
-/// What the kernels write about one pair: 64 bytes. Lengths are scaled.
+/// Output of the kernels for one pair: 64 bytes. Lengths are scaled.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct AnswerRecord {

@@ -212,7 +212,7 @@ impl Clock {
     }
 }
 
-/// What `make` returns for a count at which the file has about `len` bytes. A second trial is made
+/// Result of `make` for a count at which the file has about `len` bytes. A second trial is made
 /// nearby, because the bytes per vertex depend on the count.
 fn sized<E>(len: usize, make: impl Fn(usize) -> Result<Vec<u8>, E>) -> Result<Vec<u8>, E> {
     let mut count = TRIAL_POINTS;

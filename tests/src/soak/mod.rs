@@ -49,7 +49,7 @@ use tally::{Tally, Wrong};
 /// Number of pairs that a thread takes at a time: about 20 ms of work.
 const BATCH: u64 = 2048;
 
-/// What the soak queries.
+/// Queries of the soak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Queries {
     /// Intersection, contact and distance of pairs.

@@ -224,7 +224,7 @@ impl Tally {
     }
 }
 
-/// What is wrong with an answer.
+/// Fault of an answer; `None` if it is right.
 fn fault_of(found: &Contact, truth: &Depth) -> Option<&'static str> {
     if !found.hit {
         return (truth.sign() != Ordering::Less).then_some("a hit is missed");

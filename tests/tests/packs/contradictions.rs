@@ -193,7 +193,7 @@ fn blocks_that_contradict_their_vertices_are_found() {
     }
 }
 
-/// What each way to open checks, on files with one kind of damage each.
+/// The checks of each way to open, on files with one kind of damage each.
 #[test]
 fn each_way_to_open_skips_the_checks_in_its_name() {
     let file = samples::named("two hulls, tree");

@@ -189,7 +189,7 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert!(r.rank >= 2 || r.surface_area == 0.0);
 }
 
-/// What a part claims about its mesh, by the table of kinds in the document.
+/// Checks the claims of a part about its mesh, by the table of kinds in the document.
 fn fit(r: &reader::Record, theirs: &hullmap::Hull, baked: &BakedHull) {
     let Some(fit) = baked.fit else {
         assert_eq!((r.solid, r.uncovered, r.protrusion, r.protrusion_at), (0, 0.0, 0.0, [0.0; 3]));

@@ -1,4 +1,4 @@
-//! What happens to an open pack when its file changes.
+//! Effects on an open pack when its file changes.
 //!
 //! - A copy ([`Pack::open`], [`Pack::from_bytes`]) does not change.
 //! - A map ([`Pack::map`]) changes with the file. Its caller promises that no process writes to the

@@ -70,7 +70,7 @@ fn points(kind: usize, most: usize, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
     }
 }
 
-/// What was found, by kind of pose: pairs, those that the test decided, and those that overlap.
+/// Numbers of pairs by kind of pose: all, decided by the test, and overlapping.
 type Tally = BTreeMap<Kind, [u32; 3]>;
 
 struct Body {

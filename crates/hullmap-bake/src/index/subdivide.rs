@@ -83,7 +83,7 @@ pub enum Tree {
     Wedges(Box<[Tree; 2]>),
 }
 
-/// What may cut a cell in addition to halving.
+/// Means of cutting a cell, in addition to halving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cuts {
     /// Planes, where halving stalls. This is as close to the paper as an exact tree of reasonable

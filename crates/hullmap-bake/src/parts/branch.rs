@@ -48,7 +48,7 @@ impl Accuracy {
     }
 }
 
-/// What is known about a cell.
+/// Known bounds of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// Upper bound over the cell.
@@ -59,7 +59,7 @@ pub struct Measured {
     pub at: DVec3,
 }
 
-/// What is known about the maximum.
+/// Known bounds of the maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Maximum {
     /// Upper bound.

@@ -136,7 +136,7 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
         if near.is_whole {
             bound = bound.min(to_corners.max(near.distance));
         }
-        // What is inside lowers the bound, and the value that is reached.
+        // Points inside lower the bound, and the value that is reached.
         let mut reached = near.distance;
         let matters = |bound: f64| bound > best && !accuracy.limit.is_some_and(|limit| bound <= limit);
         if (matters(bound) || reached > best) && solid.is_inside(centre) {

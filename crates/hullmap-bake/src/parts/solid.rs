@@ -62,7 +62,7 @@ pub struct Solid {
     kind: SolidKind,
 }
 
-/// What is near a point.
+/// Neighbourhood of a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
     /// Lower bound on the distance of the nearest triangle. Between triangles, all points are on
@@ -230,7 +230,7 @@ impl Solid {
         self.near(p, f64::INFINITY).map_or(f64::INFINITY, |near| near.distance)
     }
 
-    /// What is near a point; `None` if nothing is closer than `within`, which must exceed the
+    /// Neighbourhood of a point; `None` if nothing is closer than `within`, which must exceed the
     /// distance from the solid to make `distance` an upper bound.
     pub fn near(&self, p: DVec3, within: f64) -> Option<Near> {
         let (gap, index) = self.surface.nearest(p, within, |_| true)?;
@@ -251,8 +251,8 @@ impl Solid {
         Some(near)
     }
 
-    /// What is near a point, given a triangle that is probably close, and a length that exceeds the
-    /// distance from the solid.
+    /// Neighbourhood of a point, given a triangle that is probably close, and a length that exceeds
+    /// the distance from the solid.
     pub fn near_beside(&self, p: DVec3, within: f64, hint: Option<&Triangle>) -> Option<Near> {
         let to_hint = hint.map_or(f64::INFINITY, |hint| triangle::nearest(hint, p).distance(p));
         // Room for the rounding error of both lengths.

@@ -124,8 +124,8 @@ struct Entry {
     pending: u32,
 }
 
-/// What determines the distance of an edge: a copy, because the surface may change before the
-/// distance is computed.
+/// Copy of the data that determines the distance of an edge, because the surface may change before
+/// the distance is computed.
 struct Pending {
     /// Normals of the triangles at both ends, and points on them.
     planes: Vec<(DVec3, DVec3)>,

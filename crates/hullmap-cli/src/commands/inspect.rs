@@ -201,7 +201,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     Ok(())
 }
 
-/// What the pack records about a convex part.
+/// Writes the pack's record about a convex part.
 fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
     out.line(format_args!("  part               {} of {} of its object", hull.part, hull.part_count))?;
     let (Some(solid), Some(uncovered), Some(protrusion), Some(at)) =

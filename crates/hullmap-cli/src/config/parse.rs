@@ -27,7 +27,7 @@ const SKIP: &str = "skip";
 /// `vertices` have 0.97, `skipped` and `split` 0.67, `colour` and `recentre` 0.47.
 const MIN_SIMILARITY: f64 = 0.7;
 
-/// What is wrong, and where in the text.
+/// A fault, and its place in the text.
 struct Fault {
     span: Range<usize>,
     message: String,

@@ -34,7 +34,7 @@ pub struct Configs {
     unread: BTreeSet<PathBuf>,
 }
 
-/// What `hullmap.toml` says about a mesh.
+/// Settings in `hullmap.toml` for a mesh.
 #[derive(Debug, Default)]
 pub struct Chosen {
     /// Its options.
@@ -77,7 +77,7 @@ impl Configs {
         })
     }
 
-    /// What applies to `mesh`. Fails if the file cannot be read or is invalid.
+    /// Settings for `mesh`. Fails if the file cannot be read or is invalid.
     pub fn layer(&mut self, mesh: &Path) -> Result<Chosen, Failure> {
         if matches!(self.choice, Choice::None) {
             return Ok(Chosen::default());

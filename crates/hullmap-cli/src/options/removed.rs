@@ -1,13 +1,12 @@
 //! Options of earlier versions that were removed, and what to use instead.
 
-/// What to use instead of V-HACD. It names options without their dashes, so that it reads the same
+/// Remedy for options of V-HACD. It names options without their dashes, so that it reads the same
 /// in messages about flags, keys and bindings.
 pub const VHACD: &str = "V-HACD was removed; use decompose without a method: it finds fewer parts, with proven \
                          bounds. Parts that another tool made are imported by split auto";
 
-/// What to use instead of an option that this version does not have; `None` if earlier ones had
-/// none of this name either. `key` is written as in `hullmap.toml` or as a flag without dashes in
-/// front.
+/// Remedy for an option that this version does not have; `None` if earlier ones had none of this
+/// name either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
     const KEYS: [&str; 9] = [
         "vhacd_concavity",
@@ -23,14 +22,14 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     KEYS.contains(&key.replace('-', "_").as_str()).then_some(VHACD)
 }
 
-/// What to use instead of a value that this version does not accept; `None` if earlier ones did not
-/// accept it either.
+/// Remedy for a value that this version does not accept; `None` if earlier ones did not accept it
+/// either.
 pub fn instead_of_value(key: &str, value: &str) -> Option<&'static str> {
     (key == "decompose" && value == "vhacd").then_some(VHACD)
 }
 
-/// What to use instead of an option in a pack's record. V-HACD was the first method, and is
-/// recorded as `decompose true`.
+/// Remedy for an option in a pack's record. V-HACD was the first method, and is recorded as
+/// `decompose true`.
 pub fn instead_of_record(record: &str) -> Option<&'static str> {
     record.split(", ").any(|option| option == "decompose true").then_some(VHACD)
 }

@@ -20,7 +20,7 @@ use crate::options::removed::instead_of_record;
 /// Why a pack is stale if the bytes of its source have changed.
 const SOURCE_CHANGED: &str = "the source has changed";
 
-/// What a fresh pack must record.
+/// Record that a fresh pack must have.
 #[derive(Debug)]
 pub struct Expected<'a> {
     /// XXH3-128 of the source's bytes.

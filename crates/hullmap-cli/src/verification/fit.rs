@@ -72,7 +72,7 @@ pub struct Judge {
     rounding: f64,
 }
 
-/// What is known of a cell: an upper bound, and a value at a point of it.
+/// Known bounds of a cell: an upper bound, and a value at a point of it.
 #[derive(Clone, Copy)]
 struct Measured {
     bound: f64,

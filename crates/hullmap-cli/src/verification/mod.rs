@@ -27,7 +27,7 @@ use truth::{Points, dot};
 /// that certification allows a source point (1e-7).
 pub const REGRET_LIMIT: f64 = 2e-7;
 
-/// What verification requires of a hull.
+/// Queries that verification requires of a hull.
 pub trait SupportQueries: Sync {
     /// A vertex; `None` if the index is out of range.
     fn vertex(&self, index: u32) -> Option<Vec3>;

@@ -38,7 +38,7 @@ pub const BOUNDS_UNCHECKED: &str = "bounds unchecked";
 /// Result of a part without recorded bounds.
 pub const UNMEASURED: &str = "unmeasured";
 
-/// What the hulls of a pack are compared with.
+/// Reference that the hulls of a pack are compared with.
 #[derive(Clone, Copy, Debug)]
 pub enum Reference<'a> {
     /// The source's points.

@@ -31,7 +31,7 @@ use crate::fault::{Fault, LineFault, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, SourceObject};
 
-/// What the scan does with each `v` line.
+/// Check that the scan makes for each `v` line.
 pub type VertexCheck = fn(&VertexLine) -> Result<(), Fault>;
 
 /// Everything in an OBJ file that shapes a hull, except coordinates.

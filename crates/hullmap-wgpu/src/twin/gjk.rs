@@ -23,7 +23,7 @@ use crate::records::{AnswerRecord, HullRecord, PairRecord, StateRecord, code};
 /// Squared length below which a normal has no direction.
 const NO_NORMAL: f32 = 1e-30;
 
-/// What GJK leaves to EPA.
+/// State that GJK passes on to EPA.
 pub(super) struct Ended {
     pub(super) out: AnswerRecord,
     pub(super) simplex: [Corner; 4],

@@ -18,7 +18,7 @@ pub(super) struct Node {
     pub(super) child: Child,
 }
 
-/// What a node contains.
+/// Contents of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Child {
     /// A leaf: the hull with this index.

@@ -25,7 +25,7 @@ pub enum OpenError {
     },
 }
 
-/// What to do about a file that the system does not read.
+/// Remedy for a file that the system does not read.
 fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => "check the path, and the folder it starts from",
@@ -35,7 +35,7 @@ fn remedy(error: &io::Error) -> &'static str {
     }
 }
 
-/// What is wrong with the bytes of a pack.
+/// Fault in the bytes of a pack.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidPack {
     /// The header, or the file's length.

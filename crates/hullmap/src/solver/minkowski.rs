@@ -181,7 +181,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         }
     }
 
-    /// What `query` finds if B is moved by `by`, in A's frame, which is no longer than the shapes
+    /// Result of `query` if B is moved by `by`, in A's frame, which is no longer than the shapes
     /// together.
     ///
     /// The points that it finds count, and not whether they are the farthest. So the rounding error

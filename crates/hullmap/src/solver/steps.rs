@@ -12,7 +12,7 @@ use super::minkowski::{Interrupted, Minkowski, Point};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 
-/// What a query needs next.
+/// Next step of a query.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Step<T> {
     /// The support point in this direction.

@@ -689,7 +689,7 @@ fn features_of_triangles() {
     assert_eq!(feature([DVec3::ONE; 3], DVec3::Y), [0]);
 }
 
-/// What a shape answers to every method.
+/// Answers of a shape to every method.
 fn answers<S: Shape>(shape: S, dir: DVec3) -> String {
     let mut features = [hullmap::Feature::new(), hullmap::Feature::new()];
     let [near, within] = &mut features;

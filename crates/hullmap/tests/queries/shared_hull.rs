@@ -12,7 +12,7 @@ fn pack() -> Arc<Pack> {
     Arc::new(hullmap_testkit::packs::pack("rock", &Family::Rock.points(300, 7), IndexKind::Tree))
 }
 
-/// What an engine needs of a collider's shape.
+/// Requirements of engines on a collider's shape.
 fn assert_storable<T: Shape + Clone + Send + Sync + 'static>() {}
 
 #[test]

@@ -32,7 +32,7 @@ use tonic::metadata::MetadataMap;
 use tonic::transport::{Certificate, Identity, ServerTlsConfig};
 use tonic::{Code, Request, Response, Status, Streaming};
 
-/// What the server does and counts.
+/// Behaviour and counters of the server.
 #[derive(Debug, Default)]
 pub struct State {
     /// Blobs by their hashes.
@@ -51,13 +51,13 @@ pub struct State {
     pub broken_streams: usize,
     /// Headers of the last request.
     pub headers: BTreeMap<String, String>,
-    /// What it does wrong.
+    /// Attack that it makes.
     pub malice: Option<Malice>,
     /// A file that somebody overwrites while a result is looked up, and with what.
     pub edit: Option<(PathBuf, String)>,
 }
 
-/// What a hostile server does.
+/// Attack of a hostile server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Malice {
     /// Downloads that are streamed repeat these bytes for ever; if there are none, they never
@@ -121,7 +121,7 @@ impl State {
 pub struct FarmServer {
     /// Where it listens.
     pub address: SocketAddr,
-    /// What it does.
+    /// Behaviour and counters.
     pub state: Arc<Mutex<State>>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<std::thread::JoinHandle<()>>,

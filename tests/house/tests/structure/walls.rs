@@ -281,8 +281,8 @@ fn allows(line: &str) -> bool {
     line.contains("allow(") && lints.iter().any(|lint| line.contains(lint))
 }
 
-/// What libraries and machines compute differently in the last digits, as methods: the platform's
-/// own functions, and those of glam that use them. Roots, sums and products are exact everywhere;
+/// Methods that libraries and machines compute with different last digits: the platform's own
+/// functions, and those of glam that use them. Roots, sums and products are exact everywhere;
 /// `mul_add` is too.
 const INEXACT: [&str; 31] = [
     "sin",

@@ -62,7 +62,7 @@ struct ExportedFile {
     counts: Option<[usize; 3]>,
 }
 
-/// What to write for each pack.
+/// Form of the export of each pack.
 struct Export<'a> {
     args: &'a ExportArgs,
     format: Format,
@@ -446,7 +446,7 @@ fn sweep_once(target: &Path, targets: &[PathBuf]) {
     }
 }
 
-/// What was written, as a line for people.
+/// Summary of a written file, as a line for people.
 fn summary(target: &Path, file: &ExportedFile) -> String {
     let bytes = grouped(file.bytes.len() as u64);
     let Some([hulls, vertices, triangles]) = file.counts.map(|counts| counts.map(|count| count as u64)) else {
