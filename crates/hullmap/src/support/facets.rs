@@ -11,19 +11,11 @@ use super::simd::Dispatch;
 use crate::hull::Hull;
 use crate::support::SupportMap;
 
-/// Maximum number of vertices of a polytope with a table. Above it, deep contacts gain less, and
-/// pairs near touching lose.
-pub(crate) const MAX_VERTICES: usize = 128;
-
-/// Maximum number of vertices of hulls that keep their tables where those of larger hulls are too
-/// large.
-pub(crate) const SMALL_VERTICES: usize = 32;
+/// Maximum number of vertices of a polytope with a table. Above it, the general path is as fast.
+pub(crate) const MAX_VERTICES: usize = 32;
 
 // Their faces are in lean packs, too, so that contacts are the same.
-const _: () = assert!(SMALL_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
-
-/// Maximum number of vertices of shapes whose support values at all faces may be computed.
-pub(crate) const FLAT_VERTICES: usize = 16;
+const _: () = assert!(MAX_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
 
 /// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
 pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
@@ -52,18 +44,6 @@ pub(crate) struct NormalBlock {
 #[repr(C, align(32))]
 pub(crate) struct PointBlock(pub(crate) [[f32; LANES]; 3]);
 
-/// An edge of a face, and its arc on the Gauss map: the directions from the normal of the face to
-/// that of the face beyond. Each arc belongs to two faces.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Side {
-    /// The face beyond the edge.
-    pub(crate) beyond: u8,
-    /// A vertex of the edge.
-    pub(crate) vertex: u8,
-    /// See [`chord`](Self::chord).
-    chord: u16,
-}
-
 /// An arc of the Gauss map, between the normals of two faces with a common edge.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Edge {
@@ -75,47 +55,16 @@ pub(crate) struct Edge {
     pub(crate) cosine: f32,
 }
 
-/// Unit of the chord of a [`Side`]: the greatest chord is 2.
-const CHORD_UNIT: f32 = 2.0 / u16::MAX as f32;
-
-impl Side {
-    /// The side of `vertex` to the face `beyond`. `chord` is the distance between the unit normals.
-    pub(crate) fn new(beyond: u8, vertex: u8, chord: f64) -> Self {
-        // One unit more than rounded, for the rounding and for that of the product in `chord`.
-        let units = chord / f64::from(CHORD_UNIT) + 1.5;
-        Self { beyond, vertex, chord: units.clamp(0.0, u16::MAX.into()) as u16 }
-    }
-
-    /// Distance between the two unit normals, rounded up.
-    #[inline(always)]
-    pub(crate) fn chord(self) -> f32 {
-        // The greatest number of units stands for 2 and a rounding error.
-        f32::from(self.chord) * (CHORD_UNIT * (1.0 + 1e-6))
-    }
-}
-
-/// The inverse of the least length of a point of a chord between two unit vectors at the distance
-/// `chord`, rounded up.
-pub(crate) fn stretch(chord: f64) -> f32 {
-    (1.0 / (1.0 - 0.25 * chord * chord).max(1e-6).sqrt()) as f32 * (1.0 + 1e-6)
-}
-
 /// The face table of a hull, held by its pack.
 #[derive(Debug)]
 pub(crate) struct FacetTable {
     pub(crate) normals: Box<[NormalBlock]>,
-    /// See [`View::stretches`].
-    pub(crate) stretches: Box<[[f32; LANES]]>,
     /// Unit outward normals of the faces in f64. They define the ends of the arcs.
     pub(crate) exact: Box<[DVec3]>,
     /// The support vertex along each normal.
     pub(crate) supports: Box<[u8]>,
     pub(crate) points: Box<[PointBlock]>,
-    /// The sides of all faces, face by face.
-    pub(crate) sides: Box<[Side]>,
-    /// Where the sides of each face start, and the number of all sides.
-    pub(crate) side_starts: Box<[u16]>,
-    /// Each arc once, for hulls of at most [`FLAT_VERTICES`] vertices.
+    /// Each arc once.
     pub(crate) edges: Box<[Edge]>,
     /// See [`Facets::slack`].
     pub(crate) slack: f64,
@@ -140,71 +89,32 @@ pub(crate) struct Buffer {
     points: [PointBlock; 1],
 }
 
-/// The arrays that the scan reads.
+/// The arrays that the first pass reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'v> {
     pub(crate) normals: &'v [NormalBlock],
-    /// For each face, the inverse of the least length of a point of the chords of its arcs.
-    pub(crate) stretches: &'v [[f32; LANES]],
     pub(crate) points: &'v [PointBlock],
-    sides: &'v [Side],
-    side_starts: &'v [u16],
-    /// Each arc once, for shapes of at most [`FLAT_VERTICES`] vertices.
+    /// Each arc once.
     pub(crate) edges: &'v [Edge],
 }
 
-impl View<'_> {
-    /// The sides of a face.
-    #[inline(always)]
-    pub(crate) fn sides(&self, face: usize) -> &[Side] {
-        let start = self.side_starts.get(face).copied().unwrap_or_default();
-        let end = self.side_starts.get(face + 1).copied().unwrap_or_default();
-        self.sides.get(usize::from(start)..usize::from(end)).unwrap_or_default()
-    }
-}
-
-/// The sides of a box. Vertices are numbered by the signs of their coordinates as in
+/// The arcs of a box. Vertices are numbered by the signs of their coordinates as in
 /// [`Cuboid`](crate::shapes::Cuboid), faces by axis and sign.
-const BOX_SIDES: [Side; 24] = box_sides();
-
-/// Each face of a box has four sides.
-const BOX_SIDE_STARTS: [u16; 7] = [0, 4, 8, 12, 16, 20, 24];
-
-/// √2 for each face, rounded up.
-const BOX_STRETCHES: [[f32; LANES]; 1] = [[std::f32::consts::SQRT_2 * (1.0 + 1e-6); LANES]];
-
-/// √2 in units of [`Side`], rounded up.
-const BOX_CHORD: u16 = 46_341;
-const _: () = assert!(BOX_CHORD as f64 * CHORD_UNIT as f64 > std::f64::consts::SQRT_2);
-
-#[expect(clippy::indexing_slicing, reason = "six faces of four sides each")]
-const fn box_sides() -> [Side; 24] {
-    let mut sides = [Side { beyond: 0, vertex: 0, chord: BOX_CHORD }; 24];
-    let mut side = 0;
-    while side < 24 {
-        let (face, beyond) = (side / 4, (2 * (side / 8) + 2 + side % 4) % 6);
-        sides[side].beyond = beyond as u8;
-        // Of the two ends of the edge, the one with the positive third coordinate.
-        sides[side].vertex = ((face & 1) << (face / 2) | (beyond & 1) << (beyond / 2)) as u8;
-        side += 1;
-    }
-    sides
-}
-
-/// The arcs of a box, from its sides.
 const BOX_EDGES: [Edge; 12] = box_edges();
 
-#[expect(clippy::indexing_slicing, reason = "12 of the 24 sides are those of the face with the lower number")]
+#[expect(clippy::indexing_slicing, reason = "12 of the 15 pairs of faces are not opposite")]
 const fn box_edges() -> [Edge; 12] {
     let mut edges = [Edge { faces: [0; 2], vertex: 0, cosine: 0.0 }; 12];
-    let (mut side, mut edge) = (0, 0);
-    while side < 24 {
-        let Side { beyond, vertex, .. } = BOX_SIDES[side];
-        if side / 4 < beyond as usize {
-            edges[edge] = Edge { faces: [(side / 4) as u8, beyond], vertex, cosine: 0.0 };
+    let (mut pair, mut edge) = (0, 0);
+    while pair < 36 {
+        let (face, beyond) = (pair / 6, pair % 6);
+        if face < beyond && face / 2 != beyond / 2 {
+            // Of the two ends of the edge, the one with the positive third coordinate.
+            let vertex = (face & 1) << (face / 2) | (beyond & 1) << (beyond / 2);
+            edges[edge] = Edge { faces: [face as u8, beyond as u8], vertex: vertex as u8, cosine: 0.0 };
             edge += 1;
         }
-        side += 1;
+        pair += 1;
     }
     edges
 }
@@ -222,7 +132,7 @@ impl<'a> Facets<'a> {
     }
 
     /// Number of faces.
-    #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn face_count(&self) -> usize {
         match self.0 {
             Kind::Hull(table, _) => table.exact.len(),
@@ -247,14 +157,7 @@ impl<'a> Facets<'a> {
         'a: 'v,
     {
         match self.0 {
-            Kind::Hull(table, _) => View {
-                normals: &table.normals,
-                stretches: &table.stretches,
-                points: &table.points,
-                sides: &table.sides,
-                side_starts: &table.side_starts,
-                edges: &table.edges,
-            },
+            Kind::Hull(table, _) => View { normals: &table.normals, points: &table.points, edges: &table.edges },
             Kind::Cuboid(half) => {
                 let half = half.as_vec3().to_array();
                 let NormalBlock { normal, offset } = &mut buffer.normals[0];
@@ -268,14 +171,7 @@ impl<'a> Facets<'a> {
                         *component = if vertex >> axis & 1 == 0 { half[axis] } else { -half[axis] };
                     }
                 }
-                View {
-                    normals: &buffer.normals,
-                    stretches: &BOX_STRETCHES,
-                    points: &buffer.points,
-                    sides: &BOX_SIDES,
-                    side_starts: &BOX_SIDE_STARTS,
-                    edges: &BOX_EDGES,
-                }
+                View { normals: &buffer.normals, points: &buffer.points, edges: &BOX_EDGES }
             }
         }
     }

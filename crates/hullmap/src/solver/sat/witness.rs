@@ -9,7 +9,6 @@
 
 use glam::DVec3;
 
-use super::scan::Pair;
 use crate::solver::barycentric::on_triangle;
 use crate::solver::bound::Bound;
 use crate::solver::minkowski::Minkowski;
@@ -41,10 +40,10 @@ impl Feature {
     /// Collects the vertices that are within `slack` of the farthest one along the unit vector
     /// `dir`, of those in the mask `near`. `None` if there is none, or if there are too many.
     #[inline(always)]
-    fn collect<const P: usize>(
+    fn collect(
         &mut self,
         facets: &Facets<'_>,
-        near: LaneSet<P>,
+        near: LaneSet,
         dir: DVec3,
         slack: f64,
         place: impl Fn(DVec3) -> DVec3,
@@ -73,9 +72,9 @@ impl Feature {
     /// The vertices of an edge, as [`collect`](Self::collect) finds them, if there are just two in
     /// the mask.
     #[inline(always)]
-    fn edge<const P: usize>(
+    fn edge(
         facets: &Facets<'_>,
-        near: LaneSet<P>,
+        near: LaneSet,
         dir: DVec3,
         slack: f64,
         place: impl Fn(DVec3) -> DVec3,
@@ -126,12 +125,12 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
 /// Finds the vertices of both shapes near their support planes, in f32.
 struct NearPass<'p, const P: usize> {
     /// B's vertices in the difference, in A's frame; A's, in B's frame.
-    points: [&'p [PointBlock; P]; 2],
+    points: &'p [[PointBlock; P]; 2],
     /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
     /// The vertices of B, and those of A.
-    near: [LaneSet<P>; 2],
+    near: [LaneSet; 2],
 }
 
 impl<const P: usize> Pass for NearPass<'_, P> {
@@ -148,15 +147,15 @@ impl<const P: usize> Pass for NearPass<'_, P> {
 pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
-    pair: &Pair<'_>,
-    points: [&[PointBlock; P]; 2],
+    points: &[[PointBlock; P]; 2],
+    error: f64,
     dispatch: Dispatch,
     &Bound { upper: depth, normal, .. }: &Bound,
     enough: f64,
 ) -> Option<[DVec3; 2]> {
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
     let dirs = [normal, m.rotation().transpose() * -normal];
-    let margin = (slack + 2.0 * pair.error()) as f32;
+    let margin = (slack + 2.0 * error) as f32;
     let mut pass = NearPass { points, dirs, margin, near: [LaneSet::EMPTY; 2] };
     dispatch.pass(&mut pass);
     // Points of the difference for the point at the origin of A's frame.
