@@ -3,8 +3,7 @@
 //! # Steps
 //! 1. Normals in f64. A normal is the number that was computed, not the true normal: no later step
 //!    depends on its error, except through the slack.
-//! 2. Sort the faces, such that those of a block have similar normals; order them around each
-//!    vertex.
+//! 2. Order the faces around each vertex.
 //! 3. Prove that the cones of the vertices, each spanned by the normals of the vertex's faces, are
 //!    convex and cover all directions (docs/intervals.md, section 12).
 //! 4. Bound the height by which the hull extends beyond a vertex in a direction of its cone: the
@@ -90,7 +89,6 @@ impl FacetTable {
             }
             faces.push(Face::new(vertices, &points, &columns, center)?);
         }
-        sort_by_direction(&mut faces);
         let map = Edges::new(&faces, count)?;
         // 3. and 4.
         let farthest = points.iter().fold(0.0, |max: f64, point| max.max(point.distance_squared(center))).sqrt();
@@ -194,31 +192,6 @@ fn highest([x, y, z]: &Four, dir: DVec3) -> f64 {
     let [a, b, c, d] = dots;
     let greater = |a: f64, b: f64| if a > b { a } else { b };
     greater(greater(a, b), greater(c, d))
-}
-
-/// Sorts faces such that those of a block have similar normals: halves of whole blocks, along the
-/// axis on which the normals differ most.
-fn sort_by_direction(faces: &mut [Face]) {
-    if faces.len() <= LANES {
-        return;
-    }
-    let (low, high) = faces.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), face| {
-        (low.min(face.normal), high.max(face.normal))
-    });
-    let extent = high - low;
-    let axis = if extent.x >= extent.y && extent.x >= extent.z {
-        0
-    } else if extent.y >= extent.z {
-        1
-    } else {
-        2
-    };
-    // Stable, so that the order depends on the hull only.
-    faces.sort_by(|f, g| f.normal[axis].total_cmp(&g.normal[axis]));
-    let blocks = faces.len().div_ceil(LANES);
-    let (first, rest) = faces.split_at_mut(blocks.div_ceil(2) * LANES);
-    sort_by_direction(first);
-    sort_by_direction(rest);
 }
 
 /// The face to the left of each directed edge.
@@ -411,20 +384,6 @@ mod tests {
                 assert!(point.dot(normal) >= highest - table.slack - 1e-14 * hull.outer_radius());
             }
         }
-        // The table has the same normals in another order.
-        let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
-        let normal = |face: &mut dyn Iterator<Item = u32>| {
-            let vertices: Vec<u8> = face.map(|v| v as u8).collect();
-            let columns = Columns::new(&points, hull.interior_point());
-            Face::new(vertices, &points, &columns, hull.interior_point()).unwrap().normal
-        };
-        let normals: Vec<DVec3> = hull.faces().map(|mut face| normal(&mut face)).collect();
-        let sorted = |normals: &[DVec3]| {
-            let mut normals: Vec<_> = normals.iter().map(|n| n.to_array().map(f64::to_bits)).collect();
-            normals.sort_unstable();
-            normals
-        };
-        assert_eq!(sorted(&normals), sorted(&table.exact));
         let (mut rng, mut certain) = (SplitMix64::new(seed), 0);
         for round in 0..300 {
             // Face normals too, where cones meet.
@@ -434,7 +393,7 @@ mod tests {
             };
             let mut covered = false;
             for vertex in 0..hull.vertex_count() as u32 {
-                let normals: Vec<DVec3> = hull.faces_at(vertex).map(|f| normals[f as usize]).collect();
+                let normals: Vec<DVec3> = hull.faces_at(vertex).map(|f| table.exact[f as usize]).collect();
                 // The cone contains the direction if a triangle of its normals does, by more than
                 // `margin`.
                 let within = |p: DVec3, q: DVec3, r: DVec3, margin: f64| {

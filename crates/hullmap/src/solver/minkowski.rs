@@ -358,11 +358,6 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         point.w.dot(axis) < -self.rounding_error
     }
 
-    /// Radius of a ball around A's interior point that lies in A.
-    pub(super) fn inner_radius_a(&self) -> f64 {
-        self.inner_radius_a
-    }
-
     /// Rotates from B's frame to A's.
     pub(super) fn rotation(&self) -> DMat3 {
         self.rotation

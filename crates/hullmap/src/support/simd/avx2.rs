@@ -156,12 +156,6 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
-        // SAFETY: as above, `self` proves that the processor has the features.
-        unsafe { heights(faces, point, radius) }
-    }
-
-    #[inline(always)]
     fn highest<const N: usize>(
         self,
         points: &[PointBlock; N],
@@ -197,12 +191,6 @@ impl Simd for Avx2 {
 fn products([x, y, z]: &[[f32; LANES]; 3], dir: [__m256; 3]) -> __m256 {
     let xy = _mm256_add_ps(_mm256_mul_ps(load_ps(x), dir[0]), _mm256_mul_ps(load_ps(y), dir[1]));
     _mm256_add_ps(xy, _mm256_mul_ps(load_ps(z), dir[2]))
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-fn heights(NormalBlock { normal, offset }: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
-    store_ps(_mm256_add_ps(products(normal, splat(point)), _mm256_add_ps(load_ps(offset), _mm256_set1_ps(radius))))
 }
 
 #[inline]

@@ -102,13 +102,10 @@ pub(crate) trait Simd: Copy {
     /// block.
     fn max_dot(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32;
 
-    /// For each of eight faces, the dot product of its normal and `point`, plus its offset and
-    /// `radius`. Each product and each sum is rounded once: x, y, z, then offset plus radius.
-    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES];
-
     /// For each of eight faces, the maximum height of all `points`, and the lowest index of a point
-    /// that has it. Calls `each` with the index of every point and its heights
-    /// ([`heights`](Self::heights)). No height is NaN.
+    /// that has it. Calls `each` with the index of every point and its heights: the dot product
+    /// with the normal plus the offset. Each product and each sum is rounded once, in the order x,
+    /// y, z, offset. No height is NaN.
     fn highest<const N: usize>(
         self,
         points: &[PointBlock; N],
@@ -257,7 +254,6 @@ mod tests {
         faces: &'p [NormalBlock; N],
         dir: [f32; 3],
         turned: Vec<PointBlock>,
-        heights: Vec<[f32; LANES]>,
         /// For each block of faces, the heights of all points, and what `highest` returns.
         all_heights: Vec<Vec<[f32; LANES]>>,
         highest: Vec<([f32; LANES], [u32; LANES])>,
@@ -268,8 +264,7 @@ mod tests {
     /// The matrix of [`Operations`].
     const ROWS: [[f32; 3]; 3] = [[0.5, 0.25, -1.5], [-0.75, 0.1, 0.3], [1.1, -0.2, 0.7]];
 
-    /// The radius that is added to heights, and the threshold of compared values.
-    const RADIUS: f32 = 0.125;
+    /// The threshold of compared values.
     const THRESHOLD: f32 = 0.25;
 
     impl<const N: usize> Pass for Operations<'_, N> {
@@ -280,7 +275,6 @@ mod tests {
             values[3] = f32::NAN;
             self.less = simd.less(&values, THRESHOLD);
             self.turned = self.points.iter().map(|block| simd.transform(block, &ROWS, self.dir)).collect();
-            self.heights = self.faces.iter().map(|faces| simd.heights(faces, self.dir, RADIUS)).collect();
             for faces in self.faces {
                 let mut all = Vec::new();
                 let highest = simd.highest(self.points, faces, |index, heights| {
@@ -309,9 +303,9 @@ mod tests {
         let n = if round.is_multiple_of(3) { points[0].0.map(|c| c[0]) } else { faces[0].normal.map(|c| c[0]) };
         let at = |i: usize| points[i / LANES].0.map(|c| c[i % LANES]);
         let dot = |p: [f32; 3], q: [f32; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-        let height = |i: usize, p: [f32; 3], radius: f32| {
+        let height = |i: usize, p: [f32; 3]| {
             let faces = &faces[i / LANES];
-            dot(faces.normal.map(|c| c[i % LANES]), p) + (faces.offset[i % LANES] + radius)
+            dot(faces.normal.map(|c| c[i % LANES]), p) + faces.offset[i % LANES]
         };
         let dots: Vec<f32> = (0..LANES * N).map(|i| dot(at(i), n)).collect();
         let best = dots.iter().fold(f32::NEG_INFINITY, |max, dot| max.max(*dot));
@@ -325,7 +319,6 @@ mod tests {
                 faces: &faces,
                 dir: n,
                 turned: Vec::new(),
-                heights: Vec::new(),
                 all_heights: Vec::new(),
                 highest: Vec::new(),
                 near: LaneSet::EMPTY,
@@ -336,8 +329,7 @@ mod tests {
             assert_eq!(all.near.iter().collect::<Vec<_>>(), near);
             for i in 0..LANES * N {
                 let (block, lane) = (i / LANES, i % LANES);
-                assert_eq!(all.heights[block][lane], height(i, n, RADIUS));
-                let over = |point: usize| height(i, at(point), 0.0);
+                let over = |point: usize| height(i, at(point));
                 let first_highest =
                     (0..LANES * N).fold(0, |best, point| if over(point) > over(best) { point } else { best });
                 let (highest, points) = all.highest[block];

@@ -118,17 +118,6 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    #[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
-    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
-        let point = point.map(Vec4::splat);
-        let radius = Vec4::splat(radius);
-        let [x, y, z] = faces.normal.each_ref().map(halves);
-        let offset = halves(&faces.offset);
-        let half = |i: usize| x[i] * point[0] + y[i] * point[1] + z[i] * point[2] + (offset[i] + radius);
-        whole([half(0), half(1)])
-    }
-
-    #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "`N` blocks of eight lanes")]
     fn highest<const N: usize>(
         self,
@@ -139,7 +128,7 @@ impl Simd for Portable {
         let mut highest = ([f32::NEG_INFINITY; LANES], [0; LANES]);
         for index in 0..LANES * N {
             let point = points[index / LANES].0.map(|c| c[index % LANES]);
-            let heights = self.heights(faces, point, 0.0);
+            let heights = heights(faces, point);
             for ((height, highest), point) in heights.iter().zip(&mut highest.0).zip(&mut highest.1) {
                 let is_higher = height > highest;
                 *highest = if is_higher { *height } else { *highest };
@@ -180,6 +169,17 @@ impl Simd for Portable {
         let [low, high] = halves(values).map(|half| half.cmpge(threshold).bitmask());
         !(low | high << 4) & 0xff
     }
+}
+
+/// Heights of a point over eight faces.
+#[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
+fn heights(faces: &NormalBlock, point: [f32; 3]) -> [f32; LANES] {
+    let point = point.map(Vec4::splat);
+    let [x, y, z] = faces.normal.each_ref().map(halves);
+    let offset = halves(&faces.offset);
+    let half = |i: usize| x[i] * point[0] + y[i] * point[1] + z[i] * point[2] + offset[i];
+    whole([half(0), half(1)])
 }
 
 /// Dot products of all points with `dir`.
