@@ -46,14 +46,14 @@ const NO_FACE: u8 = u8::MAX;
 
 /// Maximum size of the tables of a pack, in bytes. Beyond that they are in no cache when a query
 /// reads them, and the general path, which reads less, is as fast. It also limits the time to open
-/// a pack: about 255 hulls of 128 vertices, or 1,070 of 32, which take 35 ms.
+/// a pack: about 1,180 hulls of 32 vertices, which take 40 ms.
 const MAX_BYTES: usize = 4 << 20;
 
 impl FacetTable {
     /// The tables of a pack, one for each hull; `None` where there is none.
     ///
     /// # Complexity
-    /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 35
+    /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 40
     /// ms together.
     pub(crate) fn of_pack(pack: &Sections<'_>) -> Box<[Option<Self>]> {
         Self::within(MAX_BYTES, pack.hulls.len(), |index| Hull::new(pack, None, index))
@@ -80,14 +80,13 @@ impl FacetTable {
         let radius = hull.outer_radius();
         let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
         // 1. and 2.
-        let columns = Columns::new(&points, center);
         let mut faces: Vec<Face> = Vec::with_capacity(2 * count);
         for face in hull.faces() {
             let vertices: Vec<u8> = face.map(|v| u8::try_from(v).ok()).collect::<Option<_>>()?;
             if vertices.len() < 3 || vertices.len() > count || vertices.iter().any(|v| usize::from(*v) >= count) {
                 return None;
             }
-            faces.push(Face::new(vertices, &points, &columns, center)?);
+            faces.push(Face::new(vertices, &points, center)?);
         }
         let map = Edges::new(&faces, count)?;
         // 3. and 4.
@@ -141,57 +140,24 @@ struct Face {
 }
 
 impl Face {
-    fn new(vertices: Vec<u8>, points: &[DVec3], columns: &Columns, center: DVec3) -> Option<Self> {
+    fn new(vertices: Vec<u8>, points: &[DVec3], center: DVec3) -> Option<Self> {
         let third = (vertices.len() / 3).max(1);
         let corners = [*vertices.first()?, *vertices.get(third)?, *vertices.get(2 * third)?];
         let [p, q, r] = corners.map(|v| points.get(usize::from(v)).copied());
         let normal = triangle_normal(p?, q?, r?)?;
-        let offset = columns.relative.iter().fold(f64::NEG_INFINITY, |max, four| max.max(highest(four, normal)));
-        // As a support query: of equal products, the one with the lowest index.
-        let product = columns.absolute.iter().fold(f64::NEG_INFINITY, |max, four| max.max(highest(four, normal)));
-        let is_support = |point: &DVec3| point.x * normal.x + point.y * normal.y + point.z * normal.z == product;
-        let support = points.iter().position(is_support)?;
+        let (mut offset, mut highest, mut support) = (f64::NEG_INFINITY, f64::NEG_INFINITY, 0);
+        for (index, point) in points.iter().enumerate() {
+            offset = offset.max((*point - center).dot(normal));
+            // As a support query: of equal products, the one with the lowest index.
+            let product = point.dot(normal);
+            if product > highest {
+                (highest, support) = (product, index);
+            }
+        }
         let own = vertices.iter().filter_map(|v| points.get(usize::from(*v)));
         let lowest = own.fold(f64::INFINITY, |min, point| min.min((*point - center).dot(normal)));
         Some(Self { vertices, normal, support: support as u8, offset, sag: offset - lowest })
     }
-}
-
-/// Points by coordinate, in fours, for loops that the compiler vectorises. The last point fills the
-/// last four.
-struct Columns {
-    absolute: Vec<Four>,
-    /// Relative to the interior point.
-    relative: Vec<Four>,
-}
-
-/// The coordinates of four points.
-type Four = [[f64; 4]; 3];
-
-impl Columns {
-    fn new(points: &[DVec3], center: DVec3) -> Self {
-        let fours = |shift: DVec3| {
-            let four = |points: &[DVec3]| {
-                let at = |lane: usize| points.get(lane).or(points.last()).map_or(DVec3::ZERO, |point| *point - shift);
-                let four = [at(0), at(1), at(2), at(3)];
-                [four.map(|p| p.x), four.map(|p| p.y), four.map(|p| p.z)]
-            };
-            points.chunks(4).map(four).collect()
-        };
-        Self { absolute: fours(DVec3::ZERO), relative: fours(center) }
-    }
-}
-
-/// The greatest dot product of four points with `dir`. Each product and each sum is rounded once,
-/// in the order x, y, z.
-fn highest([x, y, z]: &Four, dir: DVec3) -> f64 {
-    let mut dots = [0.0; 4];
-    for (((dot, x), y), z) in dots.iter_mut().zip(x).zip(y).zip(z) {
-        *dot = x * dir.x + y * dir.y + z * dir.z;
-    }
-    let [a, b, c, d] = dots;
-    let greater = |a: f64, b: f64| if a > b { a } else { b };
-    greater(greater(a, b), greater(c, d))
 }
 
 /// The face to the left of each directed edge.
