@@ -7,7 +7,8 @@
 //! own. docs/intervals.md, section 12, proves the bounds.
 //!
 //! # Steps
-//! 1. The line of centres, if the balls inside the shapes do not overlap. It may separate them.
+//! 1. The line of centres, if the balls inside the shapes do not overlap, and the cache has no axis,
+//!    which was tested before. It may separate the shapes.
 //! 2. In f32, the support values at the face normals of both shapes ([`first_pass`]). One of them
 //!    may separate the shapes.
 //! 3. In f64, by support queries, the faces that may have the minimum.
@@ -62,20 +63,19 @@ const DIRECTION_UNITS: f64 = 24.0;
 /// touching from penetrating.
 const TINY_ROUNDINGS: f64 = 32.0;
 
-/// Maximum number of vertices of a hull up to which the test is always faster than the general path.
-/// docs/decisions/0012-separating-axes.md has the measurements.
-const FEW_VERTICES: usize = 16;
-
-/// Whether the test is likely to be faster than the general path.
-///
-/// Above [`FEW_VERTICES`] it is for deep pairs, of which the inner balls overlap, unless EPA can
-/// start from the polytope of the last frame.
+/// Whether the test is likely to be faster than the general path. The fewer vertices, the more it
+/// gains: not for a pair that hardly overlaps, nor for one whose last polytope EPA can start from,
+/// and above 16 vertices for neither. docs/decisions/0012-separating-axes.md has the measurements.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
     cache: &Cache,
 ) -> bool {
-    a.vertex_count().max(b.vertex_count()) <= FEW_VERTICES || (cache.is_new() && m.inner_balls_overlap())
+    match a.vertex_count().max(b.vertex_count()) {
+        0..=8 => true,
+        9..=16 => cache.is_new() || m.inner_balls_overlap(),
+        _ => cache.is_new() && m.inner_balls_overlap(),
+    }
 }
 
 /// Contact of two shapes with facets; `None` if the general path has to decide.
@@ -114,7 +114,8 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return None;
     }
     // 1.
-    if !m.inner_balls_overlap()
+    if cache.axis().is_none()
+        && !m.inner_balls_overlap()
         && let Some(axis) = unit(-m.center_point().w)
     {
         let point = m.point(axis);
