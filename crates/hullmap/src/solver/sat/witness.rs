@@ -173,10 +173,6 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
     on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;
     on_b.collect(b, pass.near[0], dirs[1], slack, place)?;
-    let sum = |dir: DVec3| {
-        let a = on_a.lowest(dir);
-        Sum { off: (a + on_b.lowest(dir)) - foot, a }
-    };
     let triangle = match (on_a.all(), on_b.all()) {
         ([p, q, r], [other]) => Some([*p, *q, *r].map(|a| Sum { off: (a + *other) - foot, a })),
         ([a], [p, q, r]) => Some([*p, *q, *r].map(|other| Sum { off: (*a + other) - foot, a: *a })),
@@ -190,6 +186,15 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
             return Some(combined(&triangle, nearest.weights, foot));
         }
     }
+    nearest(&on_a, &on_b, foot, enough)
+}
+
+/// Step 3: the points of A and B of which the difference is the foot, to within `enough`.
+fn nearest(on_a: &Feature, on_b: &Feature, foot: DVec3, enough: f64) -> Option<[DVec3; 2]> {
+    let sum = |dir: DVec3| {
+        let a = on_a.lowest(dir);
+        Sum { off: (a + on_b.lowest(dir)) - foot, a }
+    };
     let mut simplex = [sum(DVec3::ZERO); 3];
     let (mut weights, mut at) = ([1.0, 0.0, 0.0], simplex[0].off);
     for _ in 0..MAX_STEPS {
