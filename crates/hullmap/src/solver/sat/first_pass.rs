@@ -134,8 +134,8 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
         dispatch.pass(&mut FacePass { first: self, pair });
     }
 
-    /// Step 2: all [`arcs`](Self::arcs) of A that may have a value of at most `upper` at a direction
-    /// that is not an end. `None` if they are too many.
+    /// Step 2: all [`arcs`](Self::arcs) of A that may have a value of at most `upper` between their
+    /// ends. `None` if they are too many.
     ///
     /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces). The
     /// vertices of all faces found there are known from f64 ([`set_vertex`](Self::set_vertex)).

@@ -7,8 +7,8 @@
 //! own. docs/intervals.md, section 12, proves the bounds.
 //!
 //! # Steps
-//! 1. The line of centres, if the balls inside the shapes do not overlap, and the cache has no axis,
-//!    which was tested before. It may separate the shapes.
+//! 1. The line of centres, if the balls inside the shapes do not overlap and the cache had no axis
+//!    to test. It may separate the shapes.
 //! 2. In f32, the support values at the face normals of both shapes ([`first_pass`]). One of them
 //!    may separate the shapes.
 //! 3. In f64, by support queries, the faces that may have the minimum.
