@@ -31,12 +31,12 @@ fn no_interval_excludes_the_exact_depth() {
     }
 }
 
-/// The exact depth of larger hulls takes longer.
+/// The exact depth of larger hulls takes longer. Those of more than 32 vertices have no face table.
 #[test]
 fn no_interval_of_larger_hulls_excludes_the_exact_depth() {
     let tally = judge(PAIRS / 2, 100);
     let decided: u64 = tally.counts.values().map(|count| count.by_facets).sum();
-    assert!(decided * 3 > PAIRS / 2, "{decided}");
+    assert!(decided * 5 > PAIRS / 2, "{decided}");
 }
 
 /// At a face of this pair, f32 finds the same support point as at the next face, and f64 another

@@ -228,15 +228,17 @@ fn depths_contain_the_truth_in_degenerate_poses() {
     }
 }
 
-/// The same for hulls of up to 128 vertices. The depth by all facets takes longer.
+/// The same for hulls of up to 128 vertices, of which those of more than 32 have no face table. The
+/// depth by all facets takes longer.
 #[test]
 fn depths_of_larger_hulls_contain_the_truth() {
     let tally = judge_all(150, 20, 128);
     println!("seed {SEED}: pairs, decided, overlapping\n{tally:?}");
     for (kind, [pairs, decided, hits]) in &tally {
         assert!(*pairs >= 600, "{kind:?}");
-        let least = if *kind == Kind::Touching { 0.1 } else { 0.75 };
-        assert!(f64::from(*decided) >= least * f64::from(*pairs), "{kind:?}: {decided} of {pairs}");
+        let share = f64::from(*decided) / f64::from(*pairs);
+        let expected = if *kind == Kind::Touching { 0.02..0.5 } else { 0.2..0.8 };
+        assert!(expected.contains(&share), "{kind:?}: {decided} of {pairs}");
         assert!(2 * hits > *decided, "{kind:?}: one-sided, {hits} of {decided}");
     }
 }

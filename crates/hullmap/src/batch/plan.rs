@@ -12,26 +12,21 @@
 use super::pair::Pair;
 use crate::shapes::Shape;
 
-/// Working set from which a batch fetches shapes ahead, in bytes. It costs hardly anything, and
-/// pays where other data or other batches have used the caches in between.
-const MEDIUM: usize = 512 << 10;
+/// Working set from which a batch fetches shapes ahead, in bytes: what the cache of a core holds
+/// beside the data of others. Fetching costs hardly anything if the caches hold more.
+const CACHED: usize = 512 << 10;
 
-/// Working set from which intersection tests and distances are in flight, in bytes: more than the
-/// second-level caches of current processors hold. Support queries are in flight from [`MEDIUM`]
-/// on, since they have no state to save.
+/// Working set from which queries are in flight, in bytes: more than the cache of a core holds on
+/// any current processor. To put queries aside costs a tenth to a fifth of their time.
 const LARGE: usize = 3 << 20;
 
-/// Working set from which contacts are in flight, in bytes. EPA computes for longer between two
-/// support queries than the other searches, and has a larger state.
-const LARGE_FOR_EPA: usize = 6 << 20;
-
-/// Working set of a shape that support queries read as a whole, in bytes. A hull of at most 32
-/// vertices, which has no index, is smaller.
+/// Mean working set of a shape up to which it is fetched as a whole even in a large scene, in
+/// bytes: what little more than a support query, or another short query, reads. A hull of at most
+/// 32 vertices, which has no index, is smaller.
 const SCANNED: usize = 1536;
 
-/// Mean working set of a shape up to which contacts fetch it as a whole, in bytes. It takes about
-/// as long as a contact computes.
-const FETCHED: usize = 18 << 10;
+/// The same for contacts, which read much of a shape, and compute long enough to fetch the next.
+const READ_BY_CONTACTS: usize = 18 << 10;
 
 /// Number of shapes sampled to estimate the working set.
 const SAMPLES: usize = 128;
@@ -53,30 +48,17 @@ pub(super) enum Plan {
 impl Plan {
     /// For support queries.
     pub(super) fn of_shapes<'s, S: Shape + ?Sized + 's>(count: usize, shape: impl Fn(usize) -> Option<&'s S>) -> Self {
-        match WorkingSet::estimate(count, shape) {
-            WorkingSet { total, .. } if total < MEDIUM => Self::Loop,
-            WorkingSet { mean, .. } if mean <= SCANNED => Self::Ahead,
-            WorkingSet { .. } => Self::InFlight,
-        }
+        WorkingSet::estimate(count, shape).plan(SCANNED)
     }
 
     /// For intersection tests and distances.
     pub(super) fn of_pairs<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
-        match WorkingSet::of_pairs(pairs) {
-            WorkingSet { total, .. } if total < MEDIUM => Self::Loop,
-            WorkingSet { mean, total } if mean <= SCANNED || total < LARGE => Self::Ahead,
-            WorkingSet { .. } => Self::InFlight,
-        }
+        WorkingSet::of_pairs(pairs).plan(SCANNED)
     }
 
     /// For contacts.
     pub(super) fn of_contacts<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
-        match WorkingSet::of_pairs(pairs) {
-            WorkingSet { total, .. } if total < MEDIUM => Self::Loop,
-            WorkingSet { mean, .. } if mean <= FETCHED => Self::Ahead,
-            WorkingSet { total, .. } if total < LARGE_FOR_EPA => Self::Loop,
-            WorkingSet { .. } => Self::InFlight,
-        }
+        WorkingSet::of_pairs(pairs).plan(READ_BY_CONTACTS)
     }
 
     /// For manifolds, which are not in flight.
@@ -98,6 +80,18 @@ struct WorkingSet {
 }
 
 impl WorkingSet {
+    /// The plan for queries that fetch shapes of up to `whole` bytes as a whole.
+    fn plan(self, whole: usize) -> Plan {
+        let Self { mean, total } = self;
+        if total < CACHED {
+            Plan::Loop
+        } else if mean <= whole || total < LARGE {
+            Plan::Ahead
+        } else {
+            Plan::InFlight
+        }
+    }
+
     /// Samples s ≤ [`SAMPLES`] of `count` shapes. If there are many shapes, N, about s² / 2N of the
     /// samples repeat an earlier one, which gives an estimate of N. If there are few, all have been
     /// seen.
@@ -191,11 +185,11 @@ mod tests {
         }
         assert_eq!(plans(1, 8_000, 0), [Loop; 3]);
         assert_eq!(plans(10_000, 900, 8_192), [Ahead; 3]);
-        assert_eq!(plans(200, 8_000, 8_192), [InFlight, Ahead, Ahead]);
+        assert_eq!(plans(200, 8_000, 8_192), [Ahead; 3]);
         assert_eq!(plans(1_000, 8_000, 8_192), [InFlight, InFlight, Ahead]);
         assert_eq!(plans(8_000, 8_000, 8_192), [InFlight, InFlight, Ahead]);
-        assert_eq!(plans(60, 60_000, 8_192), [InFlight, InFlight, Loop]);
+        assert_eq!(plans(60, 60_000, 8_192), [InFlight; 3]);
         assert_eq!(plans(1_000, 30_000, 8_192), [InFlight; 3]);
-        assert_eq!(plans(3, LARGE_FOR_EPA, 3), [InFlight; 3]);
+        assert_eq!(plans(3, LARGE, 3), [InFlight; 3]);
     }
 }

@@ -119,10 +119,9 @@ impl<'a> Hull<'a> {
     /// Whether the hull is in a lean pack (`bake build --lean`): its [neighbours](Self::neighbours)
     /// are unknown, and with more than 32 vertices also its [faces](Self::faces).
     ///
-    /// All queries work. Support queries, yes or no, distances, rays and casts return the same
-    /// bits. So do contacts, except those of a hull of 33 to 128 vertices with a box or a hull of
-    /// at most 128 vertices, which may take longer. Hints ([`support_from`](Self::support_from))
-    /// save no time. Features, and with them contact manifolds, come from up to 33 support queries
+    /// All queries work. Support queries, yes or no, distances, rays, casts and contacts return the
+    /// same bits. Hints ([`support_from`](Self::support_from)) save no time. Features, and with them
+    /// contact manifolds, come from up to 33 support queries
     /// in directions around the normal, as for user shapes: faces that are tilted by more than
     /// [`TILT`](crate::shapes::TILT) against the contact normal become edges or vertices.
     ///

@@ -70,7 +70,7 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls). No allocation that grows with the file, except for the copies of the
-    /// texts. The face tables of small hulls take at most 4 MiB and about 35 ms.
+    /// texts. The face tables of small hulls take at most 4 MiB and about 40 ms.
     ///
     /// # Examples
     /// ```

@@ -201,9 +201,9 @@ impl Pack {
     /// As [`Pack::open`], for what is checked.
     ///
     /// # Complexity
-    /// One read of the file, then O(number of hulls): the face tables of hulls of at most 128
-    /// vertices take about 1 µs a vertex. They take at most 4 MiB and 35 ms: if all would take
-    /// more, only hulls of at most 32 vertices have one, and if theirs would, none.
+    /// One read of the file, then O(number of hulls): the face tables of hulls of at most 32
+    /// vertices take about 1 µs a vertex. They take at most 4 MiB and 40 ms: if they would take
+    /// more, there are none.
     ///
     /// # Examples
     /// ```

@@ -79,8 +79,7 @@ pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
 ) -> Option<Contact> {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let mut out =
-        sat::contact(&mut m, [a.facets()?, b.facets()?], settings.relative_tolerance(), None, &mut Cache::new())?;
+    let mut out = sat::contact(&mut m, [a.facets()?, b.facets()?], settings.relative_tolerance(), &mut Cache::new())?;
     out.support_calls = m.support_calls();
     Some(out)
 }
@@ -123,7 +122,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuer
                 *self = Self::Axis(axis);
                 Step::Ask(axis)
             }
-            None => self.after_axis(None, m, settings, cache, room),
+            None => self.after_axis(m, settings, cache, room),
         }
     }
 
@@ -138,10 +137,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuer
     ) -> Step<Contact> {
         match self {
             Self::Axis(axis) if m.separates(*axis, &point) => Step::Answer(separated_contact(m, cache, *axis, 0)),
-            Self::Axis(axis) => {
-                let last = (*axis, point);
-                self.after_axis(Some(last), m, settings, cache, room)
-            }
+            Self::Axis(_) => self.after_axis(m, settings, cache, room),
             Self::Portal(search) => match search.continue_with(point) {
                 None => Step::Ask(search.direction()),
                 Some(found) => self.after_portal(found, m, settings, cache, room),
@@ -155,12 +151,10 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuer
 }
 
 impl ContactQuery {
-    /// The rest of step 1, and steps 2 and 3. `last` is the axis of the cache, which does not
-    /// separate the shapes, with its support point.
+    /// The rest of step 1, and steps 2 and 3: the axis of the cache does not separate the shapes.
     #[inline(always)]
     fn after_axis<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
-        last: Option<(DVec3, Point)>,
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
@@ -176,7 +170,7 @@ impl ContactQuery {
         }
         if let Some(facets) = m.facets()
             && sat::pays(m, &facets, cache)
-            && let Some(found) = sat::contact(m, facets, tolerance, last.as_ref(), cache)
+            && let Some(found) = sat::contact(m, facets, tolerance, cache)
         {
             return Step::Answer(Contact { support_calls: m.support_calls(), ..found });
         }

@@ -21,8 +21,7 @@
 //! - The weights of a sliver reproduce the closest point badly. They are corrected if that shows.
 
 use super::barycentric::{
-    SubSimplex, blend, corrected_weights, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle,
-    on_triangle_to,
+    SubSimplex, blend, corrected_weights, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle_to,
 };
 use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
@@ -172,17 +171,7 @@ impl Simplex {
                 let weight = |at: usize, slot: usize| if at < count { weights[slot] } else { 0.0 };
                 [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
             }
-            None => match count {
-                2 => {
-                    let [p, q] = on_segment(w[0], w[1]).weights;
-                    [p, q, 0.0, 0.0]
-                }
-                3 => {
-                    let [p, q, r] = on_triangle(w[0], w[1], w[2]).weights;
-                    [p, q, r, 0.0]
-                }
-                _ => on_simplex(w, count).0.weights,
-            },
+            None => on_simplex(w, count).0.weights,
         }
     }
 
@@ -261,19 +250,7 @@ pub(super) struct Closest {
 }
 
 /// GJK: searches from `simplex`, in place, until upper − lower ≤ `tolerance` · upper + rounding
-/// error, or until the upper bound is the rounding error or less.
-#[inline(always)]
-pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    simplex: &mut Simplex,
-    tolerance: f64,
-    max_iterations: u32,
-) -> Closest {
-    let enough = m.rounding_error();
-    closest_within(m, simplex, enough, tolerance, max_iterations)
-}
-
-/// [`closest`], or until the upper bound is at most `enough`.
+/// error, or until the upper bound is at most `enough`.
 pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     simplex: &mut Simplex,
@@ -297,8 +274,7 @@ pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// direction.
 ///
 /// A batch keeps several searches in flight: while the memory that one of them needs is on its way,
-/// the others compute. The steps and the arithmetic are those of [`closest`], which is the twin in
-/// tests. A single query uses the loop, which is 9 % faster than these steps one after the other.
+/// the others compute.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
     tolerance: f64,

@@ -358,16 +358,6 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         point.w.dot(axis) < -self.rounding_error
     }
 
-    /// Radii of balls around the interior points of A and of B that lie in the shapes.
-    pub(super) fn inner_radii(&self) -> [f64; 2] {
-        [self.inner_radius_a, self.b.inner_radius()]
-    }
-
-    /// Radius of a ball around B's interior point that contains B.
-    pub(super) fn outer_radius_b(&self) -> f64 {
-        self.b.outer_radius()
-    }
-
     /// Rotates from B's frame to A's.
     pub(super) fn rotation(&self) -> DMat3 {
         self.rotation

@@ -24,26 +24,7 @@
 //! input always gives the same bits. Lengths are compared only with other lengths of the query, so
 //! nothing changes with the scale of the scene.
 //!
-//! # Tried and rejected
-//! - *Refine the portal to the surface before the expansion.* It takes 3 to 20 more support calls
-//!   (hulls of 8 to 8,192 points).
-//! - *Keep directions in the cache.* Each costs a support call to become a point again, and
-//!   together they save 5 to 12 % of the calls. Features cost no call.
-//! - *Test the last axis from the last features* (`SupportMap::support_point_from`). It is 5 to 20
-//!   % slower than a new support query.
-//! - *Keep every vertex of the last polytope.* From about 60 vertices on, for hulls of 500 vertices
-//!   and more, small faces around the nearest one turn into dents. Filling them takes twice as many
-//!   calls as an empty cache.
-//! - *Compile whole queries for AVX2*, as the index look-ups are. The difference is within the
-//!   noise at 8 and 128 points. What counts is that directions and points stay in registers, or are
-//!   read back in the pieces in which they were written: that is worth a quarter of the time.
-//! - *Find the horizon from one bit per face and all edges of the visible faces*, almost without
-//!   branches, instead of by a walk. Contacts of penetrating pairs are 11 to 18 % slower. The walk
-//!   visits about five faces.
-//! - *Start GJK from the first support point* instead of the centre. It is 4 % slower at 8 points
-//!   and 6 % faster at 2,048.
-//! - *A look-up for trees alone*, without the other index kinds. No difference. The special cases
-//!   for one to four blocks are worth 8 to 18 %.
+//! docs/decisions/0010-solver.md has what was tried and rejected.
 
 #![forbid(unsafe_code)]
 

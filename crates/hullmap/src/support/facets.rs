@@ -1,15 +1,15 @@
-//! Faces of a small polytope, as the separating axis test (SAT) reads them: those of a hull lie in
-//! its [`FacetTable`], and a box makes its table for each query.
+//! Faces of a small polytope, as the separating axis test (SAT) reads them: the faces of a hull lie
+//! in its [`FacetTable`], and a box makes its table for each query.
 
 use glam::DVec3;
 
-use super::facet_table::{CHORD_UNIT, Edge, FacetTable, LANES, MAX_VERTICES, NormalBlock, PointBlock, Side};
+use super::facet_table::{Edge, FacetTable, LANES, MAX_VERTICES, NormalBlock, PointBlock};
 use super::simd::Dispatch;
 use crate::hull::Hull;
 
 /// The faces of a small polytope, from [`SupportMap::facets`].
 ///
-/// Small hulls and boxes have them. They cannot be constructed outside this crate.
+/// Hulls of few vertices and boxes have them. They cannot be made outside of this crate.
 #[derive(Clone, Copy, Debug)]
 pub struct Facets<'a>(Kind<'a>);
 
@@ -26,71 +26,32 @@ pub(crate) struct Buffer {
     points: [PointBlock; 1],
 }
 
-/// The arrays that the scan reads.
+/// The arrays that the first pass reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'v> {
     pub(crate) normals: &'v [NormalBlock],
-    /// For each face, the inverse of the least length of a point of the chords of its arcs.
-    pub(crate) stretches: &'v [[f32; LANES]],
     pub(crate) points: &'v [PointBlock],
-    sides: &'v [Side],
-    side_starts: &'v [u16],
-    /// Each arc once, for shapes of at most [`FLAT_VERTICES`] vertices.
+    /// Each arc once.
     pub(crate) edges: &'v [Edge],
 }
 
-impl View<'_> {
-    /// The sides of a face.
-    #[inline(always)]
-    pub(crate) fn sides(&self, face: usize) -> &[Side] {
-        let start = self.side_starts.get(face).copied().unwrap_or_default();
-        let end = self.side_starts.get(face + 1).copied().unwrap_or_default();
-        self.sides.get(usize::from(start)..usize::from(end)).unwrap_or_default()
-    }
-}
-
-/// The sides of a box. Vertices are numbered by the signs of their coordinates as in
+/// The arcs of a box. Vertices are numbered by the signs of their coordinates as in
 /// [`Cuboid`](crate::shapes::Cuboid), faces by axis and sign.
-const BOX_SIDES: [Side; 24] = box_sides();
-
-/// Each face of a box has four sides.
-const BOX_SIDE_STARTS: [u16; 7] = [0, 4, 8, 12, 16, 20, 24];
-
-/// √2 for each face, rounded up.
-const BOX_STRETCHES: [[f32; LANES]; 1] = [[std::f32::consts::SQRT_2 * (1.0 + 1e-6); LANES]];
-
-/// √2 in units of [`Side`], rounded up.
-const BOX_CHORD: u16 = 46_341;
-const _: () = assert!(BOX_CHORD as f64 * CHORD_UNIT as f64 > std::f64::consts::SQRT_2);
-
-#[expect(clippy::indexing_slicing, reason = "six faces of four sides each")]
-const fn box_sides() -> [Side; 24] {
-    let mut sides = [Side { beyond: 0, vertex: 0, chord: BOX_CHORD }; 24];
-    let mut side = 0;
-    while side < 24 {
-        let (face, beyond) = (side / 4, (2 * (side / 8) + 2 + side % 4) % 6);
-        sides[side].beyond = beyond as u8;
-        // Of the two ends of the edge, the one with the positive third coordinate.
-        sides[side].vertex = ((face & 1) << (face / 2) | (beyond & 1) << (beyond / 2)) as u8;
-        side += 1;
-    }
-    sides
-}
-
-/// The arcs of a box, from its sides.
 const BOX_EDGES: [Edge; 12] = box_edges();
 
-#[expect(clippy::indexing_slicing, reason = "12 of the 24 sides are those of the face with the lower number")]
+#[expect(clippy::indexing_slicing, reason = "12 of the 15 pairs of faces are not opposite")]
 const fn box_edges() -> [Edge; 12] {
     let mut edges = [Edge { faces: [0; 2], vertex: 0, cosine: 0.0 }; 12];
-    let (mut side, mut edge) = (0, 0);
-    while side < 24 {
-        let Side { beyond, vertex, .. } = BOX_SIDES[side];
-        if side / 4 < beyond as usize {
-            edges[edge] = Edge { faces: [(side / 4) as u8, beyond], vertex, cosine: 0.0 };
+    let (mut pair, mut edge) = (0, 0);
+    while pair < 36 {
+        let (face, beyond) = (pair / 6, pair % 6);
+        if face < beyond && face / 2 != beyond / 2 {
+            // Of the two ends of the edge, the one with the positive third coordinate.
+            let vertex = (face & 1) << (face / 2) | (beyond & 1) << (beyond / 2);
+            edges[edge] = Edge { faces: [face as u8, beyond as u8], vertex: vertex as u8, cosine: 0.0 };
             edge += 1;
         }
-        side += 1;
+        pair += 1;
     }
     edges
 }
@@ -108,7 +69,7 @@ impl<'a> Facets<'a> {
     }
 
     /// Number of faces.
-    #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn face_count(&self) -> usize {
         match self.0 {
             Kind::Hull(table, _) => table.exact.len(),
@@ -133,14 +94,7 @@ impl<'a> Facets<'a> {
         'a: 'v,
     {
         match self.0 {
-            Kind::Hull(table, _) => View {
-                normals: &table.normals,
-                stretches: &table.stretches,
-                points: &table.points,
-                sides: &table.sides,
-                side_starts: &table.side_starts,
-                edges: &table.edges,
-            },
+            Kind::Hull(table, _) => View { normals: &table.normals, points: &table.points, edges: &table.edges },
             Kind::Cuboid(half) => {
                 let half = half.as_vec3().to_array();
                 let NormalBlock { normal, offset } = &mut buffer.normals[0];
@@ -154,14 +108,7 @@ impl<'a> Facets<'a> {
                         *component = if vertex >> axis & 1 == 0 { half[axis] } else { -half[axis] };
                     }
                 }
-                View {
-                    normals: &buffer.normals,
-                    stretches: &BOX_STRETCHES,
-                    points: &buffer.points,
-                    sides: &BOX_SIDES,
-                    side_starts: &BOX_SIDE_STARTS,
-                    edges: &BOX_EDGES,
-                }
+                View { normals: &buffer.normals, points: &buffer.points, edges: &BOX_EDGES }
             }
         }
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::search::{End, Expansion, TOUCHING_ROUNDINGS};
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
-use crate::solver::gjk::{self, Simplex, closest};
+use crate::solver::gjk::{self, Closest, Simplex, closest_within};
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -54,18 +54,31 @@ fn settle_beside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     mut expansion: Expansion,
 ) -> Expansion {
-    let mut simplex = Simplex::new(m.center_point());
-    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
-    let (point_a, point_b, between) = simplex.witnesses(near.upper, m.noise());
-    expansion.iterations += near.iterations;
-    let bound = &mut expansion.bound;
-    if near.lower > m.rounding_error() {
-        expansion.end = End::Separated;
-        *bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
-    } else if between.length_squared() < bound.point_a.distance_squared(bound.point_b) {
-        (bound.point_a, bound.point_b) = (point_a, point_b);
+    if let Some((_, points, between)) = closest(m, &mut expansion) {
+        let bound = &mut expansion.bound;
+        if between.length_squared() < bound.point_a.distance_squared(bound.point_b) {
+            [bound.point_a, bound.point_b] = points;
+        }
     }
     expansion
+}
+
+/// GJK from the centre: what it found, the witness points, and their difference. `None` if it
+/// proves the shapes separated, which `expansion` states then.
+fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    expansion: &mut Expansion,
+) -> Option<(Closest, [DVec3; 2], DVec3)> {
+    let (mut simplex, rounding) = (Simplex::new(m.center_point()), m.rounding_error());
+    let near = closest_within(m, &mut simplex, rounding, 0.0, MAX_FLAT);
+    let (point_a, point_b, between) = simplex.witnesses(near.upper, m.noise());
+    expansion.iterations += near.iterations;
+    if near.lower > rounding {
+        expansion.end = End::Separated;
+        expansion.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
+        return None;
+    }
+    Some((near, [point_a, point_b], between))
 }
 
 /// The normal of the largest face of a flat tetrahedron.
@@ -83,16 +96,8 @@ pub(super) fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     normal: DVec3,
     mut state: Expansion,
 ) -> Expansion {
-    let mut simplex = Simplex::new(m.center_point());
-    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
-    state.iterations += near.iterations;
     state.lower = 0.0;
-    let (point_a, point_b, _) = simplex.witnesses(near.upper, m.noise());
-    if near.lower > m.rounding_error() {
-        state.end = End::Separated;
-        state.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
-        return state;
-    }
+    let Some((near, [point_a, point_b], _)) = closest(m, &mut state) else { return state };
     let value = m.point(normal).w.dot(normal);
     state.bound = Bound { upper: value.max(0.0), normal, point_a, point_b };
     state.end = if near.end == gjk::End::AtOrigin

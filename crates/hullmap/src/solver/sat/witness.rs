@@ -9,7 +9,6 @@
 
 use glam::DVec3;
 
-use super::scan::Pair;
 use crate::solver::barycentric::on_triangle;
 use crate::solver::bound::Bound;
 use crate::solver::minkowski::Minkowski;
@@ -42,10 +41,10 @@ impl Feature {
     /// Collects the vertices that are within `slack` of the farthest one along the unit vector
     /// `dir`, of those in the mask `near`. `None` if there is none, or if there are too many.
     #[inline(always)]
-    fn collect<const P: usize>(
+    fn collect(
         &mut self,
         facets: &Facets<'_>,
-        near: LaneSet<P>,
+        near: LaneSet,
         dir: DVec3,
         slack: f64,
         place: impl Fn(DVec3) -> DVec3,
@@ -74,9 +73,9 @@ impl Feature {
     /// The vertices of an edge, as [`collect`](Self::collect) finds them, if there are just two in
     /// the mask.
     #[inline(always)]
-    fn edge<const P: usize>(
+    fn edge(
         facets: &Facets<'_>,
-        near: LaneSet<P>,
+        near: LaneSet,
         dir: DVec3,
         slack: f64,
         place: impl Fn(DVec3) -> DVec3,
@@ -127,12 +126,12 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
 /// Finds the vertices of both shapes near their support planes, in f32.
 struct NearPass<'p, const P: usize> {
     /// B's vertices in the difference, in A's frame; A's, in B's frame.
-    points: [&'p [PointBlock; P]; 2],
+    points: &'p [[PointBlock; P]; 2],
     /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
     /// The vertices of B, and those of A.
-    near: [LaneSet<P>; 2],
+    near: [LaneSet; 2],
 }
 
 impl<const P: usize> Pass for NearPass<'_, P> {
@@ -149,15 +148,15 @@ impl<const P: usize> Pass for NearPass<'_, P> {
 pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
-    pair: &Pair<'_>,
-    points: [&[PointBlock; P]; 2],
+    points: &[[PointBlock; P]; 2],
+    error: f64,
     dispatch: Dispatch,
     &Bound { upper: depth, normal, .. }: &Bound,
     enough: f64,
 ) -> Option<[DVec3; 2]> {
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
     let dirs = [normal, m.rotation().transpose() * -normal];
-    let margin = (slack + 2.0 * pair.error()) as f32;
+    let margin = (slack + 2.0 * error) as f32;
     let mut pass = NearPass { points, dirs, margin, near: [LaneSet::EMPTY; 2] };
     dispatch.pass(&mut pass);
     // Points of the difference for the point at the origin of A's frame.
@@ -175,10 +174,6 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
     on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;
     on_b.collect(b, pass.near[0], dirs[1], slack, place)?;
-    let sum = |dir: DVec3| {
-        let a = on_a.lowest(dir);
-        Sum { off: (a + on_b.lowest(dir)) - foot, a }
-    };
     let triangle = match (on_a.all(), on_b.all()) {
         ([p, q, r], [other]) => Some([*p, *q, *r].map(|a| Sum { off: (a + *other) - foot, a })),
         ([a], [p, q, r]) => Some([*p, *q, *r].map(|other| Sum { off: (*a + other) - foot, a: *a })),
@@ -192,6 +187,15 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
             return Some(combined(&triangle, nearest.weights, foot));
         }
     }
+    nearest(&on_a, &on_b, foot, enough)
+}
+
+/// Step 3: the points of A and B of which the difference is the foot, to within `enough`.
+fn nearest(on_a: &Feature, on_b: &Feature, foot: DVec3, enough: f64) -> Option<[DVec3; 2]> {
+    let sum = |dir: DVec3| {
+        let a = on_a.lowest(dir);
+        Sum { off: (a + on_b.lowest(dir)) - foot, a }
+    };
     let mut simplex = [sum(DVec3::ZERO); 3];
     let (mut weights, mut at) = ([1.0, 0.0, 0.0], simplex[0].off);
     for _ in 0..MAX_STEPS {

@@ -6,22 +6,20 @@
 
 use std::arch::x86_64::{
     __m256, __m256d, __m256i, _CMP_EQ_OQ, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LT_OQ, _CMP_NGE_UQ, _CMP_NLT_UQ, _MM_HINT_T0,
-    _mm_loadu_si128, _mm_prefetch, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_and_si256,
-    _mm256_blendv_epi8, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps,
-    _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtsi256_si32, _mm256_cvtss_f32,
-    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps,
-    _mm256_min_pd, _mm256_min_ps, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps,
-    _mm256_or_si256, _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps,
-    _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_si256,
-    _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+    _mm_loadu_si128, _mm_prefetch, _mm256_add_pd, _mm256_add_ps, _mm256_blendv_epi8, _mm256_castps_si256,
+    _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd,
+    _mm256_cvtss_f32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd,
+    _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps,
+    _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_epi32,
+    _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
-use super::operations::{Kernel, Pass, Simd};
+use super::{Kernel, Pass, Simd};
 use crate::support::facet_table::{NormalBlock, PointBlock};
-use crate::support::lane_set::{Blocks, LaneSet};
+use crate::support::lane_set::LaneSet;
 
 /// Proof that the processor has AVX2, FMA, BMI1, BMI2 and POPCNT.
 #[derive(Clone, Copy, Debug)]
@@ -158,12 +156,6 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
-        // SAFETY: as above, `self` proves that the processor has the features.
-        unsafe { heights(faces, point, radius) }
-    }
-
-    #[inline(always)]
     fn highest<const N: usize>(
         self,
         points: &[PointBlock; N],
@@ -181,13 +173,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize) {
-        // SAFETY: as above, `self` proves that the processor has the features.
-        unsafe { farthest(points, dir) }
-    }
-
-    #[inline(always)]
-    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet<N> {
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet {
         // SAFETY: as above, `self` proves that the processor has the features.
         unsafe { near_farthest(points, dir, margin) }
     }
@@ -197,25 +183,6 @@ impl Simd for Avx2 {
         // SAFETY: as above, `self` proves that the processor has the features.
         unsafe { less(values, threshold) }
     }
-
-    #[inline(always)]
-    fn below(self, faces: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES] {
-        // SAFETY: as above, `self` proves that the processor has the features.
-        unsafe { below(faces, points) }
-    }
-
-    #[inline(always)]
-    fn raise<const N: usize>(
-        self,
-        values: &mut [[f32; LANES]; N],
-        faces: &[NormalBlock],
-        blocks: &mut Blocks<N>,
-        ball: ([f32; 3], f32),
-        threshold: f32,
-    ) -> (f32, usize) {
-        // SAFETY: as above, `self` proves that the processor has the features.
-        unsafe { raise(values, faces, blocks, ball, threshold) }
-    }
 }
 
 /// The dot products of eight points, without fused operations.
@@ -224,12 +191,6 @@ impl Simd for Avx2 {
 fn products([x, y, z]: &[[f32; LANES]; 3], dir: [__m256; 3]) -> __m256 {
     let xy = _mm256_add_ps(_mm256_mul_ps(load_ps(x), dir[0]), _mm256_mul_ps(load_ps(y), dir[1]));
     _mm256_add_ps(xy, _mm256_mul_ps(load_ps(z), dir[2]))
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-fn heights(NormalBlock { normal, offset }: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
-    store_ps(_mm256_add_ps(products(normal, splat(point)), _mm256_add_ps(load_ps(offset), _mm256_set1_ps(radius))))
 }
 
 #[inline]
@@ -281,39 +242,7 @@ fn all_products<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> ([__
 
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn farthest<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize) {
-    if N <= 4 {
-        // All products stay in registers.
-        let (all, max) = all_products(points, dir);
-        let mut equal = 0;
-        for dots in all.iter().rev() {
-            equal = equal << LANES | _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(*dots, max)) as u32;
-        }
-        return (_mm256_cvtss_f32(max), equal.trailing_zeros() as usize);
-    }
-    let dir = splat(dir);
-    let mut far = _mm256_set1_ps(f32::NEG_INFINITY);
-    let mut block_of = _mm256_setzero_si256();
-    for (index, PointBlock(block)) in points.iter().enumerate() {
-        let dots = products(block, dir);
-        // The first of equal blocks stays.
-        let is_farther = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GT_OQ>(dots, far));
-        block_of = _mm256_blendv_epi8(block_of, _mm256_set1_epi32(index as i32), is_farther);
-        far = _mm256_max_ps(dots, far);
-    }
-    let max = max_lane(far);
-    let equal = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(far, max));
-    let mut first = usize::MAX;
-    for (lane, block) in store_epi32(block_of).into_iter().enumerate() {
-        let index = LANES * block as usize + lane;
-        first = if equal >> lane & 1 == 1 && index < first { index } else { first };
-    }
-    (_mm256_cvtss_f32(max), first)
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-fn near_farthest<const N: usize>(points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet<N> {
+fn near_farthest<const N: usize>(points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet {
     let (all, max) = all_products(points, dir);
     let threshold = _mm256_sub_ps(max, _mm256_set1_ps(margin));
     let mut near = LaneSet::EMPTY;
@@ -321,57 +250,6 @@ fn near_farthest<const N: usize>(points: &[PointBlock; N], dir: [f32; 3], margin
         near.add_block(block, _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(*dots, threshold)) as u32);
     }
     near
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-#[expect(clippy::indexing_slicing, reason = "the list has at most `N` blocks below `N`")]
-fn raise<const N: usize>(
-    values: &mut [[f32; LANES]; N],
-    faces: &[NormalBlock],
-    blocks: &mut Blocks<N>,
-    (center, radius): ([f32; 3], f32),
-    threshold: f32,
-) -> (f32, usize) {
-    let (center, radius, threshold) = (splat(center), _mm256_set1_ps(radius), _mm256_set1_ps(threshold));
-    let mut low = _mm256_set1_ps(f32::INFINITY);
-    let mut block_of = _mm256_setzero_si256();
-    let mut kept = 0;
-    for at in 0..blocks.count.min(N) {
-        let block = usize::from(blocks.items[at]) % N;
-        let Some(NormalBlock { normal, offset }) = faces.get(block) else { break };
-        let heights = _mm256_add_ps(products(normal, center), _mm256_add_ps(load_ps(offset), radius));
-        // Of equal values the instruction returns the second operand.
-        let value = _mm256_max_ps(heights, load_ps(&values[block]));
-        values[block] = store_ps(value);
-        let is_lower = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(value, low));
-        block_of = _mm256_blendv_epi8(block_of, _mm256_set1_epi32(block as i32), is_lower);
-        low = _mm256_min_ps(value, low);
-        blocks.items[kept] = block as u8;
-        kept += usize::from(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_NGE_UQ>(value, threshold)) != 0);
-    }
-    blocks.count = kept;
-    let all = _mm256_min_ps(low, _mm256_permute2f128_ps::<1>(low, low));
-    let all = _mm256_min_ps(all, _mm256_permute_ps::<0b01_00_11_10>(all));
-    let all = _mm256_min_ps(all, _mm256_permute_ps::<0b10_11_00_01>(all));
-    let lane = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(low, all)).trailing_zeros();
-    let block = _mm256_permutevar8x32_epi32(block_of, _mm256_set1_epi32(lane as i32));
-    (_mm256_cvtss_f32(all), LANES * _mm256_cvtsi256_si32(block) as usize + lane as usize)
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-fn below(NormalBlock { normal, offset }: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES] {
-    let offset = load_ps(offset);
-    let mut out = _mm256_setzero_si256();
-    let mut bit = _mm256_set1_epi32(1);
-    for [x, y, z, threshold] in points {
-        let heights = _mm256_add_ps(products(normal, splat([*x, *y, *z])), offset);
-        let is_less = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_NGE_UQ>(heights, _mm256_set1_ps(*threshold)));
-        out = _mm256_or_si256(out, _mm256_and_si256(is_less, bit));
-        bit = _mm256_add_epi32(bit, bit);
-    }
-    store_epi32(out)
 }
 
 #[inline]

@@ -4,7 +4,7 @@ use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::i16_le;
 
 use crate::support::facet_table::{NormalBlock, PointBlock};
-use crate::support::lane_set::{Blocks, LaneSet};
+use crate::support::lane_set::LaneSet;
 
 /// Operations on blocks of eight candidates. Every implementation is an instruction set.
 pub(crate) trait Simd: Copy {
@@ -30,13 +30,10 @@ pub(crate) trait Simd: Copy {
     /// block.
     fn max_dot(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32;
 
-    /// For each of eight faces, the dot product of its normal and `point`, plus its offset and
-    /// `radius`. Each product and each sum is rounded once: x, y, z, then offset plus radius.
-    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES];
-
     /// For each of eight faces, the maximum height of all `points`, and the lowest index of a point
-    /// that has it. Calls `each` with the index of every point and its heights
-    /// ([`heights`](Self::heights)). No height is NaN.
+    /// that has it. Calls `each` with the index of every point and its heights: the dot product
+    /// with the normal plus the offset. Each product and each sum is rounded once, in the order x,
+    /// y, z, offset. No height is NaN.
     fn highest<const N: usize>(
         self,
         points: &[PointBlock; N],
@@ -48,38 +45,13 @@ pub(crate) trait Simd: Copy {
     /// is rounded once, in the order x, y, z, centre.
     fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock;
 
-    /// The maximum dot product over all lanes of all `points`, and the lowest lane that has it,
-    /// counted over the blocks as one slice. Each product and each sum is rounded once, in the
-    /// order x, y, z. Points are finite.
-    fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize);
-
-    /// The points whose dot product is within `margin` of the maximum. Computed as by
-    /// [`farthest`](Self::farthest).
-    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet<N>;
+    /// The points whose dot product is within `margin` of the maximum, counted over the blocks as
+    /// one slice. Each product and each sum is rounded once, in the order x, y, z. Points are
+    /// finite.
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet;
 
     /// Mask of the values less than `threshold`, one bit per lane. NaN is less.
     fn less(self, values: &[f32; LANES], threshold: f32) -> u32;
-
-    /// For each of eight faces, one bit per point. A point is given as x, y, z and a threshold. Its
-    /// bit is set if its height ([`heights`](Self::heights)) is less than the threshold, or NaN.
-    /// There are at most 32 points.
-    fn below(self, faces: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES];
-
-    /// Raises `values` to the heights of the centre of `ball` plus its radius
-    /// ([`heights`](Self::heights)), in the given `blocks`. Then removes the blocks without a value
-    /// below `threshold` from the list.
-    ///
-    /// Returns the lowest value in the blocks as given, and its index in all blocks as one slice;
-    /// of equal values, that of the lowest lane, then of the block that is first in the list. No
-    /// value is NaN.
-    fn raise<const N: usize>(
-        self,
-        values: &mut [[f32; LANES]; N],
-        faces: &[NormalBlock],
-        blocks: &mut Blocks<N>,
-        ball: ([f32; 3], f32),
-        threshold: f32,
-    ) -> (f32, usize);
 }
 
 /// A pass over arrays: code that is compiled once per instruction set, and keeps its results.

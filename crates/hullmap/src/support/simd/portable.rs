@@ -8,7 +8,7 @@ use rkyv::rend::{f32_le, i16_le};
 use super::operations::Simd;
 use crate::support::candidate::exact_dot;
 use crate::support::facet_table::{NormalBlock, PointBlock};
-use crate::support::lane_set::{Blocks, LaneSet};
+use crate::support::lane_set::LaneSet;
 
 /// The instruction set that every processor has.
 #[derive(Clone, Copy, Debug)]
@@ -118,17 +118,6 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    #[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
-    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
-        let point = point.map(Vec4::splat);
-        let radius = Vec4::splat(radius);
-        let [x, y, z] = faces.normal.each_ref().map(halves);
-        let offset = halves(&faces.offset);
-        let half = |i: usize| x[i] * point[0] + y[i] * point[1] + z[i] * point[2] + (offset[i] + radius);
-        whole([half(0), half(1)])
-    }
-
-    #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "`N` blocks of eight lanes")]
     fn highest<const N: usize>(
         self,
@@ -139,7 +128,7 @@ impl Simd for Portable {
         let mut highest = ([f32::NEG_INFINITY; LANES], [0; LANES]);
         for index in 0..LANES * N {
             let point = points[index / LANES].0.map(|c| c[index % LANES]);
-            let heights = self.heights(faces, point, 0.0);
+            let heights = heights(faces, point);
             for ((height, highest), point) in heights.iter().zip(&mut highest.0).zip(&mut highest.1) {
                 let is_higher = height > highest;
                 *highest = if is_higher { *height } else { *highest };
@@ -163,18 +152,15 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize) {
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet {
         let dots = point_dots(points, dir);
         let max = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |max, dot| dot.max(max)).max_element();
-        let lanes = lanes_where(&dots, |dot| dot.cmpeq(Vec4::splat(max)).bitmask());
-        (max, lanes.iter().next().unwrap_or_default())
-    }
-
-    #[inline(always)]
-    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet<N> {
-        let dots = point_dots(points, dir);
-        let max = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |max, dot| dot.max(max)).max_element();
-        lanes_where(&dots, |dot| dot.cmpge(Vec4::splat(max - margin)).bitmask())
+        let mut near = LaneSet::EMPTY;
+        for (block, dots) in dots.iter().enumerate() {
+            let [low, high] = dots.map(|dot| dot.cmpge(Vec4::splat(max - margin)).bitmask());
+            near.add_block(block, low | high << 4);
+        }
+        near
     }
 
     #[inline(always)]
@@ -183,56 +169,17 @@ impl Simd for Portable {
         let [low, high] = halves(values).map(|half| half.cmpge(threshold).bitmask());
         !(low | high << 4) & 0xff
     }
+}
 
-    #[inline(always)]
-    fn below(self, faces: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES] {
-        let mut out = [0; LANES];
-        for (bit, [x, y, z, threshold]) in points.iter().enumerate() {
-            for (out, height) in out.iter_mut().zip(self.heights(faces, [*x, *y, *z], 0.0)) {
-                let is_at_least = height >= *threshold;
-                *out |= u32::from(!is_at_least) << bit;
-            }
-        }
-        out
-    }
-
-    #[inline(always)]
-    #[expect(clippy::indexing_slicing, reason = "eight lanes; the list has at most `N` blocks below `N`")]
-    fn raise<const N: usize>(
-        self,
-        values: &mut [[f32; LANES]; N],
-        faces: &[NormalBlock],
-        blocks: &mut Blocks<N>,
-        (center, radius): ([f32; 3], f32),
-        threshold: f32,
-    ) -> (f32, usize) {
-        let mut low = [f32::INFINITY; LANES];
-        let mut block_of = [0; LANES];
-        let mut kept = 0;
-        for at in 0..blocks.count.min(N) {
-            let block = usize::from(blocks.items[at]) % N;
-            let Some(faces) = faces.get(block) else { break };
-            let heights = self.heights(faces, center, radius);
-            for (value, height) in values[block].iter_mut().zip(heights) {
-                *value = if height > *value { height } else { *value };
-            }
-            for (lane, value) in values[block].into_iter().enumerate() {
-                let is_lower = value < low[lane];
-                low[lane] = if is_lower { value } else { low[lane] };
-                block_of[lane] = if is_lower { block } else { block_of[lane] };
-            }
-            blocks.items[kept] = block as u8;
-            kept += usize::from(self.less(&values[block], threshold) != 0);
-        }
-        blocks.count = kept;
-        let mut lowest = (f32::INFINITY, 0);
-        for (lane, (value, block)) in low.iter().zip(block_of).enumerate() {
-            if *value < lowest.0 {
-                lowest = (*value, LANES * block + lane);
-            }
-        }
-        lowest
-    }
+/// Heights of a point over eight faces.
+#[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
+fn heights(faces: &NormalBlock, point: [f32; 3]) -> [f32; LANES] {
+    let point = point.map(Vec4::splat);
+    let [x, y, z] = faces.normal.each_ref().map(halves);
+    let offset = halves(&faces.offset);
+    let half = |i: usize| x[i] * point[0] + y[i] * point[1] + z[i] * point[2] + offset[i];
+    whole([half(0), half(1)])
 }
 
 /// Dot products of all points with `dir`.
@@ -244,16 +191,6 @@ fn point_dots<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> [[Vec4
         let [x, y, z] = block.each_ref().map(halves);
         [0, 1].map(|i: usize| x[i] * dir[0] + y[i] * dir[1] + z[i] * dir[2])
     })
-}
-
-/// The lanes, from four bits for each vector.
-#[inline(always)]
-fn lanes_where<const N: usize>(dots: &[[Vec4; 2]; N], bits: impl Fn(Vec4) -> u32) -> LaneSet<N> {
-    let mut lanes = LaneSet::EMPTY;
-    for (block, [low, high]) in dots.iter().enumerate() {
-        lanes.add_block(block, bits(*low) | bits(*high) << 4);
-    }
-    lanes
 }
 
 #[inline(always)]
