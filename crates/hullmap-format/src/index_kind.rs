@@ -8,7 +8,7 @@
 //!    branches.
 //! 2. `hullmap-bake`, `index/mod.rs`: how it is built.
 //! 3. `hullmap`, `support/index.rs`: how a direction finds its leaf.
-//! 4. `crates/hullmap-cli`, `options/`: its name on the command line, and its text in a pack's record.
+//! 4. `hullmap-cli`, `options/`: its name on the command line, and its text in a pack's record.
 //! 5. `docs/FORMAT.md`, and the test `format_document`, which implements that document
 //!    independently.
 //!

@@ -120,10 +120,10 @@ impl<'a> Hull<'a> {
     /// are unknown, and with more than 32 vertices also its [faces](Self::faces).
     ///
     /// All queries work. Support queries, yes or no, distances, rays, casts and contacts return the
-    /// same bits. Hints ([`support_from`](Self::support_from)) save no time. Features, and with them
-    /// contact manifolds, come from up to 33 support queries
-    /// in directions around the normal, as for user shapes: faces that are tilted by more than
-    /// [`TILT`](crate::shapes::TILT) against the contact normal become edges or vertices.
+    /// same bits. Hints ([`support_from`](Self::support_from)) save no time. Features, and with
+    /// them contact manifolds, come from up to 33 support queries in directions around the normal,
+    /// as for user shapes: faces that are tilted by more than [`TILT`](crate::shapes::TILT) against
+    /// the contact normal become edges or vertices.
     ///
     /// # Examples
     /// ```

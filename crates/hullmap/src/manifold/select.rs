@@ -63,6 +63,18 @@ pub struct Spot {
 }
 
 /// Indices of up to four spots, each once.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec2;
+/// use hullmap::manifold::select::{Choice, Spot};
+///
+/// let spots = [DVec2::ZERO, DVec2::X, DVec2::Y].map(|at| Spot { at, depth: 0.0 });
+/// let mut choice = Choice::default();
+/// [0, 1, 2, 1].map(|index| choice.push(index));
+/// assert_eq!(choice.indices(), [0, 1, 2]);
+/// assert!(choice.is_below(&spots, DVec2::splat(0.2)) && !choice.is_below(&spots, DVec2::ONE));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
     indices: [usize; 4],
@@ -186,6 +198,18 @@ impl Plane {
 ///
 /// The four spots that were chosen `last`, if they are still there, are preferred to others that
 /// are nearly as good.
+///
+/// # Examples
+/// The corners of a square, and a point between them:
+/// ```
+/// use hullmap::glam::DVec2;
+/// use hullmap::manifold::select::{Spot, choose};
+///
+/// let square = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y, DVec2::splat(0.5)];
+/// let spots = square.map(|at| Spot { at, depth: 0.0 });
+/// let chosen = choose(&spots, DVec2::splat(0.5), 0.01, None);
+/// assert!((0..4).all(|corner| chosen.indices().contains(&corner)));
+/// ```
 pub fn choose(spots: &[Spot], center: DVec2, slight: f64, last: Option<Choice>) -> Choice {
     let mut best = Choice::default();
     if spots.len() <= 4 {

@@ -146,8 +146,8 @@ fn the_parts_of_a_convex_body_have_the_contacts_of_the_whole() {
                 let mut manifolds = CompoundManifolds::new(64);
                 manifolds.update(&union, &body, pose, &settings());
                 let (found, angle) = worst(manifolds.iter().map(|(_, m)| m), &hull);
-                // Points beside the contact, on which the body would tip, are on faces that lean: the
-                // normal is off there, for the whole body as well.
+                // Points beside the contact, on which the body would tip, are on faces that lean:
+                // the normal is off there, for the whole body as well.
                 let own = worst([&reference].into_iter(), &hull).1;
                 tried += 1;
                 largest = largest.max(angle - own);

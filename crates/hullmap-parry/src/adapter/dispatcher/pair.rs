@@ -17,7 +17,8 @@ pub(super) enum Pair<'s> {
     Primitive(&'s BakedHull, Partner),
 }
 
-/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`. [`Pair`] must be in scope.
+/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`. [`Pair`] must be in
+/// scope.
 macro_rules! on_pair {
     ($pair:expr, $a:ident, $b:ident => $answer:expr) => {
         match &$pair {
