@@ -17,6 +17,8 @@
 //! 6. EPA from the centre and the portal to the minimum depth.
 //! 7. Witness points from barycentric coordinates (line 10).
 //!
+//! docs/decisions/0010-solver.md has a drawing of them, and what each step is worth.
+//!
 //! # Deviations
 //! - Step 6. The paper takes the depth along the normal of the portal that the centre ray pierces,
 //!   which is up to 3.8 times too large. With `max_iterations` 0 it is returned as an upper bound.
