@@ -361,7 +361,7 @@ fn memory_of_dense_formats_and_large_indices_stays_within_the_bound() {
         (&["--index-budget", "100"], 0),
         (&["--index", "cubemap", "--resolution", &RESOLUTION.to_string()], 6 * RESOLUTION * RESOLUTION),
     ] {
-        let one = 320 * source + 480 * cells + (256 << 10);
+        let one = 320 * source + 640 * cells + (256 << 10);
         let memory = one.to_string();
         let bounded = peak(&folder, &[words, &["--memory", &memory]].concat());
         println!("{words:?}: sources of {source} bytes; peak {bounded} within a bound of {one}");
