@@ -22,8 +22,8 @@ const PER_DENSE_BYTE: u64 = 320;
 /// Memory of each file, however short.
 const PER_FILE: u64 = 256 << 10;
 
-/// Memory per cell of a cube map while it is built and proven: 288 bytes, and up to as much that the
-/// allocator retains. In the pack, a cell takes 4 bytes.
+/// Memory per cell of a cube map while it is built and proven: 288 bytes, and up to as much that
+/// the allocator retains. In the pack, a cell takes 4 bytes.
 const PER_CELL: u64 = 640;
 
 /// Maximum estimate, more than any machine has. A plan may state any size, and estimates are added.

@@ -237,6 +237,16 @@ pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
 
 /// Support points in eight directions that are tilted from `dir` to all sides, by the angle whose
 /// tangent is `tilt`.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::{Cuboid, tilted};
+///
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// assert!(tilted(&cube, DVec3::Z, 0.1).iter().all(|corner| corner.point.z == 1.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, tilt: f64) -> [SupportPoint; COARSE] {
     coarse_ring(shape, &Cone::new(dir, tilt))
 }
