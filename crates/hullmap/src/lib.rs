@@ -244,6 +244,7 @@
 pub mod batch;
 pub mod cascade;
 pub mod compound;
+mod facets;
 mod hull;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod manifold;
@@ -256,6 +257,8 @@ mod support;
 mod vector;
 
 pub use compound::{Compound, CompoundCache, CompoundManifolds};
+#[doc(hidden)]
+pub use facets::Facets;
 pub use glam;
 pub use hull::{Hull, HullArrays, MassProperties, SharedHull, SupportVertex};
 pub use hullmap_format::{FORMAT_VERSION, IndexKind, LEAN_FORMAT_VERSION, SolidKind, header::Header, walk::Cost};
@@ -271,8 +274,6 @@ pub use solver::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
     Settings, SignedDistance, Status, VectorError, Vertex,
 };
-#[doc(hidden)]
-pub use support::Facets;
 pub use support::{Bounds, Instructions, SupportMap, SupportPoint};
 
 /// The examples of the README.

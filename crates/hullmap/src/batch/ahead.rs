@@ -12,11 +12,12 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::pair::{Pair, SupportQuery, has_facets};
+use crate::facets::view::Facets;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::shapes::{Feature, Shape};
 use crate::solver::{Cache, Contact, Distance, Intersection, Settings, queries};
 use crate::support::simd::{fetch, fetch_start};
-use crate::support::{Facets, SupportMap, SupportPoint};
+use crate::support::{SupportMap, SupportPoint};
 
 /// Number of pairs from the one that is fetched to the one that is solved.
 const DISTANCE: usize = 4;

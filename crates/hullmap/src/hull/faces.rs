@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 use rkyv::rend::u32_le;
 
 use super::Hull;
+use crate::facets::table::triangle_normal;
 use crate::support::SupportMap;
-use crate::support::facet_table::triangle_normal;
 use crate::vector::unit;
 
 impl<'a> Hull<'a> {

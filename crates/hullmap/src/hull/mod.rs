@@ -2,7 +2,6 @@
 
 mod arrays;
 mod faces;
-pub(crate) mod facets;
 mod facts;
 mod feature;
 mod mass;
@@ -19,7 +18,7 @@ use hullmap_format::{
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
-use crate::support::facet_table::FacetTable;
+use crate::facets::table::FacetTable;
 use crate::support::index::Index;
 use crate::support::simd::{Dispatch, HOT_BYTES};
 

@@ -6,9 +6,10 @@ use glam::DVec3;
 
 use super::Hull;
 use crate::{
+    facets::view::Facets,
     pack::{NoSuchHull, Pack},
     shapes::{Feature, Shape},
-    support::{Lookup, SupportMap, SupportPoint, facets::Facets},
+    support::{Lookup, SupportMap, SupportPoint},
 };
 
 self_cell::self_cell!(

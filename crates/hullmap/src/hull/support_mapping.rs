@@ -5,7 +5,7 @@ use hullmap_format::{IndexKind, archive::ArchivedBlock, walk::Cost};
 use rkyv::rend::f32_le;
 
 use super::Hull;
-use crate::support::facets::Facets;
+use crate::facets::view::Facets;
 use crate::support::hint::{Edges, IsLocalMaximum};
 use crate::support::simd::{Dispatch, Instructions, fetch};
 use crate::support::{Lookup, SupportMap, SupportPoint};

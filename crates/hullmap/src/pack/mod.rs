@@ -59,8 +59,8 @@ use hullmap_format::{
 };
 use rkyv::util::AlignedVec;
 
+use crate::facets::table::FacetTable;
 use crate::hull::Hull;
-use crate::support::facet_table::FacetTable;
 pub use error::{InvalidPack, NoSuchHull, OpenError};
 use storage::{Bytes, Storage};
 

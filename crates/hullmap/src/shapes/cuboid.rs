@@ -4,7 +4,8 @@ use super::error::ShapeError;
 use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use super::{direction, error::length};
-use crate::support::{SupportMap, SupportPoint, facets::Facets};
+use crate::facets::view::Facets;
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A box about the origin of its frame, with its edges along the axes.

@@ -22,8 +22,8 @@
 
 #![forbid(unsafe_code)]
 
+use crate::facets::view::Facets;
 use crate::pose::Pose;
-use crate::support::facets::Facets;
 use crate::support::{Lookup, SupportMap};
 use glam::{DMat3, DQuat, DVec3};
 use std::hint::black_box;

@@ -9,17 +9,13 @@ pub(crate) mod best_candidate;
 mod bounds;
 pub(crate) mod candidate;
 pub(crate) mod direction;
-pub(crate) mod facet_table;
-pub(crate) mod facets;
 pub(crate) mod hint;
 pub(crate) mod index;
-pub(crate) mod lane_set;
 mod lookup;
 pub(crate) mod simd;
 mod support_map;
 
 pub use bounds::Bounds;
-pub use facets::Facets;
 #[doc(hidden)]
 pub use lookup::Lookup;
 pub use simd::Instructions;

@@ -1,8 +1,8 @@
 //! Support mapping: the only interface between the solver and a shape.
 
 use super::bounds::Bounds;
-use super::facets::Facets;
 use super::lookup::Lookup;
+use crate::facets::view::Facets;
 use crate::pose::Pose;
 use glam::DVec3;
 

@@ -15,11 +15,11 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::facets::lane_set::LaneSet;
+use crate::facets::table::{Edge, LANES, PointBlock};
+use crate::facets::view::{Buffer, Facets, View};
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facet_table::{Edge, LANES, PointBlock};
-use crate::support::facets::{Buffer, Facets, View};
-use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
 
 /// Bound of the error of a value of the pass, in units of 2⁻²⁴ times the reach: see

@@ -36,9 +36,9 @@ use super::cache::Cache;
 use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
 use super::status::Status;
+use crate::facets::table::{NORMAL_BLOCKS, POINT_BLOCKS};
+use crate::facets::view::{Buffer, Facets};
 use crate::support::SupportMap;
-use crate::support::facet_table::{NORMAL_BLOCKS, POINT_BLOCKS};
-use crate::support::facets::{Buffer, Facets};
 use crate::support::simd::Dispatch;
 use crate::vector::unit;
 

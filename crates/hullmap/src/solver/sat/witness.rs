@@ -9,13 +9,13 @@
 
 use glam::DVec3;
 
+use crate::facets::lane_set::LaneSet;
+use crate::facets::table::PointBlock;
+use crate::facets::view::Facets;
 use crate::solver::barycentric::on_triangle;
 use crate::solver::bound::Bound;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facet_table::PointBlock;
-use crate::support::facets::Facets;
-use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
 
 /// Maximum number of steps. Two faces of four vertices need at most six.

@@ -18,8 +18,8 @@ use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
 use super::{Kernel, Pass, Simd};
-use crate::support::facet_table::{NormalBlock, PointBlock};
-use crate::support::lane_set::LaneSet;
+use crate::facets::lane_set::LaneSet;
+use crate::facets::table::{NormalBlock, PointBlock};
 
 /// Proof that the processor has AVX2, FMA, BMI1, BMI2 and POPCNT.
 #[derive(Clone, Copy, Debug)]

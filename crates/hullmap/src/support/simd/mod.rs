@@ -185,8 +185,8 @@ fn portable_pass(pass: &mut impl Pass) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::facet_table::{NormalBlock, PointBlock};
-    use crate::support::lane_set::LaneSet;
+    use crate::facets::lane_set::LaneSet;
+    use crate::facets::table::{NormalBlock, PointBlock};
     use shapes::rng::SplitMix64;
 
     /// All operations on `N` blocks of points and of faces, and what they return.

@@ -3,8 +3,8 @@
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::i16_le;
 
-use crate::support::facet_table::{NormalBlock, PointBlock};
-use crate::support::lane_set::LaneSet;
+use crate::facets::lane_set::LaneSet;
+use crate::facets::table::{NormalBlock, PointBlock};
 
 /// Operations on blocks of eight candidates. Every implementation is an instruction set.
 pub(crate) trait Simd: Copy {

@@ -6,9 +6,9 @@ use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
 use super::operations::Simd;
+use crate::facets::lane_set::LaneSet;
+use crate::facets::table::{NormalBlock, PointBlock};
 use crate::support::candidate::exact_dot;
-use crate::support::facet_table::{NormalBlock, PointBlock};
-use crate::support::lane_set::LaneSet;
 
 /// The instruction set that every processor has.
 #[derive(Clone, Copy, Debug)]

@@ -18,11 +18,11 @@
 use glam::DVec3;
 use hullmap_format::sections::Sections;
 
-use super::Hull;
-use crate::support::SupportMap;
-use crate::support::facet_table::{
+use crate::facets::table::{
     Edge, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, triangle_normal,
 };
+use crate::hull::Hull;
+use crate::support::SupportMap;
 
 /// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
 /// outer radius.
@@ -338,7 +338,8 @@ mod tests {
     }
 
     fn check(hull: &Hull<'_>, table: &FacetTable, seed: u64) {
-        assert_eq!((table.exact.len(), 2 * table.edges.len()), (hull.face_count(), hull.neighbours.len()));
+        let neighbours = (0..hull.vertex_count() as u32).map(|vertex| hull.neighbours(vertex).count()).sum();
+        assert_eq!((table.exact.len(), 2 * table.edges.len()), (hull.face_count(), neighbours));
         // Each arc once, with a vertex that both faces have.
         for (index, Edge { faces, vertex, cosine }) in table.edges.iter().enumerate() {
             assert!(faces[0] < faces[1] && table.edges[..index].iter().all(|other| other.faces != *faces));

@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 
-use super::facet_table::{Edge, FacetTable, LANES, MAX_VERTICES, NormalBlock, PointBlock};
-use super::simd::Dispatch;
+use super::table::{Edge, FacetTable, LANES, MAX_VERTICES, NormalBlock, PointBlock};
 use crate::hull::Hull;
+use crate::support::simd::Dispatch;
 
 /// The faces of a small polytope, from [`SupportMap::facets`].
 ///

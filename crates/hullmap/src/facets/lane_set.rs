@@ -1,6 +1,6 @@
 //! Sets of lanes: faces or vertices of a small polytope.
 
-use super::facet_table::LANES;
+use super::table::LANES;
 
 /// Lanes of up to eight blocks, one bit each. A lane's index is that in all blocks as one slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
