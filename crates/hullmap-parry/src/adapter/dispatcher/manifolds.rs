@@ -4,7 +4,7 @@ use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
-use super::super::parry::shape::{CompositeShape, Shape, ShapeType};
+use super::super::parry::shape::{Shape, ShapeType};
 use super::contacts::{hardly_moved, solve, update, update_plane};
 use super::pair::{pair, plane};
 use super::part_dispatcher::PartDispatcher;
@@ -36,8 +36,7 @@ where
                 update_plane(&found, prediction, &mut memory.manifold, manifold);
             });
         }
-        let composites = [shape1.as_composite_shape(), shape2.as_composite_shape()];
-        let split = Split { pos12, shapes: [shape1, shape2], composites, prediction };
+        let split = Split { pos12, shapes: [shape1, shape2], prediction };
         if !split.has_parts() {
             return DefaultQueryDispatcher.contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
         }
@@ -110,14 +109,13 @@ where
 struct Split<'s> {
     pos12: &'s Pose,
     shapes: [&'s dyn Shape; 2],
-    composites: [Option<&'s dyn CompositeShape>; 2],
     prediction: Real,
 }
 
 impl Split<'_> {
     /// Whether parry splits one of the shapes, and passes the parts to a given dispatcher.
     fn has_parts(&self) -> bool {
-        let [composite1, composite2] = self.composites.map(|composite| composite.is_some());
+        let [composite1, composite2] = self.shapes.map(|shape| shape.as_composite_shape().is_some());
         if composite1 && composite2 {
             return true;
         }
@@ -140,7 +138,8 @@ impl Split<'_> {
         M: Default + Clone + Send + Sync,
         C: Default + Copy + Send + Sync,
     {
-        let Self { pos12, shapes: [shape1, shape2], composites: [composite1, composite2], prediction } = *self;
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
         if let (Some(composite1), Some(composite2)) = (composite1, composite2) {
             default::contact_manifolds_composite_shape_composite_shape(
                 &PartDispatcher::new(shape1, shape2),
@@ -182,7 +181,8 @@ impl Split<'_> {
         M: Default + Clone + Send + Sync,
         C: Default + Copy + Send + Sync,
     {
-        let Self { pos12, shapes: [shape1, shape2], composites: [composite1, composite2], prediction } = *self;
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
         if composite1.is_none() && composite2.is_none() {
             default::contact_manifolds_heightfield_shape_shapes(
                 &HullDispatcher,
@@ -226,8 +226,9 @@ impl Split<'_> {
         M: Default + Clone + Send + Sync,
         C: Default + Copy + Send + Sync,
     {
-        let Self { pos12, shapes: [shape1, shape2], composites, prediction } = *self;
-        let update = if composites.iter().any(Option::is_some) {
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let has_composite = shape1.as_composite_shape().is_some() || shape2.as_composite_shape().is_some();
+        let update = if has_composite {
             default::contact_manifolds_voxels_composite_shape_shapes
         } else {
             default::contact_manifolds_voxels_shape_shapes
@@ -244,7 +245,8 @@ impl Split<'_> {
         M: Default + Clone + Send + Sync,
         C: Default + Copy + Send + Sync,
     {
-        let Self { pos12, shapes: [shape1, shape2], composites: [composite1, composite2], prediction } = *self;
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
         let pos21 = pos12.inverse();
         let is_second = composite1.is_none();
         let (composite, shape, pos12) =
