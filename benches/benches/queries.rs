@@ -9,7 +9,7 @@ use std::{cell::RefCell, fmt, rc::Rc};
 use divan::{Bencher, black_box, counter::ItemsCount};
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, CastSettings, Motion, Pose, Ray, Settings, SupportMap, cast, ray, signed_distance};
-use hullmap_bench::{solver::pairs::Pair, subject::SEED};
+use hullmap_bench::{solver::pairs::BakedPair, subject::SEED};
 use parry3d::{math, query, query::PointQuery, query::RayCast};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -44,15 +44,15 @@ impl fmt::Display for Case {
 
 thread_local! {
     /// Pairs baked so far.
-    static PAIRS: RefCell<Vec<(usize, Rc<Pair>)>> = const { RefCell::new(Vec::new()) };
+    static PAIRS: RefCell<Vec<(usize, Rc<BakedPair>)>> = const { RefCell::new(Vec::new()) };
 }
 
-fn pair(n: usize) -> Rc<Pair> {
+fn pair(n: usize) -> Rc<BakedPair> {
     PAIRS.with_borrow_mut(|pairs| {
         if let Some((_, pair)) = pairs.iter().find(|(of, _)| *of == n) {
             return Rc::clone(pair);
         }
-        let pair = Rc::new(Pair::bake(Family::Rock, n, SEED).expect("parry takes the hull"));
+        let pair = Rc::new(BakedPair::bake(Family::Rock, n, SEED).expect("parry takes the hull"));
         pairs.push((n, Rc::clone(&pair)));
         pair
     })

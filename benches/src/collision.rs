@@ -27,7 +27,7 @@ pub const BODIES: u64 = 4;
 /// Two bodies and the position of the second: along `direction`, at `share` times the distance at
 /// which it touches the first.
 #[derive(Clone, Copy, Debug)]
-struct Pair {
+struct PosedPair {
     a: usize,
     b: usize,
     rotation: DQuat,
@@ -46,7 +46,7 @@ pub struct Test {
 /// The tests, independent of the bodies' detail.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    pairs: Vec<Pair>,
+    pairs: Vec<PosedPair>,
 }
 
 /// All bodies with the same number of points and the same index.
@@ -70,7 +70,7 @@ impl Scene {
     pub fn new(count: usize, seed: u64) -> Self {
         let mut rng = SplitMix64::new(seed);
         let body = |rng: &mut SplitMix64| rng.below(BODIES as usize);
-        let pairs = (0..count).map(|index| Pair {
+        let pairs = (0..count).map(|index| PosedPair {
             a: body(&mut rng),
             b: body(&mut rng),
             rotation: DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize(),
@@ -90,7 +90,7 @@ impl Scene {
     }
 }
 
-impl Pair {
+impl PosedPair {
     fn placed(&self, hulls: &[Hull<'_>]) -> Test {
         let (a, b) = (&hulls[self.a], &hulls[self.b]);
         let distance = touching_distance(a, b, self.rotation, self.direction) * self.share;

@@ -67,7 +67,7 @@ impl Report {
         families
     }
 
-    fn of(&self, family: Family) -> impl Iterator<Item = &Record> {
+    fn records_of(&self, family: Family) -> impl Iterator<Item = &Record> {
         self.records.iter().filter(move |r| r.family == family)
     }
 
@@ -93,12 +93,12 @@ impl Report {
 
     fn mode_table(&self, family: Family, mode: Mode) -> Matrix {
         let mut table = Matrix::new(&format!("{}, {}, ns per query", family.name(), mode.name()), "n");
-        for record in self.of(family) {
+        for record in self.records_of(family) {
             if let Some(ns) = record.median_ns(mode) {
                 table.set(&marked(record), &record.n.to_string(), nanos(ns));
             }
         }
-        for record in self.of(family).filter(|r| r.rival == DEFAULT_INDEX) {
+        for record in self.records_of(family).filter(|r| r.rival == DEFAULT_INDEX) {
             let Some(ns) = record.median_ns(mode) else { continue };
             for (only_exact, row) in
                 [(true, "faster than the best exact other by"), (false, "faster than the best other by")]
@@ -117,7 +117,7 @@ impl Report {
         let mut wrong = table("wrong answers, in per cent of the directions");
         let mut bytes = table("bytes per vertex in addition to the coordinates");
         let mut build = table("time to build the index, ms");
-        for record in self.of(family) {
+        for record in self.records_of(family) {
             let (row, column) = (marked(record), record.n.to_string());
             regret.set(&row, &column, format!("{:.0e}", record.verdict.max_regret));
             if !record.exact {
@@ -143,14 +143,14 @@ impl Report {
         );
         for family in self.families() {
             let mut table = Matrix::new(family.name(), "n");
-            for record in self.of(family) {
+            for record in self.records_of(family) {
                 let name = if record.exact { record.rival.clone() } else { format!("*{}*", record.rival) };
                 let cell: Vec<String> = self.modes().filter_map(|m| record.median_ns(m)).map(nanos).collect();
                 table.set(&name, &record.n.to_string(), cell.join(" / "));
             }
-            for record in self.of(family) {
+            for record in self.records_of(family) {
                 let name = if record.exact { record.rival.clone() } else { format!("*{}*", record.rival) };
-                let same = || self.of(family).filter(|r| r.rival == record.rival);
+                let same = || self.records_of(family).filter(|r| r.rival == record.rival);
                 let regret = same().map(|r| r.verdict.max_regret).fold(0.0, f64::max);
                 let wrong = same().map(|r| r.verdict.wrong_share).fold(0.0, f64::max);
                 let judged =
@@ -165,7 +165,7 @@ impl Report {
                 let ratio = |m| Some(ratio(self.best_other_ns(record, m, only_exact)? / record.median_ns(m)?));
                 self.modes().filter_map(ratio).collect::<Vec<_>>().join(" / ")
             };
-            for record in self.of(family).filter(|r| r.rival == DEFAULT_INDEX) {
+            for record in self.records_of(family).filter(|r| r.rival == DEFAULT_INDEX) {
                 let column = record.n.to_string();
                 table.set(&format!("{DEFAULT_INDEX}, times the best exact other"), &column, ratios(record, true));
                 table.set(&format!("{DEFAULT_INDEX}, times the best other"), &column, ratios(record, false));

@@ -3,7 +3,7 @@
 use hullmap_bench::{
     csv,
     solver::{
-        engines::Query,
+        engines::PairQuery,
         race::{self, Effort, Mix},
         tables,
     },
@@ -29,8 +29,8 @@ fn sample_is_fair_and_intervals_hold() {
         assert_eq!((d.disproved, d.stalled), (0, 0), "{what}");
         assert!(d.depth.len() >= d.pairs / 3, "{what}: {} depths of {} pairs", d.depth.len(), d.pairs);
 
-        assert_eq!(record.cold.len(), Query::ALL.len() * Mix::ALL.len());
-        assert_eq!(record.coherent.len(), Query::ALL.len() * Mix::ALL.len());
+        assert_eq!(record.cold.len(), PairQuery::ALL.len() * Mix::ALL.len());
+        assert_eq!(record.coherent.len(), PairQuery::ALL.len() * Mix::ALL.len());
         for cell in &record.cold {
             assert!([cell.hullmap_ns, cell.parry_ns].iter().all(|ns| *ns > 0.0 && ns.is_finite()), "{what}: {cell:?}");
         }
@@ -41,7 +41,7 @@ fn sample_is_fair_and_intervals_hold() {
 
     let times = tables::to_csv(&records);
     let rows = csv::parse(times.as_str()).unwrap();
-    assert_eq!(rows.len(), COUNTS.len() * Query::ALL.len() * Mix::ALL.len());
+    assert_eq!(rows.len(), COUNTS.len() * PairQuery::ALL.len() * Mix::ALL.len());
     assert!(rows.iter().flatten().all(|(_, value)| !value.is_empty()));
     let answers = tables::answers_to_csv(&records);
     assert_eq!(csv::parse(answers.as_str()).unwrap().len(), COUNTS.len() * 22);

@@ -1,4 +1,4 @@
-//! Reads bytes as a pack. It must be refused, or every query on it must end without a panic.
+//! Reads bytes as a pack. It must be rejected, or every query on it must end without a panic.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};

@@ -1,4 +1,4 @@
-//! Reads bytes as two shapes and their poses. Answers must not contain NaN or exceed a cap, and
+//! Reads bytes as two shapes and their poses. Answers must not contain NaN or exceed a limit, and
 //! intervals must agree with brute force.
 #![no_main]
 

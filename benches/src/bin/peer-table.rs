@@ -12,7 +12,7 @@ use hullmap_bench::{
     output,
     solver::{
         mujoco::{ITERATIONS, MuJoCo, Session},
-        pairs::{Class, FAMILIES, Pair, Placed},
+        pairs::{BakedPair, Class, FAMILIES, Placed},
         race::Mix,
     },
     subject::SEED,
@@ -168,7 +168,7 @@ fn measure(
 ) -> Result<(), Box<dyn Error>> {
     let mut times: Vec<[Vec<f64>; Engine::ALL.len()]> = vec![Default::default(); Mix::ALL.len()];
     let mut rng = SplitMix64::new(SEED);
-    for pair in FAMILIES.into_iter().filter_map(|family| Pair::bake(family, n, SEED)) {
+    for pair in FAMILIES.into_iter().filter_map(|family| BakedPair::bake(family, n, SEED)) {
         let poses = pair.poses(arguments.poses, &mut rng);
         let frames = pair.frames(arguments.paths, FRAMES, &mut rng);
         let both: Vec<&Placed> = poses.iter().chain(&frames).collect();
@@ -190,7 +190,7 @@ fn measure(
 }
 
 /// Counts the differences of the answers.
-fn compare(pair: &Pair, poses: &[Placed], session: &Session, differences: &mut Differences) {
+fn compare(pair: &BakedPair, poses: &[Placed], session: &Session, differences: &mut Differences) {
     let [a, b] = pair.hulls();
     for (placed, theirs) in poses.iter().zip(&session.contacts) {
         let ours = contact(&a, &b, placed.b_in_a, &Settings::default(), &mut Cache::default());
@@ -212,7 +212,7 @@ fn compare(pair: &Pair, poses: &[Placed], session: &Session, differences: &mut D
 
 /// A pair of hulls, and a selection of its poses and paths. Classes alternate in both.
 struct Race<'s> {
-    pair: &'s Pair,
+    pair: &'s BakedPair,
     poses: &'s [Placed],
     frames: &'s [Placed],
     mix: Mix,

@@ -9,7 +9,7 @@ use hullmap::{
 };
 use hullmap_bench::{
     clock,
-    solver::pairs::{Class, FAMILIES, Pair, Placed},
+    solver::pairs::{BakedPair, Class, FAMILIES, Placed},
     subject::SEED,
 };
 use hullmap_testkit::{faceless::Faceless, packs};
@@ -91,7 +91,7 @@ fn main() {
     let mut rng = SplitMix64::new(SEED);
     for n in &arguments.n {
         for family in FAMILIES {
-            let Some(pair) = Pair::bake(family, *n, SEED) else { continue };
+            let Some(pair) = BakedPair::bake(family, *n, SEED) else { continue };
             let poses = pair.poses(arguments.poses, &mut rng);
             row(&format!("{} {n}", family.name()), pair.hulls(), &poses, arguments.rounds);
         }
@@ -108,7 +108,7 @@ fn main() {
             let reach = hullmap_bench::solver::pairs::touching_distance(&hull, &hull, rotation, direction);
             let pose = Pose::new(direction * reach * rng.between(low, high), rotation).expect("finite");
             assert!(class != Class::Separated || !intersects(&hull, &hull, pose, &mut Cache::new()).is_hit());
-            let parry = hullmap_bench::solver::pairs::Placed::of(class, pose);
+            let parry = hullmap_bench::solver::pairs::Placed::from_pose(class, pose);
             placed.push(parry);
         }
         row(&format!("bevelled box {}", hull.vertex_count()), [hull, hull], &placed, arguments.rounds);

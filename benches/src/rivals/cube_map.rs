@@ -29,8 +29,8 @@ impl CubeMap {
         let texels = (0..6 * resolution * resolution).map(|texel| {
             let dir = centre(texel, resolution);
             // The padding of the last block repeats vertex 0.
-            let slot = simd_scan::best_here(&blocks, dir);
-            if slot.index() < vertices.len() { slot.index() as u16 } else { 0 }
+            let place = simd_scan::best_here(&blocks, dir);
+            if place.index() < vertices.len() { place.index() as u16 } else { 0 }
         });
         Some(Self { name: format!("cube map {resolution}"), resolution, texels: texels.collect(), vertices })
     }

@@ -35,19 +35,19 @@ pub struct Block {
 
 /// Position of a vertex in blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slot {
+pub struct Place {
     block: usize,
     lane: usize,
 }
 
-impl Slot {
+impl Place {
     /// Index of the vertex; padding has indices beyond the last vertex.
     pub fn index(self) -> usize {
         self.block * LANES + self.lane
     }
 
     #[inline]
-    fn of(self, blocks: &[Block]) -> Vec3 {
+    fn position(self, blocks: &[Block]) -> Vec3 {
         let block = &blocks[self.block];
         Vec3::new(block.x[self.lane], block.y[self.lane], block.z[self.lane])
     }
@@ -67,7 +67,7 @@ pub fn blocks(vertices: &[Vec3]) -> Vec<Block> {
 }
 
 /// The best position, by the fastest kernel of this machine.
-pub fn best_here(blocks: &[Block], dir: Vec3) -> Slot {
+pub fn best_here(blocks: &[Block], dir: Vec3) -> Place {
     if let Some(kernel) = Avx512::detect() {
         kernel.best(blocks, dir)
     } else if let Some(kernel) = Avx2::detect() {
@@ -87,7 +87,7 @@ pub trait Kernel: Copy {
 
     /// A position with the maximum dot product. Without blocks, or for an invalid direction, some
     /// position in the first block.
-    fn best(self, blocks: &[Block], dir: Vec3) -> Slot;
+    fn best(self, blocks: &[Block], dir: Vec3) -> Place;
 }
 
 /// Plain Rust over arrays.
@@ -102,7 +102,7 @@ impl Kernel for Portable {
     }
 
     #[inline]
-    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
         let mut best = [f32::NEG_INFINITY; PORTABLE_LANES];
         let mut from = [0_u32; PORTABLE_LANES];
         let mut number = 0;
@@ -133,7 +133,7 @@ impl Kernel for Portable {
             }
         }
         let index = from[top] as usize * PORTABLE_LANES + top;
-        Slot { block: index / LANES, lane: index % LANES }
+        Place { block: index / LANES, lane: index % LANES }
     }
 }
 
@@ -154,7 +154,7 @@ impl Kernel for Avx2 {
     }
 
     #[inline]
-    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
         // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX2 and
         // FMA.
         unsafe { x86::best_avx2(blocks, dir) }
@@ -170,7 +170,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline]
-    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
         // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX-512F.
         unsafe { x86::best_avx512(blocks, dir) }
     }
@@ -184,7 +184,7 @@ impl Kernel for Avx2 {
         None
     }
 
-    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
         Portable.best(blocks, dir)
     }
 }
@@ -197,7 +197,7 @@ impl Kernel for Avx512 {
         None
     }
 
-    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
         Portable.best(blocks, dir)
     }
 }
@@ -206,7 +206,7 @@ impl Kernel for Avx512 {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{Block, LANES, Slot, Vec3};
+    use super::{Block, LANES, Place, Vec3};
 
     /// Accumulators: as many as the cycles of a step's compare and blend.
     const ACCUMULATORS: usize = 4;
@@ -236,7 +236,7 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx512f")]
-    pub(super) fn best_avx512(blocks: &[Block], dir: Vec3) -> Slot {
+    pub(super) fn best_avx512(blocks: &[Block], dir: Vec3) -> Place {
         let dir = [_mm512_set1_ps(dir.x), _mm512_set1_ps(dir.y), _mm512_set1_ps(dir.z)];
         let one = _mm512_set1_epi32(1);
         let mut number = _mm512_setzero_si512();
@@ -260,7 +260,7 @@ mod x86 {
         // If the maximum is NaN, no lane is equal. Then the result is lane 0, in bounds.
         let lane = _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(best.0, greatest).trailing_zeros() as usize % LANES;
         let from = _mm512_permutexvar_epi32(_mm512_set1_epi32(lane as i32), best.1);
-        Slot { block: _mm512_cvtsi512_si32(from) as usize, lane }
+        Place { block: _mm512_cvtsi512_si32(from) as usize, lane }
     }
 
     /// Dot products of half a block, lanes 0 to 7 or 8 to 15, with one direction.
@@ -290,7 +290,7 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx2,fma")]
-    pub(super) fn best_avx2(blocks: &[Block], dir: Vec3) -> Slot {
+    pub(super) fn best_avx2(blocks: &[Block], dir: Vec3) -> Place {
         let dir = [_mm256_set1_ps(dir.x), _mm256_set1_ps(dir.y), _mm256_set1_ps(dir.z)];
         let one = _mm256_set1_epi32(1);
         // Counts halves of blocks.
@@ -327,7 +327,7 @@ mod x86 {
         let lane = equal.trailing_zeros() as usize % HALF;
         let from = _mm256_permutevar8x32_epi32(best.1, _mm256_set1_epi32(lane as i32));
         let half = _mm256_cvtsi256_si32(from) as usize;
-        Slot { block: half / 2, lane: half % 2 * HALF + lane }
+        Place { block: half / 2, lane: half % 2 * HALF + lane }
     }
 }
 
@@ -388,7 +388,7 @@ pub struct Scan<'a, K> {
 impl<K: Kernel> SupportQuery for Scan<'_, K> {
     #[inline]
     fn support(&mut self, dir: Vec3) -> Vec3 {
-        self.kernel.best(self.blocks, dir).of(self.blocks)
+        self.kernel.best(self.blocks, dir).position(self.blocks)
     }
 }
 
@@ -405,7 +405,7 @@ mod tests {
             let vertices: Vec<Vec3> = Family::Sphere.points(n, 5).into_iter().map(Vec3::from_array).collect();
             let blocks = blocks(&vertices);
             for dir in directions::random(200, n as u64) {
-                let value = |slot: Slot| slot.of(&blocks).as_dvec3().dot(dir.as_dvec3());
+                let value = |place: Place| place.position(&blocks).as_dvec3().dot(dir.as_dvec3());
                 let truth = vertices.iter().map(|v| v.as_dvec3().dot(dir.as_dvec3())).fold(f64::NEG_INFINITY, f64::max);
                 let portable = value(Portable.best(&blocks, dir));
                 assert!((truth - portable).abs() < 2e-7, "portable, n = {n}, {dir}");
@@ -426,7 +426,7 @@ mod tests {
             let blocks = blocks(&vertices);
             assert_eq!(best_here(&blocks, Vec3::X).index(), n - 1);
             assert_eq!(Portable.best(&blocks, Vec3::X).index(), n - 1);
-            assert_eq!(best_here(&blocks, Vec3::NEG_X).of(&blocks), Vec3::ZERO);
+            assert_eq!(best_here(&blocks, Vec3::NEG_X).position(&blocks), Vec3::ZERO);
         }
     }
 
@@ -434,8 +434,8 @@ mod tests {
     fn invalid_directions_return_some_vertex() {
         let blocks = blocks(&[Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE]);
         for dir in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::new(f32::NAN, 1.0, 0.0)] {
-            assert!(best_here(&blocks, dir).of(&blocks).is_finite());
-            assert!(Portable.best(&blocks, dir).of(&blocks).is_finite());
+            assert!(best_here(&blocks, dir).position(&blocks).is_finite());
+            assert!(Portable.best(&blocks, dir).position(&blocks).is_finite());
         }
     }
 }

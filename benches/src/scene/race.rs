@@ -34,7 +34,7 @@ use crate::{
 
 /// Kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Query {
+pub enum SceneQuery {
     /// A support vertex in a random direction.
     Support,
     /// Yes or no.
@@ -47,18 +47,19 @@ pub enum Query {
     Manifold,
 }
 
-impl Query {
+impl SceneQuery {
     /// All queries, in the order of tables.
-    pub const ALL: [Query; 5] = [Query::Support, Query::Intersects, Query::Distance, Query::Contact, Query::Manifold];
+    pub const ALL: [SceneQuery; 5] =
+        [SceneQuery::Support, SceneQuery::Intersects, SceneQuery::Distance, SceneQuery::Contact, SceneQuery::Manifold];
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
-            Query::Support => "support",
-            Query::Intersects => "intersects",
-            Query::Distance => "distance",
-            Query::Contact => "contact",
-            Query::Manifold => "manifold",
+            SceneQuery::Support => "support",
+            SceneQuery::Intersects => "intersects",
+            SceneQuery::Distance => "distance",
+            SceneQuery::Contact => "contact",
+            SceneQuery::Manifold => "manifold",
         }
     }
 }
@@ -136,7 +137,7 @@ pub struct Cell {
     /// How the queries follow each other.
     pub order: Order,
     /// Kind of the query.
-    pub query: Query,
+    pub query: SceneQuery,
     /// Engine that answers.
     pub engine: Engine,
     /// Median over the pieces, in nanoseconds per query.
@@ -150,7 +151,7 @@ pub fn run(scene: &Scene, vertices: usize, effort: Effort) -> Vec<Cell> {
     supports(scene, &hulls, effort, &mut cells);
     let pairs = random(&hulls, effort.pairs);
     let crowd = Crowd::new(effort.bodies.max(hulls.len()), hulls.len());
-    for query in &Query::ALL[1..] {
+    for query in &SceneQuery::ALL[1..] {
         let mut bench = Bench::new(scene, &hulls, *query, vertices, effort);
         bench.random(&pairs);
         cells.extend(bench.cells(Order::Random));
@@ -213,7 +214,7 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
         }
     }
     cells.extend(Engine::ALL.into_iter().zip(times).filter_map(|(engine, times)| {
-        Some(Cell { order: Order::Random, query: Query::Support, engine, ns: median(times)? })
+        Some(Cell { order: Order::Random, query: SceneQuery::Support, engine, ns: median(times)? })
     }));
 }
 
@@ -221,7 +222,7 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
 struct Bench<'s> {
     scene: &'s Scene,
     hulls: &'s [Hull<'s>],
-    query: Query,
+    query: SceneQuery,
     effort: Effort,
     /// Number of pairs that parry answers in a round.
     parry_window: usize,
@@ -240,7 +241,7 @@ struct Answers {
 const EQUAL_LENGTHS: &str = "the slices have equal lengths";
 
 impl<'s> Bench<'s> {
-    fn new(scene: &'s Scene, hulls: &'s [Hull<'s>], query: Query, vertices: usize, effort: Effort) -> Self {
+    fn new(scene: &'s Scene, hulls: &'s [Hull<'s>], query: SceneQuery, vertices: usize, effort: Effort) -> Self {
         let parry_window = (effort.parry_work / vertices).max(16);
         Self { scene, hulls, query, effort, parry_window, times: Default::default() }
     }
@@ -285,10 +286,10 @@ impl<'s> Bench<'s> {
         let of = |query| if self.query == query { count } else { 0 };
         Answers {
             caches,
-            intersections: vec![Intersection::default(); of(Query::Intersects)],
-            distances: vec![Distance::default(); of(Query::Distance)],
-            contacts: vec![Contact::default(); of(Query::Contact)],
-            manifolds: vec![Manifold::new(); of(Query::Manifold)],
+            intersections: vec![Intersection::default(); of(SceneQuery::Intersects)],
+            distances: vec![Distance::default(); of(SceneQuery::Distance)],
+            contacts: vec![Contact::default(); of(SceneQuery::Contact)],
+            manifolds: vec![Manifold::new(); of(SceneQuery::Manifold)],
         }
     }
 
@@ -298,12 +299,12 @@ impl<'s> Bench<'s> {
         let mut each = |i: usize, pair: &Placed| {
             let (a, b, cache) = (&hulls[pair.a], &hulls[pair.b], &mut answers.caches[i]);
             match query {
-                Query::Support | Query::Intersects => {
+                SceneQuery::Support | SceneQuery::Intersects => {
                     answers.intersections[i] = hullmap::intersects(a, b, pair.b_in_a, cache);
                 }
-                Query::Distance => answers.distances[i] = hullmap::distance(a, b, pair.b_in_a, &settings, cache),
-                Query::Contact => answers.contacts[i] = hullmap::contact(a, b, pair.b_in_a, &settings, cache),
-                Query::Manifold => {
+                SceneQuery::Distance => answers.distances[i] = hullmap::distance(a, b, pair.b_in_a, &settings, cache),
+                SceneQuery::Contact => answers.contacts[i] = hullmap::contact(a, b, pair.b_in_a, &settings, cache),
+                SceneQuery::Manifold => {
                     answers.manifolds[i].update(a, b, pair.b_in_a, &manifold_settings, cache);
                 }
             }
@@ -324,12 +325,14 @@ impl<'s> Bench<'s> {
             let caches = &mut answers.caches[at.clone()];
             record(&mut self.times[Engine::Batch as usize], piece.len(), || {
                 let done = match self.query {
-                    Query::Support | Query::Intersects => {
+                    SceneQuery::Support | SceneQuery::Intersects => {
                         batch::intersects(piece, caches, &mut answers.intersections[at])
                     }
-                    Query::Distance => batch::distance(piece, &settings, caches, &mut answers.distances[at]),
-                    Query::Contact => batch::contact(piece, &settings, caches, &mut answers.contacts[at]),
-                    Query::Manifold => batch::manifolds(piece, &manifold_settings, caches, &mut answers.manifolds[at]),
+                    SceneQuery::Distance => batch::distance(piece, &settings, caches, &mut answers.distances[at]),
+                    SceneQuery::Contact => batch::contact(piece, &settings, caches, &mut answers.contacts[at]),
+                    SceneQuery::Manifold => {
+                        batch::manifolds(piece, &manifold_settings, caches, &mut answers.manifolds[at])
+                    }
                 };
                 done.expect(EQUAL_LENGTHS);
             });
@@ -348,12 +351,12 @@ impl<'s> Bench<'s> {
         let mut each = |pair: &Placed| {
             let (a, b, pose) = (&polyhedra[pair.a], &polyhedra[pair.b], &pair.parry);
             match query {
-                Query::Support | Query::Intersects => {
+                SceneQuery::Support | SceneQuery::Intersects => {
                     black_box(query::intersection_test(&identity, a, pose, b).expect(SUPPORTED));
                 }
-                Query::Distance => _ = black_box(query::distance(&identity, a, pose, b).expect(SUPPORTED)),
-                Query::Contact => _ = black_box(query::contact(&identity, a, pose, b, 0.0).expect(SUPPORTED)),
-                Query::Manifold => {
+                SceneQuery::Distance => _ = black_box(query::distance(&identity, a, pose, b).expect(SUPPORTED)),
+                SceneQuery::Contact => _ = black_box(query::contact(&identity, a, pose, b, 0.0).expect(SUPPORTED)),
+                SceneQuery::Manifold => {
                     manifolds.clear();
                     let prediction = PREDICTION as f32;
                     DefaultQueryDispatcher

@@ -1,6 +1,6 @@
 //! Tables of the scenes, and their CSV.
 
-use super::race::{Cell, Engine, Order, Query};
+use super::race::{Cell, Engine, Order, SceneQuery};
 use crate::{csv::Csv, eviction::last_level_bytes, matrix::Matrix};
 
 /// All measurements of one scene.
@@ -35,7 +35,7 @@ impl Record {
 /// that are larger than the last-level cache.
 pub fn all(records: &[Record]) -> Vec<Matrix> {
     let orders = [Order::Random, Order::Crowd];
-    let kinds = orders.into_iter().flat_map(|order| Query::ALL.map(|query| (order, query)));
+    let kinds = orders.into_iter().flat_map(|order| SceneQuery::ALL.map(|query| (order, query)));
     kinds
         .filter_map(|(order, query)| {
             let mut table = Matrix::new(

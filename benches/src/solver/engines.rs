@@ -6,11 +6,11 @@ use std::{hint::black_box, time::Instant};
 use hullmap::{Cache, Hull, Settings, contact, distance, intersects};
 use parry3d::{math, query, shape::ConvexPolyhedron};
 
-use super::pairs::{Pair, Placed};
+use super::pairs::{BakedPair, Placed};
 
 /// Kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Query {
+pub enum PairQuery {
     /// Penetration depth, normal and points.
     Contact,
     /// Yes or no.
@@ -19,16 +19,16 @@ pub enum Query {
     Distance,
 }
 
-impl Query {
+impl PairQuery {
     /// All queries, in the order of tables.
-    pub const ALL: [Query; 3] = [Query::Contact, Query::Intersects, Query::Distance];
+    pub const ALL: [PairQuery; 3] = [PairQuery::Contact, PairQuery::Intersects, PairQuery::Distance];
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
-            Query::Contact => "contact",
-            Query::Intersects => "intersects",
-            Query::Distance => "distance",
+            PairQuery::Contact => "contact",
+            PairQuery::Intersects => "intersects",
+            PairQuery::Distance => "distance",
         }
     }
 }
@@ -44,19 +44,25 @@ pub struct Cost {
 
 /// One query of hullmap. The answer is not copied, and neither is parry's.
 #[inline]
-pub fn hullmap(query: Query, [a, b]: &[Hull<'_>; 2], placed: &Placed, settings: &Settings, cache: &mut Cache) -> Cost {
+pub fn hullmap(
+    query: PairQuery,
+    [a, b]: &[Hull<'_>; 2],
+    placed: &Placed,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Cost {
     match query {
-        Query::Contact => {
+        PairQuery::Contact => {
             let c = contact(a, b, placed.b_in_a, settings, cache);
             black_box(&c);
             Cost { support_calls: c.support_calls, iterations: c.iterations }
         }
-        Query::Intersects => {
+        PairQuery::Intersects => {
             let c = intersects(a, b, placed.b_in_a, cache);
             black_box(&c);
             Cost { support_calls: c.support_calls, iterations: c.iterations }
         }
-        Query::Distance => {
+        PairQuery::Distance => {
             let c = distance(a, b, placed.b_in_a, settings, cache);
             black_box(&c);
             Cost { support_calls: c.support_calls, iterations: c.iterations }
@@ -66,16 +72,16 @@ pub fn hullmap(query: Query, [a, b]: &[Hull<'_>; 2], placed: &Placed, settings: 
 
 /// One query of parry.
 #[inline]
-fn parrys(query: Query, [a, b]: &[ConvexPolyhedron; 2], placed: &Placed) {
+fn parrys(query: PairQuery, [a, b]: &[ConvexPolyhedron; 2], placed: &Placed) {
     const SUPPORTED: &str = "parry supports two polyhedra";
     match query {
-        Query::Contact => {
+        PairQuery::Contact => {
             black_box(&query::contact(&math::Pose::IDENTITY, a, &placed.parry, b, 0.0).expect(SUPPORTED));
         }
-        Query::Intersects => {
+        PairQuery::Intersects => {
             black_box(&query::intersection_test(&math::Pose::IDENTITY, a, &placed.parry, b).expect(SUPPORTED));
         }
-        Query::Distance => {
+        PairQuery::Distance => {
             black_box(&query::distance(&math::Pose::IDENTITY, a, &placed.parry, b).expect(SUPPORTED));
         }
     }
@@ -123,7 +129,7 @@ impl Samples {
     }
 
     /// A round with empty caches.
-    pub fn cold(&mut self, query: Query, hulls: &[Hull<'_>; 2], poses: &[Placed]) {
+    pub fn cold(&mut self, query: PairQuery, hulls: &[Hull<'_>; 2], poses: &[Placed]) {
         let settings = Settings::default();
         self.round(poses, |placed| {
             hullmap(query, hulls, placed, &settings, &mut Cache::default());
@@ -132,7 +138,7 @@ impl Samples {
 
     /// A round of `frames`, in which `paths` paths take turns, with a cache for each path. The
     /// caches are empty at the start of the round.
-    pub fn warm(&mut self, query: Query, hulls: &[Hull<'_>; 2], frames: &[Placed], paths: usize) {
+    pub fn warm(&mut self, query: PairQuery, hulls: &[Hull<'_>; 2], frames: &[Placed], paths: usize) {
         let settings = Settings::default();
         let mut caches = vec![Cache::default(); paths];
         let mut path = 0;
@@ -143,7 +149,7 @@ impl Samples {
     }
 
     /// A round of parry.
-    pub fn parry(&mut self, query: Query, pair: &Pair, poses: &[Placed]) {
+    pub fn parry(&mut self, query: PairQuery, pair: &BakedPair, poses: &[Placed]) {
         self.round(poses, |placed| parrys(query, pair.polyhedra(), placed));
     }
 }

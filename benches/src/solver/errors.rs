@@ -9,7 +9,7 @@ use hullmap::{Cache, Settings, Status, contact, distance, intersects};
 use hullmap_testkit::reach::{self, way_out};
 use parry3d::{math, query};
 
-use super::pairs::{Pair, Placed};
+use super::pairs::{BakedPair, Placed};
 
 /// Differences over all pairs of one vertex count.
 #[derive(Clone, Debug, Default)]
@@ -32,15 +32,15 @@ pub struct Differences {
     pub distance_width: Vec<f64>,
     /// Pairs for which parry's normal proves hullmap's lower bound of the depth wrong. Must be 0.
     pub disproved: usize,
-    /// Contacts of hullmap that ended at a cap.
-    pub capped: usize,
+    /// Contacts of hullmap that ended at a limit.
+    pub limited: usize,
     /// Contacts of hullmap that rounding error stopped.
     pub stalled: usize,
 }
 
 impl Differences {
     /// Compares both engines on all `poses`.
-    pub fn add(&mut self, pair: &Pair, poses: &[Placed]) {
+    pub fn add(&mut self, pair: &BakedPair, poses: &[Placed]) {
         const SUPPORTED: &str = "parry supports two polyhedra";
         let ([a, b], [parry_a, parry_b]) = (&pair.hulls(), pair.polyhedra());
         let (settings, here, diameter) = (Settings::default(), math::Pose::IDENTITY, pair.diameter());
@@ -53,7 +53,7 @@ impl Differences {
             self.parry_yes_no += usize::from(hit != parry_hit);
             if hit {
                 let deep = contact(a, b, placed.b_in_a, &settings, &mut Cache::default());
-                self.capped += usize::from(deep.status == Status::IterationLimit);
+                self.limited += usize::from(deep.status == Status::IterationLimit);
                 self.stalled += usize::from(deep.status == Status::Stalled);
                 self.depth_width.push((deep.depth_upper - deep.depth_lower) / deep.depth_upper);
                 match query::contact(&here, parry_a, there, parry_b, 0.0).expect(SUPPORTED) {

@@ -73,7 +73,7 @@ pub struct Placed {
 
 impl Placed {
     /// A pose for hullmap, and parry's rounding of it.
-    pub fn of(class: Class, b_in_a: Pose) -> Self {
+    pub fn from_pose(class: Class, b_in_a: Pose) -> Self {
         Self::new(class, b_in_a.translation(), b_in_a.rotation())
     }
 
@@ -88,7 +88,7 @@ impl Placed {
 }
 
 /// Two hulls of a family, for both engines.
-pub struct Pair {
+pub struct BakedPair {
     /// The family.
     pub family: Family,
     packs: [Pack; 2],
@@ -98,7 +98,7 @@ pub struct Pair {
     pub vertices: usize,
 }
 
-impl Pair {
+impl BakedPair {
     /// Bakes two hulls of `n` points; `None` if parry rejects one of them or drops vertices.
     pub fn bake(family: Family, n: usize, seed: u64) -> Option<Self> {
         let subjects = [0, 1].map(|index| Subject::new(family, n, seed + index));
@@ -130,7 +130,7 @@ impl Pair {
     /// Random poses, `count` of each class in turn.
     pub fn poses(&self, count: usize, rng: &mut SplitMix64) -> Vec<Placed> {
         let classes = (0..count).flat_map(|_| Class::ALL);
-        classes.map(|class| self.somewhere(class, rng).at(0.0)).collect()
+        classes.map(|class| self.somewhere(class, rng).at_frame(0.0)).collect()
     }
 
     /// Straight paths past A, `count` of each class. At the middle frame B has the distance of its
@@ -140,7 +140,7 @@ impl Pair {
         let middles: Vec<Middle> =
             (0..count).flat_map(|_| Class::ALL).map(|class| self.somewhere(class, rng)).collect();
         let times = (0..frames).map(|frame| frame as f64 - 0.5 * (frames - 1) as f64);
-        times.flat_map(|time| middles.iter().map(move |middle| middle.at(time))).collect()
+        times.flat_map(|time| middles.iter().map(move |middle| middle.at_frame(time))).collect()
     }
 
     fn somewhere(&self, class: Class, rng: &mut SplitMix64) -> Middle {
@@ -171,7 +171,7 @@ struct Middle {
 }
 
 impl Middle {
-    fn at(&self, frame: f64) -> Placed {
+    fn at_frame(&self, frame: f64) -> Placed {
         let rotation = DQuat::from_axis_angle(self.axis, TURN_RAD * frame) * self.rotation;
         Placed::new(self.class, self.center + self.across * frame - rotation * self.center_b, rotation)
     }
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn poses_match_their_class() {
         for family in FAMILIES {
-            let pair = Pair::bake(family, 60, SEED).expect("parry accepts it");
+            let pair = BakedPair::bake(family, 60, SEED).expect("parry accepts it");
             let [a, b] = pair.hulls();
             let hits = |class: Class| {
                 let poses = pair.poses(60, &mut SplitMix64::new(SEED));
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn frames_are_a_step_and_a_degree_apart() {
-        let pair = Pair::bake(Family::Rock, 40, SEED).expect("parry accepts it");
+        let pair = BakedPair::bake(Family::Rock, 40, SEED).expect("parry accepts it");
         let center = hullmap::SupportMap::interior_point(&pair.hulls()[1]);
         let frames = pair.frames(2, 9, &mut SplitMix64::new(SEED));
         let paths = 2 * Class::ALL.len();

@@ -13,9 +13,9 @@ use hullmap::{Cache, Settings, intersects};
 use shapes::rng::SplitMix64;
 
 use super::{
-    engines::{self, Query, Samples},
+    engines::{self, PairQuery, Samples},
     errors::Differences,
-    pairs::{Class, FAMILIES, Pair, Placed},
+    pairs::{BakedPair, Class, FAMILIES, Placed},
 };
 use crate::{measure::shuffled, subject::SEED};
 
@@ -87,7 +87,7 @@ impl Mix {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cold {
     /// Kind of the query.
-    pub query: Query,
+    pub query: PairQuery,
     /// Selection of poses.
     pub mix: Mix,
     /// Time of hullmap, in nanoseconds per query.
@@ -106,7 +106,7 @@ pub struct Cold {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coherent {
     /// Kind of the query.
-    pub query: Query,
+    pub query: PairQuery,
     /// Selection of paths.
     pub mix: Mix,
     /// Time with empty caches, in nanoseconds per query.
@@ -140,13 +140,13 @@ pub struct Record {
 
 /// A pair of hulls and its poses, by selection in the order of [`Mix::ALL`].
 struct Stage {
-    pair: Pair,
+    pair: BakedPair,
     poses: [Vec<Placed>; 4],
     frames: [Vec<Placed>; 4],
 }
 
 impl Stage {
-    fn new(pair: Pair, effort: Effort, seed: u64) -> Self {
+    fn new(pair: BakedPair, effort: Effort, seed: u64) -> Self {
         let mut rng = SplitMix64::new(seed);
         let poses = pair.poses(effort.poses, &mut rng);
         let frames = pair.frames(effort.paths, effort.frames, &mut rng);
@@ -160,14 +160,14 @@ impl Stage {
 /// Unit that takes turns: one query on the poses or paths of one selection and one pair of hulls.
 struct Heat<'s> {
     stage: &'s Stage,
-    query: Query,
+    query: PairQuery,
     mix: Mix,
     /// hullmap and parry on the poses; hullmap along the paths, cold and warm.
     samples: [Samples; 4],
 }
 
 impl<'s> Heat<'s> {
-    fn new(stage: &'s Stage, query: Query, mix: Mix, effort: Effort) -> Self {
+    fn new(stage: &'s Stage, query: PairQuery, mix: Mix, effort: Effort) -> Self {
         let [poses, frames] = [&stage.poses, &stage.frames].map(|all| all[mix.index()].len());
         let [hullmap, parry] = effort.pieces;
         let samples = [(poses, hullmap), (poses, parry), (frames, hullmap), (frames, hullmap)]
@@ -195,13 +195,14 @@ impl<'s> Heat<'s> {
 pub fn run(n: usize, effort: Effort) -> Record {
     let (mut stages, mut rejected) = (Vec::new(), Vec::new());
     for family in FAMILIES {
-        match Pair::bake(family, n, SEED) {
+        match BakedPair::bake(family, n, SEED) {
             Some(pair) => stages.push(Stage::new(pair, effort, SEED)),
             None => rejected.push(family.name()),
         }
     }
     assert!(!stages.is_empty(), "parry rejects all hulls of {n} points");
-    let cells: Vec<(Query, Mix)> = Query::ALL.into_iter().flat_map(|query| Mix::ALL.map(|mix| (query, mix))).collect();
+    let cells: Vec<(PairQuery, Mix)> =
+        PairQuery::ALL.into_iter().flat_map(|query| Mix::ALL.map(|mix| (query, mix))).collect();
     let mut heats: Vec<Heat<'_>> = cells
         .iter()
         .flat_map(|&(query, mix)| stages.iter().map(move |stage| Heat::new(stage, query, mix, effort)))
@@ -211,7 +212,7 @@ pub fn run(n: usize, effort: Effort) -> Record {
         heats.iter_mut().for_each(|heat| heat.round(effort, &mut rng));
     }
     // All families have the same number of poses, and so the same weight.
-    let ns = |query: Query, mix: Mix, engine: usize| {
+    let ns = |query: PairQuery, mix: Mix, engine: usize| {
         let samples =
             heats.iter().filter(|heat| (heat.query, heat.mix) == (query, mix)).map(|heat| &heat.samples[engine]);
         let (total, queries) = samples.fold((0.0, 0), |(t, q), s| (t + s.total_ns(), q + s.queries()));
@@ -256,7 +257,7 @@ fn hit_share(stages: &[Stage], poses: impl Fn(&Stage) -> &[Placed]) -> f64 {
 }
 
 /// Counts of the queries of a cell, without times.
-fn counted(query: Query, mix: Mix, stages: &[Stage]) -> Cold {
+fn counted(query: PairQuery, mix: Mix, stages: &[Stage]) -> Cold {
     let settings = Settings::default();
     let (mut support_calls, mut iterations, mut max_support_calls, mut count) = (0, 0, 0, 0);
     for stage in stages {
@@ -275,7 +276,7 @@ fn counted(query: Query, mix: Mix, stages: &[Stage]) -> Cold {
 }
 
 /// Mean number of pairs of support queries, cold and warm.
-fn counted_along_paths(query: Query, mix: Mix, stages: &[Stage], effort: Effort) -> [f64; 2] {
+fn counted_along_paths(query: PairQuery, mix: Mix, stages: &[Stage], effort: Effort) -> [f64; 2] {
     let settings = Settings::default();
     let (mut support_calls, mut count) = ([0, 0], 0);
     for stage in stages {

@@ -1,7 +1,7 @@
 //! The tables of a run, one column for each vertex count, and their CSV.
 
 use super::{
-    engines::Query,
+    engines::PairQuery,
     errors::p99_and_worst,
     race::{Coherent, Cold, Mix, Record},
     targets,
@@ -54,7 +54,7 @@ fn verdict(reached: bool) -> String {
 
 fn fractions(records: &[Record]) -> Matrix {
     let mut table = Matrix::new("Time as a fraction of parry3d's, cold", "n");
-    for query in Query::ALL {
+    for query in PairQuery::ALL {
         for record in records {
             for cell in record.cold.iter().filter(|cell| cell.query == query && cell.mix == Mix::All) {
                 table.set(query.name(), &column(record), significant(fraction(cell)));
@@ -85,7 +85,7 @@ fn costs(records: &[Record]) -> Matrix {
 }
 
 fn each_cold(records: &[Record], table: &mut Matrix, text: impl Fn(&Cold) -> Option<String>) {
-    for query in Query::ALL {
+    for query in PairQuery::ALL {
         for mix in Mix::ALL {
             for record in records {
                 for cell in record.cold.iter().filter(|cell| cell.query == query && cell.mix == mix) {
@@ -100,7 +100,7 @@ fn each_cold(records: &[Record], table: &mut Matrix, text: impl Fn(&Cold) -> Opt
 
 fn coherent(records: &[Record]) -> Matrix {
     let mut table = Matrix::new("Frame-coherent: warm over cold", "n");
-    for query in Query::ALL {
+    for query in PairQuery::ALL {
         for record in records {
             for cell in record.coherent.iter().filter(|cell| cell.query == query && cell.mix == Mix::All) {
                 table.set(query.name(), &column(record), significant(warm_ratio(cell)));
@@ -112,7 +112,7 @@ fn coherent(records: &[Record]) -> Matrix {
 
 fn coherent_by_class(records: &[Record]) -> Matrix {
     let mut table = Matrix::new("Frame-coherent: ns cold / warm; support calls cold / warm", "n");
-    for query in Query::ALL {
+    for query in PairQuery::ALL {
         for mix in Mix::ALL {
             for record in records {
                 for cell in record.coherent.iter().filter(|cell| cell.query == query && cell.mix == mix) {
@@ -180,7 +180,7 @@ fn counts(record: &Record) -> [(&'static str, usize); 6] {
         ("parry's yes/no differs", d.parry_yes_no),
         ("parry finds no contact for an overlapping pair", d.parry_no_contact),
         ("hullmap's depths disproved by parry's normal", d.disproved),
-        ("hullmap's contacts that reached a cap", d.capped),
+        ("hullmap's contacts that reached a limit", d.limited),
         ("hullmap's contacts stopped by rounding error", d.stalled),
     ]
 }

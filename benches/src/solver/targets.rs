@@ -1,6 +1,6 @@
 //! Goals of the project: fractions of parry3d's time, by query and vertex count.
 
-use super::engines::Query;
+use super::engines::PairQuery;
 
 /// Vertex counts with goals.
 pub const COUNTS: [usize; 7] = [8, 32, 128, 512, 2_048, 8_192, 32_768];
@@ -14,22 +14,22 @@ const DISTANCE: [f64; 7] = [0.37, 0.27, 0.16, 0.066, 0.019, 0.0067, 0.0024];
 const WARM_CONTACT_UP_TO: usize = 8_192;
 
 /// Maximum fraction of parry's time for a cold query; `None` without a goal.
-pub fn cold(query: Query, n: usize) -> Option<f64> {
+pub fn cold(query: PairQuery, n: usize) -> Option<f64> {
     let column = COUNTS.iter().position(|&count| count == n)?;
     let row = match query {
-        Query::Contact => CONTACT,
-        Query::Intersects => INTERSECTS,
-        Query::Distance => DISTANCE,
+        PairQuery::Contact => CONTACT,
+        PairQuery::Intersects => INTERSECTS,
+        PairQuery::Distance => DISTANCE,
     };
     Some(row[column])
 }
 
 /// Maximum fraction of its own cold time for a frame-coherent query; `None` without a goal.
-pub fn warm(query: Query, n: usize) -> Option<f64> {
+pub fn warm(query: PairQuery, n: usize) -> Option<f64> {
     match query {
-        Query::Contact => (n <= WARM_CONTACT_UP_TO).then_some(0.5),
-        Query::Intersects => Some(0.9),
-        Query::Distance => Some(0.65),
+        PairQuery::Contact => (n <= WARM_CONTACT_UP_TO).then_some(0.5),
+        PairQuery::Intersects => Some(0.9),
+        PairQuery::Distance => Some(0.65),
     }
 }
 
@@ -39,11 +39,11 @@ mod tests {
 
     #[test]
     fn targets_by_query_and_count() {
-        assert_eq!(cold(Query::Contact, 8), Some(0.30));
-        assert_eq!(cold(Query::Intersects, 8_192), Some(0.0040));
-        assert_eq!(cold(Query::Distance, 32_768), Some(0.0024));
-        assert_eq!(cold(Query::Distance, 100), None);
-        assert_eq!(warm(Query::Contact, 8_192), Some(0.5));
-        assert_eq!(warm(Query::Contact, 32_768), None);
+        assert_eq!(cold(PairQuery::Contact, 8), Some(0.30));
+        assert_eq!(cold(PairQuery::Intersects, 8_192), Some(0.0040));
+        assert_eq!(cold(PairQuery::Distance, 32_768), Some(0.0024));
+        assert_eq!(cold(PairQuery::Distance, 100), None);
+        assert_eq!(warm(PairQuery::Contact, 8_192), Some(0.5));
+        assert_eq!(warm(PairQuery::Contact, 32_768), None);
     }
 }

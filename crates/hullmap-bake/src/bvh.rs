@@ -59,7 +59,7 @@ struct Bounds {
 }
 
 impl Bounds {
-    fn of(hull: &HullRecord) -> Self {
+    fn of_hull(hull: &HullRecord) -> Self {
         Self { low: hull.bounds_min, high: hull.bounds_max }
     }
 
@@ -71,7 +71,7 @@ impl Bounds {
     }
 
     fn around(hulls: &[HullRecord], below: &[usize]) -> Self {
-        below[1..].iter().fold(Self::of(&hulls[below[0]]), |all, hull| all.with(Self::of(&hulls[*hull])))
+        below[1..].iter().fold(Self::of_hull(&hulls[below[0]]), |all, hull| all.with(Self::of_hull(&hulls[*hull])))
     }
 
     /// Half of the surface area.
@@ -92,7 +92,7 @@ fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize
         sort(hulls, below, axis);
         let areas = |order: &mut dyn Iterator<Item = usize>| -> Vec<f64> {
             let grow = |all: &mut Option<Bounds>, hull: usize| {
-                let own = Bounds::of(&hulls[hull]);
+                let own = Bounds::of_hull(&hulls[hull]);
                 *all = Some(all.map_or(own, |all| all.with(own)));
                 all.map(Bounds::area)
             };

@@ -36,14 +36,14 @@ pub fn diameter(points: &[DVec3]) -> f64 {
 
 /// State of a search.
 #[derive(Default)]
-struct Search {
+struct DiameterSearch {
     best_sq: f64,
     /// Pairs of groups and pairs of points compared.
     work: usize,
 }
 
-fn search(points: &[DVec3]) -> Search {
-    let mut search = Search::default();
+fn search(points: &[DVec3]) -> DiameterSearch {
+    let mut search = DiameterSearch::default();
     if points.len() >= 2 {
         let mut points = points.to_vec();
         let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -136,7 +136,7 @@ impl<'a> Group<'a> {
     }
 }
 
-impl Search {
+impl DiameterSearch {
     fn farther(&mut self, a: &Group, b: &Group) {
         self.work += 1;
         if a.reach_sq(b) <= self.best_sq {

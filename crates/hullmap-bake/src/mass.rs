@@ -105,7 +105,7 @@ mod tests {
     use super::*;
     use crate::{PointSet, hull};
 
-    fn of(positions: &[[f32; 3]]) -> Mass {
+    fn mass_of(positions: &[[f32; 3]]) -> Mass {
         let source_vertices = (0..positions.len() as u32).collect();
         let set =
             PointSet { name: String::new(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
@@ -121,7 +121,7 @@ mod tests {
         let corners: Vec<[f32; 3]> = (0..8)
             .map(|i| [100.0 + 2.0 * (i & 1) as f32, -50.0 + 4.0 * (i >> 1 & 1) as f32, 6.0 * (i >> 2) as f32])
             .collect();
-        let m = of(&corners);
+        let m = mass_of(&corners);
         close(&[m.volume, m.surface_area], &[48.0, 88.0]);
         close(&m.centroid, &[101.0, -48.0, 3.0]);
         close(&m.second_moments, &[4.0 / 12.0, 16.0 / 12.0, 36.0 / 12.0, 0.0, 0.0, 0.0]);
@@ -129,11 +129,11 @@ mod tests {
 
     #[test]
     fn a_right_triangle_and_a_segment() {
-        let m = of(&[[0., 0., 1.], [3., 0., 1.], [0., 3., 1.]]);
+        let m = mass_of(&[[0., 0., 1.], [3., 0., 1.], [0., 3., 1.]]);
         close(&[m.volume, m.surface_area], &[0.0, 9.0]);
         close(&m.centroid, &[1.0, 1.0, 1.0]);
         close(&m.second_moments, &[0.5, 0.5, 0.0, 0.0, 0.0, -0.25]);
-        let m = of(&[[0., 0., 1.], [6., 0., 1.]]);
+        let m = mass_of(&[[0., 0., 1.], [6., 0., 1.]]);
         close(&m.centroid, &[3.0, 0.0, 1.0]);
         close(&m.second_moments, &[3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     }

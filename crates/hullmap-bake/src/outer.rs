@@ -27,7 +27,7 @@ use crate::{
     PointSet,
     hull::{
         self, Hull,
-        solid::{FILTER, exact_above, magnitude},
+        quickhull::{FILTER, exact_above, magnitude},
     },
 };
 

@@ -119,7 +119,7 @@ fn options_text(source: &SourceRecord) -> String {
 }
 
 /// Checks that each object's parts are consecutive, complete, and measured against one solid. A
-/// reader refuses other packs.
+/// reader rejects other packs.
 fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
     let shared = |baked: &BakedHull| baked.fit.map(|fit| (fit.solid, fit.uncovered));
     let mut rest = hulls;

@@ -19,7 +19,7 @@ use crate::{query, types};
 const MIN_PAIRS: usize = 32;
 
 /// A pair whose pointers and pose have been checked.
-pub(crate) struct Pair<'p> {
+pub(crate) struct CheckedPair<'p> {
     pub(crate) a: &'p Shape,
     pub(crate) b: &'p Shape,
     pub(crate) b_in_a: Pose,
@@ -27,10 +27,10 @@ pub(crate) struct Pair<'p> {
 
 /// Solves each pair, with its cache if there are caches, and writes the answers.
 fn each<T: Send>(
-    pairs: &[Pair<'_>],
+    pairs: &[CheckedPair<'_>],
     caches: Option<&[&Cache]>,
     out: &mut [MaybeUninit<T>],
-    solve: impl Fn(&Pair<'_>, &mut Memory) -> Fallible<T> + Sync,
+    solve: impl Fn(&CheckedPair<'_>, &mut Memory) -> Fallible<T> + Sync,
 ) -> Fallible<()> {
     let jobs = pairs.par_iter().zip(out).with_min_len(MIN_PAIRS);
     let Some(caches) = caches else {
@@ -53,7 +53,7 @@ fn each<T: Send>(
 }
 
 pub(crate) fn intersects(
-    pairs: &[Pair<'_>],
+    pairs: &[CheckedPair<'_>],
     caches: Option<&[&Cache]>,
     out: &mut [MaybeUninit<types::Intersection>],
 ) -> Fallible<()> {
@@ -61,7 +61,7 @@ pub(crate) fn intersects(
 }
 
 pub(crate) fn distance(
-    pairs: &[Pair<'_>],
+    pairs: &[CheckedPair<'_>],
     settings: &Settings,
     caches: Option<&[&Cache]>,
     out: &mut [MaybeUninit<types::Distance>],
@@ -70,7 +70,7 @@ pub(crate) fn distance(
 }
 
 pub(crate) fn contact(
-    pairs: &[Pair<'_>],
+    pairs: &[CheckedPair<'_>],
     settings: &Settings,
     caches: Option<&[&Cache]>,
     out: &mut [MaybeUninit<types::Contact>],
@@ -79,7 +79,7 @@ pub(crate) fn contact(
 }
 
 pub(crate) fn manifolds(
-    pairs: &[Pair<'_>],
+    pairs: &[CheckedPair<'_>],
     settings: &ManifoldSettings,
     manifolds: &[&Manifold],
     out: &mut [MaybeUninit<types::ManifoldPoints>],

@@ -17,7 +17,7 @@ use crate::handles::{Kind, Memory, Points, Shape};
 use crate::types;
 
 /// A query, for each kind of pair.
-trait Query {
+trait ShapeQuery {
     type Answer;
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<Self::Answer>
@@ -38,7 +38,7 @@ pub(crate) fn check_sides(b: &Shape) -> Fallible<()> {
 }
 
 #[inline(always)]
-fn run<Q: Query>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
+fn run<Q: ShapeQuery>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
     match (&a.kind, &b.kind) {
         (Kind::Hull(a), Kind::Hull(b)) => query.convex(a.hull(), b.hull()),
         (Kind::HalfSpace(a), Kind::Compound(b)) => query.plane_and_parts(a, &Compound::new(b)),
@@ -69,7 +69,7 @@ fn half_space_as_b() -> Failure {
 
 struct Intersects<'q>(Pose, &'q mut Memory);
 
-impl Query for Intersects<'_> {
+impl ShapeQuery for Intersects<'_> {
     type Answer = types::Intersection;
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<Self::Answer>
@@ -103,7 +103,7 @@ pub(crate) fn intersects(a: &Shape, b: &Shape, b_in_a: Pose, memory: &mut Memory
 
 struct Distance<'q>(Pose, &'q Settings, &'q mut Memory);
 
-impl Query for Distance<'_> {
+impl ShapeQuery for Distance<'_> {
     type Answer = types::Distance;
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<Self::Answer>
@@ -143,7 +143,7 @@ pub(crate) fn distance(
 
 struct Contact<'q>(Pose, &'q Settings, &'q mut Memory);
 
-impl Query for Contact<'_> {
+impl ShapeQuery for Contact<'_> {
     type Answer = types::Contact;
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<Self::Answer>
@@ -183,7 +183,7 @@ pub(crate) fn contact(
 
 struct Cast<'q>(Pose, Motion, &'q CastSettings, &'q mut Memory);
 
-impl Query for Cast<'_> {
+impl ShapeQuery for Cast<'_> {
     type Answer = types::Impact;
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<Self::Answer>
@@ -223,7 +223,7 @@ pub(crate) fn cast(
 
 struct Update<'q>(Pose, &'q ManifoldSettings, &'q mut Points);
 
-impl Query for Update<'_> {
+impl ShapeQuery for Update<'_> {
     type Answer = ();
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<()>

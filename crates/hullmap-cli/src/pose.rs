@@ -19,8 +19,8 @@ pub fn parse_pose(text: &str) -> Result<Pose, String> {
         if !number.is_finite() {
             return Err(format!("`{word}` is not finite"));
         }
-        if let Some(slot) = numbers.get_mut(found) {
-            *slot = number;
+        if let Some(entry) = numbers.get_mut(found) {
+            *entry = number;
         }
         found += 1;
     }

@@ -45,7 +45,7 @@ impl Project {
     ///    beside it from wherever the command is started.
     ///
     /// `None` if the pack's folder cannot be resolved.
-    pub fn of(place: &PackPlace, start: &Path) -> Option<Self> {
+    pub fn of_pack(place: &PackPlace, start: &Path) -> Option<Self> {
         let folder = folder_of(&place.path).canonicalize().ok()?;
         let is_marked = |above: &&Path| ROOT_MARKS.iter().chain([&FILE_NAME]).any(|mark| above.join(mark).exists());
         let depth = place.below.components().count();
@@ -83,7 +83,7 @@ mod tests {
 
     fn project(pack: &Path, below: &str, start: &Path) -> PathBuf {
         let place = PackPlace { path: pack.to_owned(), below: below.into() };
-        Project::of(&place, start).unwrap().root
+        Project::of_pack(&place, start).unwrap().root
     }
 
     #[test]

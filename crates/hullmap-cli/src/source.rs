@@ -46,7 +46,7 @@ pub struct Recorded<'a> {
 
 impl<'a> Recorded<'a> {
     /// The record of `pack`.
-    pub fn of(pack: &'a hullmap::Pack) -> Self {
+    pub fn from_pack(pack: &'a hullmap::Pack) -> Self {
         Self {
             hash: pack.header().source_hash,
             path: pack.source_path(),
@@ -58,7 +58,7 @@ impl<'a> Recorded<'a> {
 
 /// Result of the search for a pack's source.
 #[derive(Debug)]
-pub enum Search {
+pub enum SourceSearch {
     /// The source.
     Found(Box<Source>),
     /// No source. If a file was not followed or read, the reason.
@@ -114,9 +114,8 @@ pub fn find_source(
     given: Option<&Path>,
     limits: &Limits,
     folders: &Folders,
-) -> Result<Search, Failure> {
+) -> Result<SourceSearch, Failure> {
     let folder = folder_of(&place.path);
-    let project = Project::of(place, Path::new(".")).filter(|_| given.is_none());
     // Without `..`, which the system would resolve after links and the project before them.
     let followed = resolve_recorded(recorded.path, folder).map(|path| plain(&path));
     let candidates = match given {
@@ -124,60 +123,20 @@ pub fn find_source(
         Some(given) => vec![given.to_owned()],
         None => folders.with_stem(folder, &place.path).into_iter().chain(followed.clone()).collect(),
     };
-    // A recorded path is absolute here, because it starts from the pack's canonical folder.
-    let shown = |path: &Path| {
-        let path =
-            if given.is_none() && path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
-        path.display().to_string()
-    };
+    let project = Project::of_pack(place, Path::new(".")).filter(|_| given.is_none());
+    let context = Candidates { place, recorded, given, project, followed };
     let (mut rejected, mut not_followed) = (None, None);
     for path in candidates {
-        let absolute = match folder.canonicalize() {
-            Ok(folder) if followed.as_ref() != Some(&path) => folder.join(path.file_name().unwrap_or_default()),
-            _ => path.clone(),
-        };
-        if let Some(reason) = refusal(project.as_ref(), &absolute) {
-            let name = if followed.as_ref() == Some(&path) {
-                format!("the recorded path `{}`", recorded.path)
-            } else {
-                shown(&path)
-            };
-            not_followed.get_or_insert_with(|| format!("{name} {reason}"));
-            continue;
-        }
-        let is_given = given == Some(&path);
-        let source = match import::read(&shown(&path), &path, limits) {
-            Ok(source) => source,
-            Err(ReadError::Io(error)) if is_given => {
-                return Err(Failure::usage(format!(
-                    "{}: cannot read: {error}; name the source mesh, or a folder of meshes",
-                    path.display()
-                )));
+        match context.check(&path, limits)? {
+            Candidate::IsSource(file) => {
+                let imported = import(&path, &file, recorded, limits)?;
+                let Imported { point_sets, faces, notes, warnings, .. } = imported;
+                return Ok(SourceSearch::Found(Box::new(Source { path, point_sets, faces, notes, warnings })));
             }
-            Err(ReadError::Io(_)) => continue,
-            // The file is there, but one of its buffers is missing or damaged.
-            Err(ReadError::Import(error)) => {
-                rejected.get_or_insert(error.to_string());
-                continue;
-            }
-        };
-        let buffer_outside = |(name, _): &(String, Vec<u8>)| {
-            let reason = refusal(project.as_ref(), &absolute.with_file_name(name))?;
-            Some(format!("buffer {name} {reason}"))
-        };
-        if let Some(reason) = source.beside.iter().find_map(buffer_outside) {
-            rejected.get_or_insert_with(|| format!("{}: {reason}; name the mesh with --source", shown(&path)));
-            continue;
+            Candidate::Rejected(reason) => _ = rejected.get_or_insert(reason),
+            Candidate::NotFollowed(reason) => _ = not_followed.get_or_insert(reason),
+            Candidate::Missing => {}
         }
-        if source.hash == recorded.hash {
-            let imported = import(&path, &source, recorded, limits)?;
-            let Imported { point_sets, faces, notes, warnings, .. } = imported;
-            return Ok(Search::Found(Box::new(Source { path, point_sets, faces, notes, warnings })));
-        }
-        rejected.get_or_insert_with(|| {
-            let (pack, path) = (place.path.display(), shown(&path));
-            format!("{pack}: stale: {path} has changed since it was baked, or is another file; bake it again")
-        });
     }
     match (rejected, given) {
         (Some(message), _) => Err(Failure::rejected(message)),
@@ -188,13 +147,90 @@ pub fn find_source(
             place.path.file_stem().unwrap_or_default().display(),
             EXTENSIONS.join("|")
         ))),
-        (None, None) => Ok(Search::Absent(not_followed)),
+        (None, None) => Ok(SourceSearch::Absent(not_followed)),
+    }
+}
+
+/// What a file is to a pack.
+enum Candidate {
+    /// Its source.
+    IsSource(Box<SourceFile>),
+    /// Not its source, or damaged: the error.
+    Rejected(String),
+    /// Outside the project, or no regular file: the reason.
+    NotFollowed(String),
+    /// Not there, or not readable.
+    Missing,
+}
+
+/// The files that may be the source of a pack.
+struct Candidates<'a> {
+    place: &'a PackPlace,
+    recorded: Recorded<'a>,
+    given: Option<&'a Path>,
+    /// `None` if `--source` names the files.
+    project: Option<Project>,
+    /// The recorded path, resolved.
+    followed: Option<PathBuf>,
+}
+
+impl Candidates<'_> {
+    /// Reads a file, unless it leads out of the project, and compares its hash.
+    ///
+    /// # Errors
+    /// Usage: `--source` names the file, and it cannot be read.
+    fn check(&self, path: &Path, limits: &Limits) -> Result<Candidate, Failure> {
+        let is_followed = self.followed.as_deref() == Some(path);
+        let absolute = match folder_of(&self.place.path).canonicalize() {
+            Ok(folder) if !is_followed => folder.join(path.file_name().unwrap_or_default()),
+            _ => path.to_owned(),
+        };
+        if let Some(reason) = why_not_read(self.project.as_ref(), &absolute) {
+            let name =
+                if is_followed { format!("the recorded path `{}`", self.recorded.path) } else { self.shown(path) };
+            return Ok(Candidate::NotFollowed(format!("{name} {reason}")));
+        }
+        let source = match import::read(&self.shown(path), path, limits) {
+            Ok(source) => source,
+            Err(ReadError::Io(error)) if self.given == Some(path) => {
+                return Err(Failure::usage(format!(
+                    "{}: cannot read: {error}; name the source mesh, or a folder of meshes",
+                    path.display()
+                )));
+            }
+            Err(ReadError::Io(_)) => return Ok(Candidate::Missing),
+            // The file is there, but one of its buffers is missing or damaged.
+            Err(ReadError::Import(error)) => return Ok(Candidate::Rejected(error.to_string())),
+        };
+        let buffer_outside = |(name, _): &(String, Vec<u8>)| {
+            let reason = why_not_read(self.project.as_ref(), &absolute.with_file_name(name))?;
+            Some(format!("buffer {name} {reason}"))
+        };
+        if let Some(reason) = source.beside.iter().find_map(buffer_outside) {
+            let path = self.shown(path);
+            return Ok(Candidate::Rejected(format!("{path}: {reason}; name the mesh with --source")));
+        }
+        if source.hash == self.recorded.hash {
+            return Ok(Candidate::IsSource(Box::new(source)));
+        }
+        let (pack, path) = (self.place.path.display(), self.shown(path));
+        Ok(Candidate::Rejected(format!(
+            "{pack}: stale: {path} has changed since it was baked, or is another file; bake it again"
+        )))
+    }
+
+    /// A path as messages show it. A recorded path is absolute here, because it starts from the
+    /// pack's canonical folder.
+    fn shown(&self, path: &Path) -> String {
+        let is_absolute = self.given.is_none() && path.is_absolute();
+        let path = if is_absolute { shown_from(path, Path::new(".")) } else { path.to_owned() };
+        path.display().to_string()
     }
 }
 
 /// Why the file at an absolute path is not read; `None` if it may be read, or is not there, or
 /// `--source` names it. The answer is the same whether or not there is a file outside the project.
-fn refusal(project: Option<&Project>, path: &Path) -> Option<&'static str> {
+fn why_not_read(project: Option<&Project>, path: &Path) -> Option<&'static str> {
     match project?.find(path) {
         Found::File | Found::Missing => None,
         Found::Outside => Some("leads out of the pack's project, so it was not followed"),
@@ -277,8 +313,8 @@ mod tests {
 
     fn search(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {
         find_source(place, recorded, given, &Limits::DEFAULT, &Folders::default()).map(|search| match search {
-            Search::Found(source) => Some(*source),
-            Search::Absent(_) => None,
+            SourceSearch::Found(source) => Some(*source),
+            SourceSearch::Absent(_) => None,
         })
     }
 

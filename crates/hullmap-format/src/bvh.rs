@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn trees_with_too_few_or_stray_nodes_are_refused() {
+    fn trees_with_too_few_or_stray_nodes_are_rejected() {
         assert_eq!(checked(vec![leaf(0)], &[0, 0]), Err(BvhError::NodeCount { found: 1, expected: 3 }));
         assert_eq!(checked(vec![leaf(0), leaf(1), leaf(1)], &[0, 1]), Err(BvhError::NoParent { node: 1 }));
         let childless = checked(vec![inner(1, 2), leaf(0), inner(3, 1 << 31)], &[1, 1]);
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn leaves_that_contradict_their_hulls_are_refused() {
+    fn leaves_that_contradict_their_hulls_are_rejected() {
         assert_eq!(checked(vec![leaf(1)], &[0]), Err(BvhError::Hull { node: 0, found: 1, hull_count: 1 }));
         assert_eq!(checked(vec![leaf(0)], &[7]), Err(BvhError::Leaf { node: 0, hull: 0, found: 7 }));
         let far = BvhNode { bounds_max: [1.0; 3], ..leaf(0) };
@@ -148,7 +148,7 @@ mod tests {
     /// Every inner node has one leaf and one inner node as children, except the last, which has
     /// two leaves.
     #[test]
-    fn trees_with_too_many_levels_are_refused() {
+    fn trees_with_too_many_levels_are_rejected() {
         let chain = |levels: u32| {
             let hull_count = levels;
             let (mut nodes, mut leaves) = (vec![], vec![]);

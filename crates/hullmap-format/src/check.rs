@@ -1,7 +1,7 @@
 //! Checks of an archive: whether it meets the requirements that the runtime relies on.
 //!
 //! [`crate::header`] checks the header. The runtime's `Pack` decides which checks a file has to
-//! pass, and refuses it if one fails. The levels follow one another:
+//! pass, and rejects it if one fails. The levels follow one another:
 //!
 //! 1. [`Sections::read`]: the root. O(1).
 //! 2. [`structure`]: sections and spans, so that a hull's slices can be handed out. O(number of

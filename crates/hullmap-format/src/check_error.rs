@@ -1,4 +1,4 @@
-//! Why a pack is refused: one variant for each requirement that a file may violate.
+//! Why a pack is rejected: one variant for each requirement that a file may violate.
 //!
 //! A message states what is wrong, what was found and what was expected. Indices count from zero,
 //! and those of a hull's vertices, faces and blocks count from the hull's first.

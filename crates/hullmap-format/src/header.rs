@@ -46,7 +46,7 @@ pub struct Header {
     pub checksum: u64,
 }
 
-/// Why a header is refused.
+/// Why a header is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HeaderError {
     /// The file is shorter than a header.

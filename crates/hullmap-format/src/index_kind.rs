@@ -271,14 +271,14 @@ mod tests {
     }
 
     #[test]
-    fn records_without_a_kind_are_refused() {
-        let refused =
+    fn records_without_a_kind_are_rejected() {
+        let rejected =
             |code, leaf_blocks, resolution| IndexKind::from_fields(code, leaf_blocks, resolution).unwrap_err();
-        assert_eq!(refused(4, 1, 0), RecordedKindError::Code { found: 4 });
-        assert_eq!(refused(code::TREE, 3, 0), RecordedKindError::LeafBlocks { found: 3 });
-        assert_eq!(refused(code::SCAN, 0, 0), RecordedKindError::LeafBlocks { found: 0 });
-        assert_eq!(refused(code::CUBE_MAP, 1, 0), RecordedKindError::Resolution { code: code::CUBE_MAP, found: 0 });
-        assert_eq!(refused(code::BINARY, 1, 9), RecordedKindError::Resolution { code: code::BINARY, found: 9 });
+        assert_eq!(rejected(4, 1, 0), RecordedKindError::Code { found: 4 });
+        assert_eq!(rejected(code::TREE, 3, 0), RecordedKindError::LeafBlocks { found: 3 });
+        assert_eq!(rejected(code::SCAN, 0, 0), RecordedKindError::LeafBlocks { found: 0 });
+        assert_eq!(rejected(code::CUBE_MAP, 1, 0), RecordedKindError::Resolution { code: code::CUBE_MAP, found: 0 });
+        assert_eq!(rejected(code::BINARY, 1, 9), RecordedKindError::Resolution { code: code::BINARY, found: 9 });
     }
 
     #[test]

@@ -56,6 +56,6 @@ pub const FORMAT_VERSION: u32 = 5;
 /// Version of *lean* packs: the same format, but without neighbours, quads and edges, and without
 /// the faces of hulls of more than [`LEAN_FACES`](archive::LEAN_FACES) vertices.
 ///
-/// Lean packs have their own version, so that older programs refuse them with a clear error, and
+/// Lean packs have their own version, so that older programs reject them with a clear error, and
 /// all other packs keep their bytes.
 pub const LEAN_FORMAT_VERSION: u32 = 6;

@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn every_changed_root_is_refused() {
+    fn every_changed_root_is_rejected() {
         let payload = sample();
         let root_at = payload.len() - ROOT_LEN;
         for at in (root_at..payload.len()).step_by(4) {
@@ -246,14 +246,14 @@ mod tests {
                 // No section of the sample is followed by a gap, so no section can grow into one.
                 // If a section is shorter, its last bytes become a gap, which must be zero.
                 let gaps = |pack: Sections<'_>| check::gaps(&pack, &changed);
-                let is_refused = Sections::read(&changed).and_then(gaps).is_err();
-                assert!(is_refused || new == old, "byte {}: {old:#x} to {new:#x}", at - root_at);
+                let is_rejected = Sections::read(&changed).and_then(gaps).is_err();
+                assert!(is_rejected || new == old, "byte {}: {old:#x} to {new:#x}", at - root_at);
             }
         }
     }
 
     #[test]
-    fn payloads_of_every_other_length_are_refused() {
+    fn payloads_of_every_other_length_are_rejected() {
         let payload = sample();
         for len in 0..payload.len() {
             assert!(Sections::read(&payload[..len]).is_err(), "{len} bytes");

@@ -489,7 +489,7 @@ mod tests {
     }
 
     #[test]
-    fn endless_chains_of_planes_are_refused() {
+    fn endless_chains_of_planes_are_rejected() {
         let mut words = vec![Slot::Plane(1).encode()];
         for i in 0..200 {
             words.extend([0; 6]);

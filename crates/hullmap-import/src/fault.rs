@@ -172,7 +172,7 @@ pub enum Fault {
     },
     /// tobj rejects coordinates in which the scan finds no fault.
     #[error("the OBJ reader (tobj) rejects the vertices: {0}; this is a defect of hullmap: report it with the file")]
-    Refused(tobj::LoadError),
+    Rejected(tobj::LoadError),
 }
 
 /// Maximum length of a quoted word in a message, in characters.
@@ -196,7 +196,7 @@ impl Fault {
     }
 
     /// This fault, found at a one-based line.
-    pub fn at(self, line: usize) -> LineFault {
+    pub fn at_line(self, line: usize) -> LineFault {
         LineFault { line: Some(line), fault: self }
     }
 

@@ -106,7 +106,7 @@ enum Foreign {
 /// Format of a file that a reader can be tried on. Fails if the file is in a format that is not
 /// supported, is a Git LFS pointer, or is UTF-16 in a format other than OBJ. Complexity: O(1).
 pub fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
-    let format = Format::of(path, bytes);
+    let format = Format::detect(path, bytes);
     // The first 80 bytes of a binary STL file are a comment, which may hold anything.
     if format == Format::Stl && stl::has_binary_length(bytes) {
         return Ok(format);

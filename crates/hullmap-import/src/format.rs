@@ -24,7 +24,7 @@ pub const NAMES: &str = "OBJ, glTF, GLB, STL or PLY";
 impl Format {
     /// Format of a file, by its extension in any case. If the extension is unknown, the first bytes
     /// decide: `glTF`, `ply`, or else OBJ, which has no signature.
-    pub fn of(path: &Path, bytes: &[u8]) -> Self {
+    pub fn detect(path: &Path, bytes: &[u8]) -> Self {
         Self::of_extension(path).unwrap_or(match bytes {
             [b'g', b'l', b'T', b'F', ..] => Self::Gltf,
             [b'p', b'l', b'y', b'\r' | b'\n', ..] => Self::Ply,
@@ -84,7 +84,7 @@ mod tests {
             ("a.txt", b"plywood", Format::Obj),
             ("a", b"v 0 0 0", Format::Obj),
         ] {
-            assert_eq!(Format::of(Path::new(name), bytes), format, "{name}");
+            assert_eq!(Format::detect(Path::new(name), bytes), format, "{name}");
             assert_eq!(is_source(Path::new(name)), !name.ends_with("txt") && name != "a", "{name}");
         }
         assert!(EXTENSIONS.iter().all(|extension| is_source(&Path::new("x").with_extension(extension))));

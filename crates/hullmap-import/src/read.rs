@@ -138,7 +138,7 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
 /// # Complexity
 /// O(bytes).
 pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
-    if Format::of(path, &[]) != Format::Gltf {
+    if Format::detect(path, &[]) != Format::Gltf {
         return Ok(Vec::new());
     }
     let mut left = Limits::DEFAULT.input_bytes;

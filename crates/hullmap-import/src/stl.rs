@@ -99,7 +99,7 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// A coordinate whose bits identify a position.
-trait WeldKey: Coordinate {
+trait MergeKey: Coordinate {
     type Bits: Copy + Eq + Hash;
     /// Bits of the coordinate; both zeros have the same.
     fn key(self) -> Self::Bits;
@@ -107,7 +107,7 @@ trait WeldKey: Coordinate {
     fn positions(all: Vec<[Self; 3]>) -> Positions;
 }
 
-impl WeldKey for f32 {
+impl MergeKey for f32 {
     type Bits = u32;
     fn key(self) -> u32 {
         // Adding +0 turns -0 into +0 and changes no other number.
@@ -118,7 +118,7 @@ impl WeldKey for f32 {
     }
 }
 
-impl WeldKey for f64 {
+impl MergeKey for f64 {
     type Bits = u64;
     fn key(self) -> u64 {
         (self + 0.0).to_bits()
@@ -129,12 +129,12 @@ impl WeldKey for f64 {
 }
 
 /// Gives equal positions the same vertex index.
-struct Welder<T: WeldKey> {
+struct VertexMerger<T: MergeKey> {
     positions: Vec<[T; 3]>,
     indices: HashMap<[T::Bits; 3], u32>,
 }
 
-impl<T: WeldKey> Welder<T> {
+impl<T: MergeKey> VertexMerger<T> {
     fn new() -> Self {
         Self { positions: Vec::new(), indices: HashMap::new() }
     }
@@ -151,7 +151,7 @@ impl<T: WeldKey> Welder<T> {
 
 #[expect(clippy::indexing_slicing, reason = "12 bytes of normal and three corners of 12 are within a triangle's 50")]
 fn read_binary(triangles: &[u8]) -> Result<SourceMesh, LineFault> {
-    let mut welder = Welder::<f32>::new();
+    let mut merger = VertexMerger::<f32>::new();
     let mut faces = Polygons::default();
     let count = triangles.len() / TRIANGLE;
     if count > u32::MAX as usize / 3 {
@@ -172,14 +172,14 @@ fn read_binary(triangles: &[u8]) -> Result<SourceMesh, LineFault> {
                 ))
                 .of_file());
             }
-            faces.corners.push(welder.index(position).map_err(Fault::of_file)?);
+            faces.corners.push(merger.index(position).map_err(Fault::of_file)?);
         }
         faces.end();
     }
-    if welder.positions.is_empty() {
+    if merger.positions.is_empty() {
         return Err(no_triangles());
     }
-    Ok(SourceMesh::new(f32::positions(welder.positions), faces))
+    Ok(SourceMesh::new(f32::positions(merger.positions), faces))
 }
 
 fn no_triangles() -> LineFault {
@@ -187,10 +187,10 @@ fn no_triangles() -> LineFault {
         .of_file()
 }
 
-fn read_text<T: WeldKey>(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, LineFault> {
+fn read_text<T: MergeKey>(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, LineFault> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let mut tokens = Tokens::new(bytes, 1);
-    let mut welder = Welder::<T>::new();
+    let mut merger = VertexMerger::<T>::new();
     // The positions are added at the end. Until then only faces say where an object starts.
     let mut mesh = SourceMesh::new(Positions::Single(Vec::new()), Polygons::default());
     while let Some(word) = tokens.next() {
@@ -204,23 +204,27 @@ fn read_text<T: WeldKey>(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, Li
         } else if is(word, "endsolid") {
             tokens.rest_of_line();
         } else if is(word, "facet") {
-            read_facet(&mut tokens, &mut welder, &mut mesh.faces)?;
+            read_facet(&mut tokens, &mut merger, &mut mesh.faces)?;
         } else {
             return Err(unexpected(&tokens, Some(word), "`facet`, `solid` or `endsolid`"));
         }
     }
-    if welder.positions.is_empty() {
+    if merger.positions.is_empty() {
         return Err(no_triangles());
     }
     // A vertex belongs to the objects whose faces reference it. None is declared in an object.
-    mesh.positions = T::positions(welder.positions);
+    mesh.positions = T::positions(merger.positions);
     for object in mesh.objects.iter_mut().skip(1) {
         object.first_vertex = mesh.positions.len() as u32;
     }
     Ok(mesh)
 }
 
-fn read_facet<T: WeldKey>(tokens: &mut Tokens, welder: &mut Welder<T>, faces: &mut Polygons) -> Result<(), LineFault> {
+fn read_facet<T: MergeKey>(
+    tokens: &mut Tokens,
+    merger: &mut VertexMerger<T>,
+    faces: &mut Polygons,
+) -> Result<(), LineFault> {
     expect(tokens, "normal")?;
     // Normals are often zero or NaN, and nothing depends on them.
     for _ in 0..3 {
@@ -243,14 +247,14 @@ fn read_facet<T: WeldKey>(tokens: &mut Tokens, welder: &mut Welder<T>, faces: &m
             let Some(word) = tokens.next() else {
                 return Err(unexpected(tokens, None, "a coordinate"));
             };
-            *coordinate = parse_coordinate::<T>(&text(word)).map_err(|fault| fault.at(tokens.line()))?;
+            *coordinate = parse_coordinate::<T>(&text(word)).map_err(|fault| fault.at_line(tokens.line()))?;
         }
-        faces.corners.push(welder.index(position).map_err(Fault::of_file)?);
+        faces.corners.push(merger.index(position).map_err(Fault::of_file)?);
     }
     let found = faces.corners.len() - start;
     if found < 3 {
         let text = format!("a facet has {}; expected 3: complete or remove it", counted(found, "vertex", "vertices"));
-        return Err(Fault::format(text).at(tokens.line()));
+        return Err(Fault::format(text).at_line(tokens.line()));
     }
     if faces.corners.len() > u32::MAX as usize {
         return Err(Fault::TooManyReferences.of_file());
@@ -275,5 +279,5 @@ fn unexpected(tokens: &Tokens, found: Option<&[u8]>, expected: &str) -> LineFaul
         Some(word) => format!("found `{}`; expected {expected}: correct the line", excerpt(&text(word))),
         None => format!("the file ends; expected {expected}: it was cut off, so export it again"),
     };
-    Fault::format(text).at(tokens.line())
+    Fault::format(text).at_line(tokens.line())
 }

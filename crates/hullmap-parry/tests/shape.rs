@@ -286,7 +286,7 @@ fn features_of_a_prism() {
 }
 
 #[test]
-fn scales_multiply_and_zero_is_refused() {
+fn scales_multiply_and_zero_is_rejected() {
     let hull = BakedHull::new(pack(&families::rock(50, 1)).shared_hull(0).unwrap());
     let shape: SharedShape = hull.clone().into();
     let twice = shape.scale_dyn(Vector::new(2.0, -1.0, 1.0), 0).unwrap();

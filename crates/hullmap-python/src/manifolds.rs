@@ -50,10 +50,10 @@ macro_rules! put_points {
     ($rows:expr, $at:expr, $manifold:expr) => {{
         let points = $manifold.map(Manifold::points).unwrap_or_default();
         put($rows.count, $at, u8::try_from(points.len()).unwrap_or(u8::MAX));
-        for slot in 0..MAX_POINTS {
-            let point = points.get(slot);
+        for place in 0..MAX_POINTS {
+            let point = points.get(place);
             let vector = |pick: fn(&ManifoldPoint) -> DVec3| point.map_or(DVec3::NAN, pick);
-            let to = MAX_POINTS * $at + slot;
+            let to = MAX_POINTS * $at + place;
             put_vector($rows.point_a, to, vector(|point| point.point_a));
             put_vector($rows.point_b, to, vector(|point| point.point_b));
             put_vector($rows.local_b, to, vector(|point| point.local_b));
@@ -112,12 +112,12 @@ pub fn manifolds<'py>(
     task.pairs.check("manifolds", true)?;
     let too_many = || PyMemoryError::new_err("not enough memory for all pairs of all poses: query fewer at a time");
     let count = task.count.checked_mul(max_pairs).ok_or_else(too_many)?;
-    // More slots than pairs of parts would never be used.
+    // More places than pairs of parts would never be used.
     let parts_of = |[a, b]: [&Side; 2]| part_count(a).saturating_mul(part_count(b));
     let most = (0..task.pairs.len()).filter_map(|pair| task.pairs.sides(pair)).map(parts_of).max();
-    let slots = max_pairs.min(most.unwrap_or(1));
+    let places = max_pairs.min(most.unwrap_or(1));
     let solve = |first: usize, count: usize, mut rows: PairRows<'_>| {
-        let mut found = CompoundManifolds::new(slots);
+        let mut found = CompoundManifolds::new(places);
         for at in 0..count / max_pairs {
             let pose = first / max_pairs + at;
             // The memory of one pair is useless for the next.
@@ -167,8 +167,8 @@ fn write(rows: &mut PairRows<'_>, first: usize, count: usize, found: &CompoundMa
     touching.sort_unstable_by_key(|(parts, _)| *parts);
     put(rows.touching, first, counts.touching);
     put(rows.dropped, first, counts.dropped);
-    for slot in 0..count {
-        let (at, pair) = (first + slot, touching.get(slot));
+    for place in 0..count {
+        let (at, pair) = (first + place, touching.get(place));
         let parts = pair.map_or([u32::MAX; 2], |(parts, _)| parts.map(|part| u32::try_from(part).unwrap_or(u32::MAX)));
         put_all(rows.parts, at, &parts);
         put_vector(rows.normal, at, pair.map_or(DVec3::NAN, |(_, manifold)| manifold.normal()));

@@ -13,7 +13,7 @@ use hullmap::{
 
 use crate::shape::{AnyConvex, Side};
 
-/// Slots of a compound's cache: pairs of parts that are near each other in one pose.
+/// Entries of a compound's cache: pairs of parts that are near each other in one pose.
 const COMPOUND_SLOTS: usize = 16;
 
 /// An answer, with the parts that decided it.
@@ -33,7 +33,7 @@ fn of_compound<T>(found: CompoundAnswer<T>) -> Found<T> {
 }
 
 /// A query of two shapes under one pose.
-pub trait Query: Sync {
+pub trait ShapeQuery: Sync {
     type Answer;
 
     fn convex<A: Shape + ?Sized, B: Shape + ?Sized>(
@@ -95,7 +95,13 @@ pub fn obstacle(query: &str, a: &Side, b: &Side, takes_compounds: bool) -> Optio
 }
 
 /// Answers `query` for one pose. `None` for pairs that [`obstacle`] reports.
-pub fn answer<Q: Query>(query: &Q, a: &Side, b: &Side, b_in_a: Pose, caches: &mut Caches) -> Option<Found<Q::Answer>> {
+pub fn answer<Q: ShapeQuery>(
+    query: &Q,
+    a: &Side,
+    b: &Side,
+    b_in_a: Pose,
+    caches: &mut Caches,
+) -> Option<Found<Q::Answer>> {
     let cache = &mut caches.pair;
     match (a, b) {
         (Side::Hull(a), Side::Hull(b)) => Some(query.convex(a.hull(), b.hull(), b_in_a, cache).into()),
@@ -121,7 +127,7 @@ pub fn convex(side: &Side) -> Option<&AnyConvex> {
 
 pub struct Intersects;
 
-impl Query for Intersects {
+impl ShapeQuery for Intersects {
     type Answer = Intersection;
 
     fn convex<A: Shape + ?Sized, B: Shape + ?Sized>(
@@ -155,7 +161,7 @@ impl Query for Intersects {
 
 pub struct Distances(pub Settings);
 
-impl Query for Distances {
+impl ShapeQuery for Distances {
     type Answer = Distance;
 
     fn convex<A: Shape + ?Sized, B: Shape + ?Sized>(&self, a: &A, b: &B, pose: Pose, cache: &mut Cache) -> Distance {
@@ -183,7 +189,7 @@ impl Query for Distances {
 
 pub struct Contacts(pub Settings);
 
-impl Query for Contacts {
+impl ShapeQuery for Contacts {
     type Answer = Contact;
 
     fn convex<A: Shape + ?Sized, B: Shape + ?Sized>(&self, a: &A, b: &B, pose: Pose, cache: &mut Cache) -> Contact {
@@ -221,7 +227,7 @@ impl Query for Contacts {
 
 pub struct Manifolds(pub ManifoldSettings);
 
-impl Query for Manifolds {
+impl ShapeQuery for Manifolds {
     type Answer = (Manifold, Contact);
 
     fn convex<A: Shape + ?Sized, B: Shape + ?Sized>(
@@ -265,7 +271,7 @@ impl Query for Manifolds {
 /// A cast of B by one motion.
 pub struct Cast(pub CastSettings, pub Motion);
 
-impl Query for Cast {
+impl ShapeQuery for Cast {
     type Answer = Impact;
 
     fn convex<A: Shape + ?Sized, B: Shape + ?Sized>(&self, a: &A, b: &B, pose: Pose, cache: &mut Cache) -> Impact {

@@ -15,7 +15,7 @@ use crate::columns::Columns;
 use crate::error::PoseError;
 use crate::pairs::{Pairs, Queried};
 use crate::pose::{PoseArrays, Poses};
-use crate::query::{self, Caches, Query, answer};
+use crate::query::{self, Caches, ShapeQuery, answer};
 use crate::threads::{self, Threads};
 
 /// Poses of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
@@ -122,7 +122,7 @@ impl<'p> Task<'p> {
 
     /// Answers `query` for all poses but those whose answer is `known`; `write` writes an answer to
     /// a row.
-    pub fn solve<'py, C: Columns, Q: Query>(
+    pub fn solve<'py, C: Columns, Q: ShapeQuery>(
         &self,
         py: Python<'py>,
         (name, takes_compounds): (&str, bool),

@@ -169,7 +169,7 @@ impl Client {
                 Err(_) => Status::deadline_exceeded("no answer in time"),
             };
             if !is_transient(&status) || attempt >= self.settings.attempts {
-                return Err(RemoteError::of(what, &status));
+                return Err(RemoteError::from_status(what, &status));
             }
             tokio::time::sleep(wait(attempt)).await;
             attempt += 1;

@@ -65,7 +65,7 @@ impl RemoteError {
     }
 
     /// The error of a request that is not repeated.
-    pub(crate) fn of(what: &'static str, status: &Status) -> Self {
+    pub(crate) fn from_status(what: &'static str, status: &Status) -> Self {
         if let Some(message) = certificate(status) {
             return Self::Certificate(message);
         }

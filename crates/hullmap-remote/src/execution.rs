@@ -146,12 +146,14 @@ impl Client {
                     Ok(outcome) => return Ok(outcome),
                     Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
                     Err(status) if is_transient(&status) && attempt < self.settings.attempts => name = None,
-                    Err(status) => return Err(RemoteError::of("action", &status)),
+                    Err(status) => return Err(RemoteError::from_status("action", &status)),
                 },
                 // The stream ended too early: follow it again.
                 Ok(None) if attempt < self.settings.attempts => {}
-                Ok(None) => return Err(RemoteError::of("action", &Status::unavailable("the answer broke off"))),
-                Err(status) if Instant::now() >= deadline => return Err(RemoteError::of("action", &status)),
+                Ok(None) => {
+                    return Err(RemoteError::from_status("action", &Status::unavailable("the answer broke off")));
+                }
+                Err(status) if Instant::now() >= deadline => return Err(RemoteError::from_status("action", &status)),
                 // The server was restarted, and has forgotten the action.
                 Err(status) if follows && status.code() == Code::NotFound && forgotten < MAX_REQUESTS => {
                     forgotten += 1;
@@ -159,7 +161,7 @@ impl Client {
                 }
                 Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
                 Err(status) if is_transient(&status) && attempt < self.settings.attempts => {}
-                Err(status) => return Err(RemoteError::of("action", &status)),
+                Err(status) => return Err(RemoteError::from_status("action", &status)),
             }
             // Proxies end streams that live long. The deadline bounds the number of these.
             if start.elapsed() > LONG_STREAM {

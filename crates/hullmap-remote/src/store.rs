@@ -130,7 +130,10 @@ impl Client {
             .await?;
         for status in answer.responses.iter().filter_map(|response| response.status.as_ref()) {
             if status.code != 0 {
-                return Err(RemoteError::of("upload", &Status::new(Code::from_i32(status.code), &status.message)));
+                return Err(RemoteError::from_status(
+                    "upload",
+                    &Status::new(Code::from_i32(status.code), &status.message),
+                ));
             }
         }
         Ok(())
@@ -155,7 +158,7 @@ impl Client {
             if let Some(status) = response.status.filter(|status| status.code != 0) {
                 return Err(match Code::from_i32(status.code) {
                     Code::NotFound => RemoteError::Missing(digest.hash().to_owned()),
-                    code => RemoteError::of("download", &Status::new(code, &status.message)),
+                    code => RemoteError::from_status("download", &Status::new(code, &status.message)),
                 });
             }
             check(&digest, &response.data)?;
@@ -173,11 +176,11 @@ impl Client {
         // The name of an upload must differ from all others.
         let name = format!("{}uploads/{}/blobs/{}/{size}", self.prefix(), unique(), blob.digest.hash());
         // A file that cannot be read is not an answer of the server.
-        Chunks::of(blob, name.clone())?;
+        Chunks::new(blob, name.clone())?;
         let answer = self
             .retry("upload", size, || {
                 let mut client = ByteStreamClient::new(self.channel.clone()).max_encoding_message_size(MAX_MESSAGE);
-                let chunks = Chunks::of(blob, name.clone());
+                let chunks = Chunks::new(blob, name.clone());
                 async move {
                     let chunks = chunks.map_err(|error| Status::invalid_argument(error.to_string()))?;
                     client.write(self.request(tokio_stream::iter(chunks))).await
@@ -307,7 +310,7 @@ enum Source {
 }
 
 impl Chunks {
-    fn of(blob: &Blob, name: String) -> Result<Self, RemoteError> {
+    fn new(blob: &Blob, name: String) -> Result<Self, RemoteError> {
         let source = match &blob.data {
             Data::Bytes(bytes) => Source::Bytes(bytes.clone()),
             Data::File(path) => Source::File(open(path, &blob.digest)?),
@@ -372,7 +375,7 @@ mod tests {
         let (memory, mut disk) = (Blob::of(bytes.clone()), Blob::of(bytes.clone()));
         disk.data = Data::File(file.clone());
         for blob in [memory, disk] {
-            let chunks: Vec<WriteRequest> = Chunks::of(&blob, "n".to_owned()).unwrap().collect();
+            let chunks: Vec<WriteRequest> = Chunks::new(&blob, "n".to_owned()).unwrap().collect();
             let data: Vec<u8> = chunks.iter().flat_map(|chunk| chunk.data.clone()).collect();
             assert_eq!(data, bytes);
             assert_eq!(chunks.iter().map(|chunk| chunk.finish_write).collect::<Vec<_>>(), [false, false, true]);

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::census::{Census, Pace, census, direction_count, even_directions, pace};
 use crate::cost_warnings::{cost_warning, summary};
-use crate::display_mesh::{DisplayMesh, EncodedMesh, triangle_cap};
+use crate::display_mesh::{DisplayMesh, EncodedMesh, triangle_limit};
 use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
 use crate::html;
 use crate::index_reader::{Contents, ReadError};
@@ -257,10 +257,10 @@ fn draw(
     polygons: Polygons,
     up: Up,
 ) -> Drawn {
-    let (cap, resolution) = (triangle_cap(rows.len()), resolution(rows.len()));
+    let (limit, resolution) = (triangle_limit(rows.len()), resolution(rows.len()));
     let paired = meshes.filter(|meshes| meshes.len() == pack.hull_count());
     let unpaired = meshes.filter(|_| paired.is_none()).unwrap_or_default();
-    let unpaired_cap = triangle_cap(unpaired.len());
+    let unpaired_cap = triangle_limit(unpaired.len());
     let unpaired = unpaired.iter().take(MAX_HULLS).map(|mesh| mesh.with_at_most(unpaired_cap).encoded(mesh));
     let meshes: Vec<EncodedMesh> = unpaired.collect();
     let mut room = PICTURE_BUDGET.saturating_sub(html::json(&meshes).len());
@@ -283,7 +283,7 @@ fn draw(
             census: row.census.clone(),
         };
         if room > 0 {
-            let encoded = |mesh: &DisplayMesh| mesh.with_at_most(cap).encoded(mesh);
+            let encoded = |mesh: &DisplayMesh| mesh.with_at_most(limit).encoded(mesh);
             next.source = paired.and_then(|meshes| meshes.get(number)).map(encoded);
             next.hull = Some(encoded(&DisplayMesh::of_hull(&hull, &polygons(&hull))));
             next.gauss = contents.indices.get(number).map(|index| gauss_map(&hull, index, resolution));
@@ -297,8 +297,8 @@ fn draw(
 /// The still picture: hulls around the meshes, or the hulls alone if there is no source. Parts are
 /// drawn alone, each in a colour.
 fn still(pack: &Pack, meshes: &[DisplayMesh], polygons: Polygons, up: Up) -> String {
-    let cap = STILL_TRIANGLES.div_ceil(pack.hull_count());
-    let drawn = |hull: Hull| DisplayMesh::of_hull(&hull, &polygons(&hull)).with_at_most(cap);
+    let limit = STILL_TRIANGLES.div_ceil(pack.hull_count());
+    let drawn = |hull: Hull| DisplayMesh::of_hull(&hull, &polygons(&hull)).with_at_most(limit);
     let hulls: Vec<DisplayMesh> = pack.hulls().map(drawn).collect();
     if pack.hulls().any(|hull| hull.part_count() > 1) {
         picture_of_parts(&hulls, up)

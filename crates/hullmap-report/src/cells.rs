@@ -9,7 +9,7 @@
 //!    line between them.
 //! 3. A plane cuts a polygon in two, a bundle in eight, a fan at each step whose slot differs from
 //!    the previous one.
-//! 4. Cells are processed breadth first, so that the cap on lines drops the deepest ones.
+//! 4. Cells are processed breadth first, so that the limit on lines drops the deepest ones.
 
 use std::collections::VecDeque;
 
@@ -289,7 +289,7 @@ impl Drawing<'_> {
     /// Draws the edge of an outline that lies where `height` is zero.
     fn chord(&mut self, face: u32, outline: &[[f64; 2]], height: Linear, depth: u32) {
         let size = height.c.abs() + height.u.abs() + height.v.abs();
-        let is_on = |point: [f64; 2]| height.at(point).abs() <= ON_LINE * size;
+        let is_on = |point: [f64; 2]| height.value(point).abs() <= ON_LINE * size;
         let on: Vec<[f64; 2]> = outline.iter().copied().filter(|&point| is_on(point)).collect();
         if let (Some(&from), Some(&to)) = (on.first(), on.last()) {
             // If corners coincide there are more than two: the ends are the two farthest from each
@@ -326,7 +326,7 @@ struct Linear {
 }
 
 impl Linear {
-    fn at(self, [x, y]: [f64; 2]) -> f64 {
+    fn value(self, [x, y]: [f64; 2]) -> f64 {
         self.c + self.u * x + self.v * y
     }
 
@@ -363,7 +363,7 @@ fn cut(outline: &[[f64; 2]], height: Linear) -> [Vec<[f64; 2]>; 2] {
     let mut parts = [Vec::new(), Vec::new()];
     for (i, &from) in outline.iter().enumerate() {
         let to = outline[(i + 1) % outline.len()];
-        let (a, b) = (height.at(from), height.at(to));
+        let (a, b) = (height.value(from), height.value(to));
         if a <= 0.0 {
             parts[0].push(from);
         }

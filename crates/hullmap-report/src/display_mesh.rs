@@ -57,7 +57,7 @@ pub struct EncodedMesh {
 }
 
 /// Maximum triangles of each hull on a page with `hull_count` hulls.
-pub fn triangle_cap(hull_count: usize) -> usize {
+pub fn triangle_limit(hull_count: usize) -> usize {
     (MAX_TRIANGLES / hull_count.max(1)).max(MIN_TRIANGLES)
 }
 
@@ -86,12 +86,12 @@ impl DisplayMesh {
         [fold(f32::INFINITY, f32::min), fold(f32::NEG_INFINITY, f32::max)]
     }
 
-    /// The mesh with at most `cap` triangles, and no more corners than a page can index.
+    /// The mesh with at most `limit` triangles, and no more corners than a page can index.
     ///
     /// Corners in the same cell of a grid are merged into the first of them, on the finest grid
-    /// that meets the cap. Triangles that degenerate to an edge or a point are dropped.
-    pub fn with_at_most(&self, cap: usize) -> Self {
-        let fits = |mesh: &Self| mesh.triangles.len() <= cap && mesh.points.len() <= MAX_CORNERS;
+    /// that meets the limit. Triangles that degenerate to an edge or a point are dropped.
+    pub fn with_at_most(&self, limit: usize) -> Self {
+        let fits = |mesh: &Self| mesh.triangles.len() <= limit && mesh.points.len() <= MAX_CORNERS;
         if fits(self) {
             return self.clone();
         }
@@ -188,11 +188,11 @@ mod tests {
         let mesh = whole(&pack);
         assert_eq!(mesh.with_at_most(10_000).triangles, mesh.triangles);
         let [low, high] = mesh.bounds();
-        for cap in [3000, 400, 20] {
-            let small = mesh.with_at_most(cap);
+        for limit in [3000, 400, 20] {
+            let small = mesh.with_at_most(limit);
             assert!(
-                small.triangles.len() <= cap && small.triangles.len() > cap / 4,
-                "{cap}: {}",
+                small.triangles.len() <= limit && small.triangles.len() > limit / 4,
+                "{limit}: {}",
                 small.triangles.len()
             );
             let corner = |corner: &u32| (*corner as usize) < small.points.len();

@@ -46,7 +46,7 @@ impl Card {
     pub fn new(name: String, pack: &Analysis, page: String) -> Self {
         Self {
             name,
-            verdict: Verdict::of(pack),
+            verdict: Verdict::new(pack),
             remarks: pack.remarks.faults.iter().chain(&pack.remarks.warnings).cloned().collect(),
             content: Some(Content {
                 page,

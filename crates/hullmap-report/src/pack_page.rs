@@ -47,7 +47,7 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
             ("title", &title),
             ("style", STYLE),
             ("crumb", &crumb),
-            ("verdict", &Verdict::of(pack).html()),
+            ("verdict", &Verdict::new(pack).html()),
             ("subtitle", &subtitle),
             ("warnings", &warnings(pack)),
             ("facts", &facts(pack)),
@@ -90,7 +90,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The verdict on a pack that opens.
-    pub fn of(pack: &Analysis) -> Self {
+    pub fn new(pack: &Analysis) -> Self {
         if !pack.remarks.faults.is_empty() {
             Self::Failed
         } else if pack.has_unmeasured_parts() {

@@ -37,7 +37,7 @@ impl Plain {
     }
 
     /// One answer.
-    pub fn of(fields: &[(&'static str, Field)]) -> Self {
+    pub fn from_fields(fields: &[(&'static str, Field)]) -> Self {
         fields.iter().fold(Self::new(), |plain, &(key, field)| match field {
             Field::Flag(is) => plain.with(key, is),
             Field::Word(word) => plain.with(key, word_of(word)),

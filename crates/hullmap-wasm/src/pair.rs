@@ -222,11 +222,11 @@ impl Pair {
         let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::intersects(a.hull(), b.hull(), pose, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of(half_space::intersects(a, &Compound::new(b), pose)),
+            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::intersects(a, &Compound::new(b), pose)),
             (Side::HalfSpace(a), b) => (a.intersects(b.convex()?, pose), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::intersects(a, b, pose, cache), [0, 0]),
-                _ => of(of_parts!(a, b, |a, b| compound::intersects(a, b, pose, compound))?),
+                _ => of_compound(of_parts!(a, b, |a, b| compound::intersects(a, b, pose, compound))?),
             },
         })
     }
@@ -236,7 +236,7 @@ impl Pair {
         let settings = &Settings::default();
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::contact(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of(half_space::contact(a, &Compound::new(b), pose)),
+            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::contact(a, &Compound::new(b), pose)),
             (Side::HalfSpace(a), b) => (a.contact(b.convex()?, pose), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::contact(a, b, pose, settings, cache), [0, 0]),
@@ -251,11 +251,11 @@ impl Pair {
         let settings = &Settings::default();
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::distance(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of(half_space::distance(a, &Compound::new(b), pose)),
+            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::distance(a, &Compound::new(b), pose)),
             (Side::HalfSpace(a), b) => (a.distance(b.convex()?, pose), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::distance(a, b, pose, settings, cache), [0, 0]),
-                _ => of(of_parts!(a, b, |a, b| compound::distance(a, b, pose, settings, compound))?),
+                _ => of_compound(of_parts!(a, b, |a, b| compound::distance(a, b, pose, settings, compound))?),
             },
         })
     }
@@ -326,7 +326,7 @@ fn distance_fields((found, parts): &Found<Distance>) -> Fields {
     ]
 }
 
-fn of<T>(found: CompoundAnswer<T>) -> Found<T> {
+fn of_compound<T>(found: CompoundAnswer<T>) -> Found<T> {
     (found.answer, found.hulls)
 }
 
@@ -350,7 +350,7 @@ impl Pair {
     /// A body is not a hull, pack or shape, or B is a half-space.
     #[wasm_bindgen(constructor)]
     pub fn new(a: &Body, b: &Body) -> Result<Pair, JsError> {
-        let (a, b) = (Side::of("A", a)?, Side::of("B", b)?);
+        let (a, b) = (Side::of_body("A", a)?, Side::of_body("B", b)?);
         if matches!(b, Side::HalfSpace(_)) {
             let remedy = "make it A, and pass the pose of the other body in its frame";
             return Err(error(format!("B is a half-space: {remedy}. Two half-spaces have no query")));
@@ -391,7 +391,7 @@ impl Pair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<ContactAnswer, JsError> {
-        Ok(Plain::of(&contact_fields(&self.find_contact(pose_of(pose)?).ok_or_else(no_query)?)).done())
+        Ok(Plain::from_fields(&contact_fields(&self.find_contact(pose_of(pose)?).ok_or_else(no_query)?)).done())
     }
 
     /// Distance, with its interval, normal and witness points.
@@ -402,7 +402,7 @@ impl Pair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<DistanceAnswer, JsError> {
-        Ok(Plain::of(&distance_fields(&self.find_distance(pose_of(pose)?).ok_or_else(no_query)?)).done())
+        Ok(Plain::from_fields(&distance_fields(&self.find_distance(pose_of(pose)?).ok_or_else(no_query)?)).done())
     }
 
     /// Whether the bodies share a point, for many poses of seven numbers each. Each is answered as
@@ -459,7 +459,7 @@ impl Pair {
                     ("pointB", Field::Vector(point.point_b)),
                     ("depth", Field::Number(point.depth)),
                 ];
-                let plain = Plain::of(&fields).with("normal", &normal).with("parts", &parts);
+                let plain = Plain::from_fields(&fields).with("normal", &normal).with("parts", &parts);
                 points.push(&plain.done::<JsValue>());
             }
         };
@@ -492,7 +492,7 @@ impl Pair {
             normal = manifold.normal();
             put(manifold, [0, 0]);
         }
-        let plain = Plain::of(&[("normal", Field::Vector(normal)), ("dropped", Field::Count(dropped))]);
+        let plain = Plain::from_fields(&[("normal", Field::Vector(normal)), ("dropped", Field::Count(dropped))]);
         Ok(plain.with("points", points).done())
     }
 }

@@ -85,7 +85,7 @@ impl Side {
     ///
     /// # Errors
     /// It is not a body.
-    pub fn of(name: &str, body: &Body) -> Result<Self, JsError> {
+    pub fn of_body(name: &str, body: &Body) -> Result<Self, JsError> {
         let wrong = |_| error(format!("{name}: expected a Hull, a Pack or a Shape that was not freed"));
         body.shape_of().map(|shape| shape.0).map_err(wrong)
     }
@@ -234,7 +234,7 @@ impl Shape {
         #[wasm_bindgen(js_name = maxT)] max_t: Option<f64>,
     ) -> Result<Hit, JsError> {
         let ray = Ray::new(vector_from("origin", origin)?, vector_from("direction", direction)?).map_err(error)?;
-        Ok(Plain::of(&self.0.ray(&ray, &settings(max_t))).done())
+        Ok(Plain::from_fields(&self.0.ray(&ray, &settings(max_t))).done())
     }
 
     /// Many rays, three numbers for each origin and direction. One origin or direction serves for

@@ -209,7 +209,7 @@ impl<'p> Batch<'p> {
     /// ```
     pub fn of_packs(device: &Device, packs: &[&'p Pack]) -> Result<Self, Error> {
         let tables = Tables::of_packs(packs)?;
-        let pack = DevicePack::of(device, &tables)?;
+        let pack = DevicePack::upload_tables(device, &tables)?;
         Ok(Self::with(packs, tables.hulls, Some(Gpu { pack, pairs: None, states: None, directions: None })))
     }
 
@@ -435,7 +435,7 @@ impl<'p> Batch<'p> {
             self.answers.extend(pairs.iter().map(|pair| on_processor(&self.packs, pair, query, settings)));
             return Ok(&self.answers);
         };
-        self.records.extend(pairs.iter().map(|pair| PairRecord::of(pair, &self.hulls)));
+        self.records.extend(pairs.iter().map(|pair| PairRecord::prepare(pair, &self.hulls)));
         let max_steps = settings.max_iterations.min(MAX_STEPS);
         let (chunk, rounds) = (gpu.pack.chunk(query), self.schedule.rounds(max_steps));
         let order = self.schedule.indices(&self.records, &last, chunk);
@@ -455,7 +455,7 @@ impl<'p> Batch<'p> {
         }
         self.efficiency = Some(schedule::efficiency(&order, answers, &rounds, chunk));
         let solved = answers.iter().zip(&self.records);
-        self.answers.extend(solved.map(|(answer, pair)| Answer::of(answer, pair, &self.hulls)));
+        self.answers.extend(solved.map(|(answer, pair)| Answer::from_record(answer, pair, &self.hulls)));
         Ok(&self.answers)
     }
 

@@ -287,11 +287,11 @@ impl DevicePack {
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn upload(device: &Device, pack: &Pack) -> Result<Self, Error> {
-        Self::of(device, &Tables::of(pack)?)
+        Self::upload_tables(device, &Tables::of(pack)?)
     }
 
     /// Copies `tables` to `device`.
-    pub(crate) fn of(device: &Device, tables: &Tables<'_>) -> Result<Self, Error> {
+    pub(crate) fn upload_tables(device: &Device, tables: &Tables<'_>) -> Result<Self, Error> {
         let uploaded = Self {
             device: device.clone(),
             hulls: device.upload("hulls", bytemuck::cast_slice(&tables.hulls))?,

@@ -70,7 +70,7 @@ pub struct HullRecord {
 }
 
 impl HullRecord {
-    fn of(hull: &Hull<'_>, sections: &Sections<'_>, index: usize) -> Option<Self> {
+    fn new(hull: &Hull<'_>, sections: &Sections<'_>, index: usize) -> Option<Self> {
         let record = sections.hulls.get(index)?;
         let (start, end) = (sections.spans.get(index)?, sections.spans.get(index + 1)?);
         let center = hull.interior_point().as_vec3();
@@ -128,7 +128,7 @@ impl<'a> Tables<'a> {
         let sections = Sections::read(payload).map_err(|_| Error::Pack)?;
         let record = |index: usize| {
             let hull = pack.hull(index).ok()?;
-            HullRecord::of(&hull, &sections, index)
+            HullRecord::new(&hull, &sections, index)
         };
         Ok(Self {
             hulls: (0..pack.hull_count()).map(|index| record(index).unwrap_or_default()).collect(),
@@ -214,11 +214,11 @@ impl PairRecord {
     pub const REJECTED: u32 = u32::MAX;
 
     /// Prepares `pair` for the kernels.
-    pub(crate) fn of(pair: &Pair, hulls: &[HullRecord]) -> Self {
-        Self::try_of(pair, hulls).unwrap_or(Self { a: Self::REJECTED, ..Self::default() })
+    pub(crate) fn prepare(pair: &Pair, hulls: &[HullRecord]) -> Self {
+        Self::try_prepare(pair, hulls).unwrap_or(Self { a: Self::REJECTED, ..Self::default() })
     }
 
-    fn try_of(pair: &Pair, hulls: &[HullRecord]) -> Option<Self> {
+    fn try_prepare(pair: &Pair, hulls: &[HullRecord]) -> Option<Self> {
         let whole = |index: u32| hulls.get(index as usize).filter(|hull| hull.block_count > 0);
         let (a, b) = (whole(pair.a)?, whole(pair.b)?);
         let (center_a, center_b) = (point(a.center), point(b.center));
@@ -426,7 +426,7 @@ impl Answer {
     };
 
     /// The answer in the pack's unit and A's frame.
-    pub(crate) fn of(record: &AnswerRecord, pair: &PairRecord, hulls: &[HullRecord]) -> Self {
+    pub(crate) fn from_record(record: &AnswerRecord, pair: &PairRecord, hulls: &[HullRecord]) -> Self {
         let Some(a) = hulls.get(pair.a as usize) else { return Self::UNKNOWN };
         let back = 1.0 / f64::from(pair.scale);
         let point_a = point(a.center) + point(record.offset) * back;
@@ -481,15 +481,15 @@ mod tests {
         let hulls = [hull, HullRecord { outer: f32::NAN, ..hull }, HullRecord::default()];
         for x in [0.0, 1.0, -5e6, 1e20] {
             let b_in_a = Pose::from_translation(DVec3::new(x, 0.0, 0.0)).unwrap();
-            let record = PairRecord::of(&Pair { a: 0, b: 0, b_in_a }, &hulls);
+            let record = PairRecord::prepare(&Pair { a: 0, b: 0, b_in_a }, &hulls);
             let reach = f64::from(record.scale) * (x.abs() + 6.0);
             assert!(reach > 0.5 && reach <= 1.0, "{reach}");
             assert_eq!(record.rows[0][3], (-x * f64::from(record.scale)) as f32);
             for (a, b) in [(0, 1), (2, 0), (0, 3)] {
-                assert_eq!(PairRecord::of(&Pair { a, b, b_in_a }, &hulls).a, PairRecord::REJECTED);
+                assert_eq!(PairRecord::prepare(&Pair { a, b, b_in_a }, &hulls).a, PairRecord::REJECTED);
             }
         }
         let far = Pose::from_translation(DVec3::splat(1e35)).unwrap();
-        assert_eq!(PairRecord::of(&Pair { a: 0, b: 0, b_in_a: far }, &hulls).a, PairRecord::REJECTED);
+        assert_eq!(PairRecord::prepare(&Pair { a: 0, b: 0, b_in_a: far }, &hulls).a, PairRecord::REJECTED);
     }
 }

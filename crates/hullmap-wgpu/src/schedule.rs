@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_that_wait_count() {
+    fn threads_that_wait_count() {
         // One warp: a thread takes 20 steps, the others 4.
         let mut answers = vec![answer(4, 4); 32];
         answers[7] = answer(20, 20);

@@ -1,10 +1,10 @@
 //! Scalar twin of the kernels in plain f32: GJK and EPA on the Minkowski difference, and the
 //! support query.
 //!
-//! `kernels/*.wgsl` do the same, operation by operation and function by function, so that both
-//! return the same bits on a device that rounds to nearest and does not fuse operations. Tests
-//! compare them. `FUSED` makes the twin fuse every product with the sum that follows, as other
-//! devices may; docs/intervals.md, section 13, bounds the errors of both.
+//! `kernels/*.wgsl` do the same, operation by operation, so that both return the same bits on a
+//! device that rounds to nearest and does not fuse operations. Tests compare them. `FUSED` makes
+//! the twin fuse every product with the sum that follows, as other devices may; docs/intervals.md,
+//! section 13, bounds the errors of both.
 
 mod epa;
 mod gjk;
@@ -44,7 +44,7 @@ pub const MAX_READS: u32 = 1 << 11;
 /// # Ok::<(), hullmap_wgpu::Error>(())
 /// ```
 pub fn prepare(tables: &Tables<'_>, pair: &Pair) -> PairRecord {
-    PairRecord::of(pair, &tables.hulls)
+    PairRecord::prepare(pair, &tables.hulls)
 }
 
 /// Answer of the kernels for one pair.

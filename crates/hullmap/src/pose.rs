@@ -264,7 +264,7 @@ impl Pose {
     }
 
     /// The pose that translates to a point which has been checked already.
-    pub(crate) fn at(translation: DVec3) -> Self {
+    pub(crate) fn from_checked(translation: DVec3) -> Self {
         Self { rotation: DQuat::IDENTITY, translation }
     }
 

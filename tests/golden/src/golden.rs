@@ -29,7 +29,7 @@ impl Golden {
     pub fn small() -> Self {
         let files = packs::files(Set::Small);
         let chunk = answers::chunk(&packs::opened(&files), 0, SMALL);
-        Self::of("small", packs::hashes(&files), answers::joined(&[chunk]))
+        Self::new("small", packs::hashes(&files), answers::joined(&[chunk]))
     }
 
     /// Bakes and queries the large set on rayon's pool.
@@ -38,10 +38,10 @@ impl Golden {
         let opened = packs::opened(&files);
         let chunks: Vec<_> =
             (0..CHUNKS).into_par_iter().map(|index| answers::chunk(&opened, index, PER_CHUNK)).collect();
-        Self::of("large", packs::hashes(&files), answers::joined(&chunks))
+        Self::new("large", packs::hashes(&files), answers::joined(&chunks))
     }
 
-    fn of(set: &str, packs: Vec<(String, u64)>, answers: Vec<(String, u64)>) -> Self {
+    fn new(set: &str, packs: Vec<(String, u64)>, answers: Vec<(String, u64)>) -> Self {
         let hashes = packs.into_iter().chain(answers).map(|(name, hash)| (format!("{set} {name}"), hash)).collect();
         Self { format_version: FORMAT_VERSION, hashes }
     }

@@ -3,8 +3,8 @@
 //!
 //! | function | bytes are | must hold |
 //! |---|---|---|
-//! | [`open_and_query`] | a pack; its header is corrected | it is refused, or every query ends soundly |
-//! | [`solver`] | two shapes and their poses | no NaN, no cap exceeded, intervals true by brute force |
+//! | [`open_and_query`] | a pack; its header is corrected | it is rejected, or every query ends soundly |
+//! | [`solver`] | two shapes and their poses | no NaN, no limit exceeded, intervals true by brute force |
 //! | [`build_open_verify`] | point sets, an index, directions | the baked pack opens and is exact |
 //! | [`import`] | a format, options, a source file | points with indices in range, or an error that names the file |
 //!

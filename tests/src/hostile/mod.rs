@@ -1,6 +1,6 @@
 //! Hostile files: packs that were changed and, in most cases, given a correct checksum again.
 //!
-//! Requirement: such a file is refused, or it opens and every query on it ends without a panic and
+//! Requirement: such a file is rejected, or it opens and every query on it ends without a panic and
 //! without a read out of bounds. Answers may be wrong.
 //!
 //! | module | what |

@@ -121,8 +121,8 @@ impl<'s> Subject<'s> {
 }
 
 impl Series {
-    /// Whether every member must be refused.
-    pub fn is_always_refused(self) -> bool {
+    /// Whether every member must be rejected.
+    pub fn is_always_rejected(self) -> bool {
         matches!(self, Self::Bits | Self::Lengths)
     }
 }

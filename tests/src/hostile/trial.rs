@@ -27,7 +27,7 @@ const REPETITIONS: usize = 3;
 /// In place of a file's index: the thread is between two files.
 const IDLE: usize = usize::MAX;
 
-/// Counts of opened and refused files.
+/// Counts of opened and rejected files.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Files that were tried.
@@ -40,15 +40,15 @@ pub struct Tally {
 
 impl Tally {
     /// Files that did not open.
-    pub fn refused(&self) -> usize {
+    pub fn rejected(&self) -> usize {
         self.tried - self.opened
     }
 
     /// Asserts that neither outcome is rare. Otherwise one half of the requirement is not tested.
     /// Panics if fewer than a twentieth of the files opened, or fewer than a twentieth were
-    /// refused.
+    /// rejected.
     pub fn assert_representative(&self) {
-        assert!(self.opened * 20 > self.tried && self.refused() * 20 > self.tried, "{self}");
+        assert!(self.opened * 20 > self.tried && self.rejected() * 20 > self.tried, "{self}");
     }
 }
 
@@ -64,7 +64,7 @@ impl AddAssign for Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} tried, {} refused, {} opened", self.tried, self.refused(), self.opened)?;
+        write!(f, "{} tried, {} rejected, {} opened", self.tried, self.rejected(), self.opened)?;
         match &self.slowest {
             Some((took, which)) => write!(f, ", slowest {:.3} ms ({which})", took.as_secs_f64() * 1e3),
             None => Ok(()),
@@ -178,7 +178,7 @@ mod tests {
         // The slowest files are tried several times.
         seen.dedup();
         assert_eq!(seen, indices);
-        assert_eq!((tally.tried, tally.opened, tally.refused()), (1000, 500, 500));
+        assert_eq!((tally.tried, tally.opened, tally.rejected()), (1000, 500, 500));
         tally.assert_representative();
         assert!(tally.slowest.is_some());
     }

@@ -1,4 +1,4 @@
-//! Damaged files opened without the checks that would refuse them. Queries may then return wrong
+//! Damaged files opened without the checks that would reject them. Queries may then return wrong
 //! answers or panic, but they end, and they read nothing out of bounds.
 
 use std::{

@@ -41,7 +41,7 @@ const FAMILIES: [(Family, &[usize]); 9] = [
 ];
 
 /// Two bodies and their pose.
-pub struct Pair<'c, 'p> {
+pub struct BodyPair<'c, 'p> {
     /// Index of the pair.
     pub index: u64,
     /// Seed of the run.
@@ -54,7 +54,7 @@ pub struct Pair<'c, 'p> {
     pub b_in_a: Pose,
 }
 
-impl fmt::Display for Pair<'_, '_> {
+impl fmt::Display for BodyPair<'_, '_> {
     /// Everything needed to reproduce the pair.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (t, r) = (self.b_in_a.translation(), self.b_in_a.rotation());
@@ -82,14 +82,14 @@ impl fmt::Display for Pair<'_, '_> {
 pub struct Stock {
     pack: Pack,
     kinds: Vec<(Kind, String)>,
-    /// Point sets that the baker refused, and the reasons.
-    pub refused: Vec<String>,
+    /// Point sets that the baker rejected, and the reasons.
+    pub rejected: Vec<String>,
 }
 
 impl Stock {
     /// Bakes all generated hulls, and every `stride`-th of the clouds.
     pub fn bake(clouds: &[Vec<[f32; 3]>], stride: usize) -> Self {
-        let (mut kinds, mut baked, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut kinds, mut baked, mut rejected) = (Vec::new(), Vec::new(), Vec::new());
         let mut add = |kind: Kind, name: String, points: &[[f32; 3]]| {
             let set = packs::point_set(&name, points);
             match hullmap_bake::bake_hull(&set, IndexKind::Tree) {
@@ -97,7 +97,7 @@ impl Stock {
                     baked.push(hull);
                     kinds.push((kind, name));
                 }
-                Err(error) => refused.push(format!("{name}: {error}")),
+                Err(error) => rejected.push(format!("{name}: {error}")),
             }
         };
         for (index, cloud) in clouds.iter().enumerate().step_by(stride.max(1)) {
@@ -114,7 +114,7 @@ impl Stock {
             }
         }
         let bytes = hullmap_bake::write_pack(&baked, &SourceRecord::default()).expect("there are hulls");
-        Self { pack: Pack::from_bytes(&bytes).expect("a written pack opens"), kinds, refused }
+        Self { pack: Pack::from_bytes(&bytes).expect("a written pack opens"), kinds, rejected }
     }
 }
 
@@ -232,7 +232,7 @@ impl<'p> Bodies<'p> {
     }
 
     /// Pair `index` of `seed`.
-    pub fn pair(&self, seed: u64, index: u64) -> Pair<'_, 'p> {
+    pub fn pair(&self, seed: u64, index: u64) -> BodyPair<'_, 'p> {
         // The seed is mixed, so that neighbouring seeds have no pairs in common.
         let mut rng = SplitMix64::new(SplitMix64::new(seed).next_u64() ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let a = self.pick(self.any_decade(&mut rng), &mut rng);
@@ -245,7 +245,7 @@ impl<'p> Bodies<'p> {
             _ => self.pick(size, &mut rng),
         };
         let (meeting, b_in_a) = meeting::meet(&mut rng, a, b);
-        Pair { index, seed, bodies: [a, b], meeting, b_in_a }
+        BodyPair { index, seed, bodies: [a, b], meeting, b_in_a }
     }
 
     /// In half of the draws, the usual decade of game hulls; otherwise any decade.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use hullmap::{CastSettings, Impact};
 use shapes::rng::SplitMix64;
 
-use super::bodies::Pair;
+use super::bodies::BodyPair;
 use super::tally::{Tally, Wrong};
 
 /// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon.
@@ -32,7 +32,7 @@ impl Claims<'_> {
         self.at_most(what, f64::from(u8::from(!holds)), 0.0, 0.0);
     }
 
-    pub(super) fn finish(self, pair: &Pair<'_, '_>, details: impl FnOnce() -> String) {
+    pub(super) fn finish(self, pair: &BodyPair<'_, '_>, details: impl FnOnce() -> String) {
         self.tally.judged += 1;
         self.tally.tightest = self.tally.tightest.max(self.tightest);
         let queries = self.queries;

@@ -31,7 +31,7 @@ use hullmap_testkit::{
 use twox_hash::XxHash3_64;
 
 use super::{
-    bodies::Pair,
+    bodies::BodyPair,
     body::{Any, Body, Solid},
     tally::{Tally, Wrong},
 };
@@ -92,12 +92,12 @@ impl Answers {
     /// Queries the solver: hulls by their own type, other shapes through the trait object.
     pub fn to(a: &Body<'_>, b: &Body<'_>, b_in_a: Pose, caches: &mut Caches) -> Self {
         match (&a.solid, &b.solid) {
-            (Solid::Hull(a), Solid::Hull(b)) => Self::of(a, b, b_in_a, caches),
-            _ => Self::of(a.shape(), b.shape(), b_in_a, caches),
+            (Solid::Hull(a), Solid::Hull(b)) => Self::query(a, b, b_in_a, caches),
+            _ => Self::query(a.shape(), b.shape(), b_in_a, caches),
         }
     }
 
-    fn of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose, caches: &mut Caches) -> Self {
+    fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose, caches: &mut Caches) -> Self {
         let (settings, [yes, deep, near]) = (Settings::default(), &mut caches.0);
         Self {
             yes: intersects(a, b, b_in_a, yes),
@@ -133,7 +133,7 @@ impl Answers {
 }
 
 /// Verifies all queries of a pair.
-pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
+pub(super) fn judge_pair(pair: &BodyPair<'_, '_>, tally: &mut Tally) {
     let ([a, b], index) = (pair.bodies, pair.index);
     let mut caches = Caches::default();
     let answers = Answers::to(a, b, pair.b_in_a, &mut caches);
@@ -239,7 +239,7 @@ impl<'s, 'p> Scene<'s, 'p> {
 
     fn wrong(
         &self,
-        pair: &Pair<'_, '_>,
+        pair: &BodyPair<'_, '_>,
         what: &'static str,
         order: &str,
         answers: &Answers,
@@ -255,7 +255,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         tally.take_wrong(Wrong { index: pair.index, what, details });
     }
 
-    fn judge(&self, pair: &Pair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
+    fn judge(&self, pair: &BodyPair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
         let Answers { yes, deep, near } = answers;
         tally.judged += 1;
         tally.count(yes, deep, near);
@@ -264,7 +264,7 @@ impl<'s, 'p> Scene<'s, 'p> {
     }
 
     /// The certificates of [`judge`](Self::judge), without the counts.
-    fn certify(&self, pair: &Pair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
+    fn certify(&self, pair: &BodyPair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
         let Answers { yes, deep, near } = answers;
         let mut tightest = 0.0_f64;
         let mut wrong: Option<(&'static str, f64, f64)> = None;
@@ -456,7 +456,7 @@ impl<'s, 'p> Scene<'s, 'p> {
     }
 
     /// The depth against the ways out along all face normals.
-    fn judge_by_normals(&self, pair: &Pair<'_, '_>, answers: &Answers, tally: &mut Tally) {
+    fn judge_by_normals(&self, pair: &BodyPair<'_, '_>, answers: &Answers, tally: &mut Tally) {
         tally.normals += 1;
         let deep = &answers.deep;
         let of_b = self.b.model.face_normals().map(|n| -(self.turn * n));
@@ -471,7 +471,7 @@ impl<'s, 'p> Scene<'s, 'p> {
     }
 
     /// The depth against all facets of the Minkowski difference.
-    fn judge_by_facets(&self, pair: &Pair<'_, '_>, answers: &Answers, tally: &mut Tally) {
+    fn judge_by_facets(&self, pair: &BodyPair<'_, '_>, answers: &Answers, tally: &mut Tally) {
         let (Solid::Hull(a), Solid::Hull(b)) = (&self.a.solid, &self.b.solid) else { return };
         if a.rank() < 2 || b.rank() < 2 {
             return;
@@ -497,7 +497,14 @@ impl<'s, 'p> Scene<'s, 'p> {
     }
 
     /// The same pair seen from the other side: the intervals have a point in common.
-    fn compare(&self, pair: &Pair<'_, '_>, here: &Answers, there: &Answers, back: &Scene<'_, '_>, tally: &mut Tally) {
+    fn compare(
+        &self,
+        pair: &BodyPair<'_, '_>,
+        here: &Answers,
+        there: &Answers,
+        back: &Scene<'_, '_>,
+        tally: &mut Tally,
+    ) {
         let slack = self.slack + back.slack;
         let meet = |p: [f64; 2], q: [f64; 2]| p[0] <= q[1] + slack && q[0] <= p[1] + slack;
         let depth = |c: &Contact| [c.depth_lower, c.depth_upper];

@@ -25,7 +25,7 @@ use hullmap_testkit::{
 use shapes::rng::SplitMix64;
 
 use super::{
-    bodies::Pair,
+    bodies::BodyPair,
     body::{Body, Kind, Solid, size, support},
     claims::{Claims, ROUNDING_UNITS, same_when_slow},
     judge::TOUCHING_ROUNDINGS,
@@ -165,7 +165,7 @@ fn judge_passage(judge: &mut Claims<'_>, answer: &Answer, path: &Path, truth: &P
 }
 
 /// Judges a ray at the first body.
-pub(super) fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+pub(super) fn judge_ray(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let body = pair.bodies[0];
     let middle = Pose::from_translation(target(rng, body)).expect("finite");
     let along = direction(rng, body);
@@ -233,7 +233,7 @@ pub(super) fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
 }
 
 /// Judges a cast of the second body at the first.
-pub(super) fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+pub(super) fn judge_cast(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let [a, b] = pair.bodies;
     let along = direction(rng, a);
     let path = path(rng, pair.b_in_a, along, size(a).max(size(b)), a.model.greatest + b.model.greatest);
@@ -336,7 +336,7 @@ fn clip_by_facets(a: &Body<'_>, b: &Body<'_>, path: &Path, truth: &mut Passage) 
 }
 
 /// Judges a signed distance of a point from the first body.
-pub(super) fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+pub(super) fn judge_point(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let body = pair.bodies[0];
     let offset = size(body) * [0.0, 0.0, 1e-15, 1e-9, 1e-3, 0.3, 3.0, 1e3][rng.below(8)];
     let point = target(rng, body) + direction(rng, body) * offset;

@@ -24,7 +24,7 @@ use hullmap_testkit::reach::Reach;
 use shapes::rng::SplitMix64;
 
 use super::{
-    bodies::Pair,
+    bodies::BodyPair,
     body::{Body, Solid, size},
     claims::{Claims, ROUNDING_UNITS},
     model::Model,
@@ -68,7 +68,7 @@ struct Floor {
 }
 
 /// Judges the updates of one pair.
-pub(super) fn judge(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let [a, b] = pair.bodies;
     let reach = a.shape().outer_radius().min(b.shape().outer_radius());
     let length = if reach > 0.0 { reach } else { size(a).max(size(b)) };

@@ -41,7 +41,7 @@ use std::{
     },
 };
 
-use bodies::{Bodies, Pair};
+use bodies::{Bodies, BodyPair};
 use judge::judge_pair;
 use shapes::rng::SplitMix64;
 use tally::{Tally, Wrong};
@@ -105,7 +105,7 @@ fn judge_one(bodies: &Bodies<'_>, queries: Queries, seed: u64, index: u64, tally
 }
 
 /// Judges a query about a line, a point, a half-space or a manifold.
-fn judge_line(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
+fn judge_line(queries: Queries, pair: &BodyPair<'_, '_>, tally: &mut Tally) {
     let mut rng = SplitMix64::new(pair.seed.rotate_left(17) ^ pair.index.wrapping_mul(0xd6e8_feb8_6659_fd93));
     tally.pairs += 1;
     match queries {

@@ -17,14 +17,14 @@ use hullmap_testkit::reach::{Placed, Reach};
 use shapes::rng::SplitMix64;
 
 use super::{
-    bodies::Pair,
+    bodies::BodyPair,
     body::size,
     claims::{Claims, ROUNDING_UNITS, same_when_slow},
     tally::Tally,
 };
 
 /// Judges a half-space against the second body of the pair.
-pub(super) fn judge(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let (body, pose) = (pair.bodies[1], pair.b_in_a);
     let direction = match rng.below(4) {
         0 => DVec3::AXES[rng.below(3)],
@@ -82,7 +82,7 @@ pub(super) fn judge(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally
 fn judge_cast(
     judge: &mut Claims<'_>,
     plane: &HalfSpace,
-    pair: &Pair<'_, '_>,
+    pair: &BodyPair<'_, '_>,
     rng: &mut SplitMix64,
     depth: f64,
     slack: f64,

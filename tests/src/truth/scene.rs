@@ -142,7 +142,7 @@ impl Body {
 
 /// A pair of hulls in a pose.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair {
+pub struct ScenePair {
     /// Index of the pair.
     pub index: u64,
     /// A and B.
@@ -176,7 +176,7 @@ impl Scene {
     }
 
     /// The pair `index`, with its hulls.
-    pub fn pair(&mut self, index: u64) -> (Pair, [&Body; 2]) {
+    pub fn pair(&mut self, index: u64) -> (ScenePair, [&Body; 2]) {
         let mut rng = SplitMix64::new(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let scales = SCALES[rng.below(SCALES.len())];
         let mut recipes =
@@ -209,7 +209,7 @@ impl Scene {
         let reach = touching_distance(&a, &b, rotation, direction) * share;
         let center = a.interior_point() + direction * reach;
         let b_in_a = Pose::new(center - rotation * b.interior_point(), rotation).expect("finite");
-        (Pair { index, recipes, class, b_in_a }, bodies)
+        (ScenePair { index, recipes, class, b_in_a }, bodies)
     }
 }
 

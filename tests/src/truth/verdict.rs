@@ -10,7 +10,7 @@ use hullmap_testkit::{
     reach::way_out,
 };
 
-use super::scene::{Body, Class, Pair};
+use super::scene::{Body, Class, ScenePair};
 
 /// Depth or distance, relative to the mean diameter, above which a wrong answer about overlap is a
 /// miss. Below, it is only counted.
@@ -34,14 +34,14 @@ pub struct Miss {
     /// The failed check.
     pub what: &'static str,
     /// The pair.
-    pub pair: Pair,
+    pub pair: ScenePair,
     /// Truth and answer.
     pub details: String,
 }
 
 impl fmt::Display for Miss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Pair { index, recipes, class, b_in_a } = &self.pair;
+        let ScenePair { index, recipes, class, b_in_a } = &self.pair;
         let (t, r) = (b_in_a.translation(), b_in_a.rotation());
         write!(
             f,
@@ -64,7 +64,7 @@ pub struct Answers {
 
 impl Answers {
     /// Queries the solver.
-    pub fn to(pair: &Pair, bodies: [&Body; 2]) -> Self {
+    pub fn to(pair: &ScenePair, bodies: [&Body; 2]) -> Self {
         let ([a, b], settings) = (&bodies.map(Body::hull), Settings::default());
         Self {
             yes: intersects(a, b, pair.b_in_a, &mut Cache::default()),
@@ -111,7 +111,7 @@ pub struct Tally {
 
 impl Tally {
     /// Judges the answers about a pair.
-    pub fn judge(&mut self, pair: &Pair, bodies: [&Body; 2], answers: &Answers) {
+    pub fn judge(&mut self, pair: &ScenePair, bodies: [&Body; 2], answers: &Answers) {
         let [hull_a, hull_b] = &bodies.map(Body::hull);
         let (a, b) = (&bodies[0].polytope, &bodies[1].polytope.placed(pair.b_in_a));
         let slack = rounding_error(a, b, pair.b_in_a.translation().length());

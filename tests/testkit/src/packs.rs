@@ -26,7 +26,7 @@ pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
     PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices, ..PointSet::default() }
 }
 
-/// The bytes of a pack with one hull for each of `sets`. Fails if the baker refuses a point set.
+/// The bytes of a pack with one hull for each of `sets`. Fails if the baker rejects a point set.
 pub fn bytes(sets: &[PointSet], index: impl Into<IndexChoice>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     let index = index.into();
     let baked = sets.iter().map(|set| bake_hull(set, index)).collect::<Result<Vec<_>, _>>()?;

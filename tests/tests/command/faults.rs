@@ -127,7 +127,7 @@ fn a_full_disk_behind_standard_output_is_reported() {
 }
 
 /// The source is truncated and rewritten in place, not replaced by renaming as careful editors do.
-/// The bytes that were read are baked or refused, and are never reported as fresh afterwards.
+/// The bytes that were read are baked or rejected, and are never reported as fresh afterwards.
 #[test]
 fn a_source_that_is_rewritten_in_place_during_a_bake() {
     let texts = [CUBE.replace('1', "1.5"), CUBE.replace('1', "2.25")];

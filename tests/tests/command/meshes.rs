@@ -27,7 +27,7 @@ use std::{
 
 use glam::DVec3;
 use hullmap::{Hull, Pack};
-use hullmap_bake::hull::{rank, rank::Simplex, solid};
+use hullmap_bake::hull::{quickhull, rank, rank::Simplex};
 use hullmap_tests::{command::bake, outside, wavefront};
 
 /// Columns of the manifest that the tests read.
@@ -72,7 +72,7 @@ impl Solid {
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
         points.dedup();
         let Simplex::Tetrahedron(simplex) = rank::spanning_simplex(&points) else { panic!("the points span no space") };
-        let mut facets = solid::hull(&points, simplex);
+        let mut facets = quickhull::hull(&points, simplex);
         let mut used: Vec<u32> = facets.iter().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();

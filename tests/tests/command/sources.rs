@@ -139,10 +139,10 @@ fn warnings_name_the_hull_and_the_remedy() {
     for words in ["warning: a.obj: hull sheet is flat", "warning: a.obj: hull blade is thin"] {
         assert!(run.stderr.contains(words), "{words} in {}", run.stderr);
     }
-    let refused = bake(folder.path(), "build a.obj --out other --split object --max-objects 1").expect(1);
-    assert!(refused.stderr.contains("raise --max-objects"), "{}", refused.stderr);
-    let refused = bake(folder.path(), "build a.obj --out other --max-input-bytes 10").expect(1);
-    assert!(refused.stderr.contains("raise --max-input-bytes"), "{}", refused.stderr);
+    let rejected = bake(folder.path(), "build a.obj --out other --split object --max-objects 1").expect(1);
+    assert!(rejected.stderr.contains("raise --max-objects"), "{}", rejected.stderr);
+    let rejected = bake(folder.path(), "build a.obj --out other --max-input-bytes 10").expect(1);
+    assert!(rejected.stderr.contains("raise --max-input-bytes"), "{}", rejected.stderr);
     bake(folder.path(), "build a.obj --out other --max-input-bytes none").expect(2);
 }
 

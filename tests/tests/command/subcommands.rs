@@ -341,7 +341,7 @@ fn verify_without_a_source_reports_it_and_passes() {
 }
 
 #[test]
-fn verify_and_inspect_refuse_damaged_packs_with_1() {
+fn verify_and_inspect_reject_damaged_packs_with_1() {
     let folder = folder(&[("a.obj", CUBE)]);
     bake(&folder, "build a.obj --out .").expect(0);
     let mut bytes = fs::read(folder.path().join("a.hullmap")).unwrap();
@@ -441,7 +441,7 @@ fn query_answers_a_file_of_poses_in_every_mode() {
 }
 
 #[test]
-fn query_refuses_invalid_poses_with_2_before_any_answer() {
+fn query_rejects_invalid_poses_with_2_before_any_answer() {
     let folder = folder(&[("cube.obj", CUBE), ("poses.txt", "0 0 0 0 0 0 1\n\n0 0 0 0 0 1\n")]);
     bake(&folder, "build cube.obj --out .").expect(0);
     let run = bake(&folder, "query cube.hullmap cube.hullmap --poses poses.txt --json").expect(2);

@@ -177,7 +177,7 @@ fn only_regular_files_are_read() {
         make_pipe(&folder.path().join(name));
     }
     symlink("p", folder.path().join("link.obj")).unwrap();
-    let refused = |line: &str, reason: &str| {
+    let rejected = |line: &str, reason: &str| {
         let run = bake(folder.path(), line, 2);
         let message = format!("cannot read: it is {reason}, not a regular file; ");
         let of_poses = format!("cannot read the poses: it is {reason}, not a regular file; ");
@@ -194,17 +194,17 @@ fn only_regular_files_are_read() {
     ];
     for line in meshes {
         for name in ["p", "p.obj", "p.gltf", "link.obj"] {
-            refused(&line.replace("NAME", name), "a pipe");
+            rejected(&line.replace("NAME", name), "a pipe");
         }
-        refused(&line.replace("NAME", "/dev/zero"), "a device");
+        rejected(&line.replace("NAME", "/dev/zero"), "a device");
     }
     for line in files {
         for (name, reason) in [("p", "a pipe"), ("/dev/zero", "a device"), ("folder", "a folder")] {
-            refused(&line.replace("NAME", name), reason);
+            rejected(&line.replace("NAME", name), reason);
         }
     }
     for line in packs {
-        refused(&line.replace("NAME", "p.hullmap"), "a pipe");
+        rejected(&line.replace("NAME", "p.hullmap"), "a pipe");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Packs that contradict themselves: each must be refused with the right error, or be detected by
+//! Packs that contradict themselves: each must be rejected with the right error, or be detected by
 //! `bake verify`. Their checksums are correct, as in a malicious file.
 
 use std::collections::BTreeMap;
@@ -21,8 +21,8 @@ use hullmap_tests::{
 };
 use shapes::families::Family;
 
-/// Asserts that a file is refused with the expected error.
-fn refused(opened: Result<Pack, InvalidPack>, what: &str) {
+/// Asserts that a file is rejected with the expected error.
+fn rejected(opened: Result<Pack, InvalidPack>, what: &str) {
     let error = opened.expect_err(what).to_string();
     assert!(error.contains(what), "{error}: expected {what}");
 }
@@ -92,7 +92,7 @@ fn nodes_of_every_kind_are_among_the_samples() {
 /// The number of a cube map's cells overflowed: with overflow checks this was a panic, without them
 /// a small number.
 #[test]
-fn a_resolution_whose_cells_overflow_is_refused() {
+fn a_resolution_whose_cells_overflow_is_rejected() {
     let file = samples::named("cube, cube map 2");
     assert_eq!(archive(&payload(&file)).hulls[0].resolution, 2);
     for resolution in [u32::MAX, u32::MAX - 1, 1 << 31, 0x9000_0000, 0xf000_0001] {
@@ -103,7 +103,7 @@ fn a_resolution_whose_cells_overflow_is_refused() {
 
 /// Contacts follow the faces next to edges, and intersection queries read the outer vertices.
 #[test]
-fn missing_faces_and_outer_vertices_are_refused() {
+fn missing_faces_and_outer_vertices_are_rejected() {
     let points = Family::Rock.points(300, 1);
     let file = packs::bytes(&[point_set("rock", &points)], IndexKind::Tree, &SourceRecord::default()).unwrap();
     let payload = payload(&file);
@@ -120,7 +120,7 @@ fn missing_faces_and_outer_vertices_are_refused() {
         (outer(f32::NAN), "vertex 3 of its outer hull: coordinate 1 is"),
         (outer(f32::NEG_INFINITY), "vertex 3 of its outer hull: coordinate 1 is"),
     ] {
-        refused(opened, what);
+        rejected(opened, what);
     }
 }
 
@@ -137,19 +137,19 @@ fn faces_beside_edges_match_the_faces() {
         end - hull.face_starts[face].to_native() as usize
     };
     let largest = (0..hull.face_starts.len()).max_by_key(|face| corners(*face)).unwrap() as u32;
-    let mut refusals = 0;
+    let mut rejections = 0;
     for entry in 0..entries {
         let is_same = hull.neighbour_faces[entry] == largest;
         let opened = open_with(&file, |pack| &pack.neighbour_faces[entry], &largest.to_le_bytes());
         assert_eq!(opened.is_ok(), is_same, "entry {entry}");
-        refusals += usize::from(!is_same);
+        rejections += usize::from(!is_same);
     }
-    assert!(refusals > entries / 2, "{refusals} of {entries}");
+    assert!(rejections > entries / 2, "{rejections} of {entries}");
     // A neighbour that the faces do not have, and two neighbours in exchange.
     let [first, second] = [0, 1].map(|entry| hull.neighbours[entry].to_native());
     assert_ne!(first, second);
-    refused(open_with(&file, |pack| &pack.neighbours[0], &second.to_le_bytes()), "its neighbours do not ascend");
-    refused(open_with(&file, |pack| &pack.neighbours[1], &first.to_le_bytes()), "its neighbours do not ascend");
+    rejected(open_with(&file, |pack| &pack.neighbours[0], &second.to_le_bytes()), "its neighbours do not ascend");
+    rejected(open_with(&file, |pack| &pack.neighbours[1], &first.to_le_bytes()), "its neighbours do not ascend");
 }
 
 /// Edges certify a hint, so each must agree exactly with its vertices. Queries are safe without
@@ -173,7 +173,7 @@ fn edges_that_contradict_their_vertices_are_found() {
     }
 }
 
-/// Each lane of a block repeats a vertex, and `bake verify` compares them. Opening refuses lanes
+/// Each lane of a block repeats a vertex, and `bake verify` compares them. Opening rejects lanes
 /// outside the hull's bounds, and lanes of vertices that do not exist.
 #[test]
 fn blocks_that_contradict_their_vertices_are_found() {
@@ -228,7 +228,7 @@ fn each_way_to_open_skips_the_checks_in_its_name() {
 }
 
 #[test]
-fn a_wrong_number_of_edges_is_refused() {
+fn a_wrong_number_of_edges_is_rejected() {
     let file = samples::named("two hulls, tree");
     let end = archive(&payload(&file)).spans[1].edge.to_native();
     assert_eq!(end as usize, archive(&payload(&file)).edges.len(), "a cube has edges, a triangle has no edges");
@@ -245,7 +245,7 @@ fn a_wrong_number_of_edges_is_refused() {
 
 /// Queries between packs descend the BVH and rely on its boxes.
 #[test]
-fn an_invalid_tree_of_boxes_is_refused() {
+fn an_invalid_tree_of_boxes_is_rejected() {
     let file = samples::named("five hulls, no index");
     let bytes = payload(&file);
     let nodes = &archive(&bytes).nodes;
@@ -286,7 +286,7 @@ fn an_invalid_tree_of_boxes_is_refused() {
 }
 
 #[test]
-fn parts_frames_and_errors_that_contradict_each_other_are_refused() {
+fn parts_frames_and_errors_that_contradict_each_other_are_rejected() {
     let file = samples::named("five hulls, no index");
     let set_part = |hull: usize, to: u32| open_with(&file, |pack| &pack.hulls[hull].part, &to.to_le_bytes());
     let set_origin = |hull: usize, to: f64| open_with(&file, |pack| &pack.hulls[hull].origin[1], &to.to_le_bytes());
@@ -313,7 +313,7 @@ fn parts_frames_and_errors_that_contradict_each_other_are_refused() {
 
 /// A pack with all sections empty is consistent, but must not open.
 #[test]
-fn a_pack_of_no_hulls_is_refused() {
+fn a_pack_of_no_hulls_is_rejected() {
     let empty = format::Pack { spans: vec![Span::default()], ..format::Pack::default() };
     let payload = rkyv::to_bytes::<rkyv::rancor::Error>(&empty).unwrap();
     let header = Header::for_payload(0, 0, &payload);
@@ -332,7 +332,7 @@ fn open_with_word(file: &[u8], at: usize, word: u32) -> Result<Pack, InvalidPack
 /// A walk over a cycle would never end. With shared nodes, the number of visits could double at
 /// each level.
 #[test]
-fn index_trees_with_cycles_or_shared_nodes_are_refused() {
+fn index_trees_with_cycles_or_shared_nodes_are_rejected() {
     let (mut tried, mut trees) = (0, 0);
     for samples::Sample { name, file } in samples::small() {
         let is_node = |slot: Slot| !matches!(slot, Slot::Block(_) | Slot::List(_));
@@ -360,7 +360,7 @@ fn index_trees_with_cycles_or_shared_nodes_are_refused() {
         let root = nodes.iter().find(|info| info.word < 6).unwrap();
         let is_binary = IndexKind::of_record(&archive(&bytes).hulls[0]) == Ok(IndexKind::Binary);
         let own = if is_binary { Slot::Branch(0) } else { Slot::Branch(Branch { at: 0, bits: 1 }.encode()) };
-        refused(open_with_word(&file, root.word, own.encode()), "of the direction index");
+        rejected(open_with_word(&file, root.word, own.encode()), "of the direction index");
     }
     println!("{tried} slots of {trees} trees were changed to refer to another node");
     assert!(tried > 2_000 && trees >= 4, "{tried} of {trees}");
@@ -368,7 +368,7 @@ fn index_trees_with_cycles_or_shared_nodes_are_refused() {
 
 /// The worst cost of a query is recorded, and callers rely on it.
 #[test]
-fn wrong_depths_and_costs_are_refused() {
+fn wrong_depths_and_costs_are_rejected() {
     for name in ["sphere, tree", "sphere, binary tree", "cube, cube map 2", "cube, no index", "sphere, compact"] {
         let file = samples::named(name);
         let bytes = payload(&file);
@@ -376,33 +376,36 @@ fn wrong_depths_and_costs_are_refused() {
         let (nodes, dots) = (record.max_nodes.to_native(), record.max_dots.to_native());
         for wrong in [nodes + 1, nodes.wrapping_sub(1), u32::MAX] {
             let opened = open_with(&file, |pack| &pack.hulls[0].max_nodes, &wrong.to_le_bytes());
-            refused(opened, "its record states a worst case of");
+            rejected(opened, "its record states a worst case of");
         }
         for wrong in [dots + 8, dots - 8, 0] {
             let opened = open_with(&file, |pack| &pack.hulls[0].max_dots, &wrong.to_le_bytes());
-            refused(opened, "its record states a worst case of");
+            rejected(opened, "its record states a worst case of");
         }
     }
 }
 
 #[test]
-fn nan_is_refused_in_every_field() {
+fn nan_is_rejected_in_every_field() {
     let file = samples::named("sphere, tree");
     for odd in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let odd = odd.to_le_bytes();
         for axis in 0..3 {
-            refused(open_with(&file, |pack| &pack.vertices[5][axis], &odd), &format!("vertex 5: coordinate {axis} is"));
-            refused(open_with(&file, |pack| &pack.hulls[0].bounds_min[axis], &odd), "of its lower bounds is");
-            refused(open_with(&file, |pack| &pack.hulls[0].bounds_max[axis], &odd), "of its upper bounds is");
-            refused(open_with(&file, |pack| &pack.outer_vertices[0][axis], &odd), "of its outer hull");
-            refused(open_with(&file, |pack| &pack.nodes[0].bounds_min[axis], &odd), "bounding volume hierarchy");
+            rejected(
+                open_with(&file, |pack| &pack.vertices[5][axis], &odd),
+                &format!("vertex 5: coordinate {axis} is"),
+            );
+            rejected(open_with(&file, |pack| &pack.hulls[0].bounds_min[axis], &odd), "of its lower bounds is");
+            rejected(open_with(&file, |pack| &pack.hulls[0].bounds_max[axis], &odd), "of its upper bounds is");
+            rejected(open_with(&file, |pack| &pack.outer_vertices[0][axis], &odd), "of its outer hull");
+            rejected(open_with(&file, |pack| &pack.nodes[0].bounds_min[axis], &odd), "bounding volume hierarchy");
         }
-        refused(open_with(&file, |pack| &pack.blocks[0].y[3], &odd), "block 0, lane 3: coordinate 1 is");
+        rejected(open_with(&file, |pack| &pack.blocks[0].y[3], &odd), "block 0, lane 3: coordinate 1 is");
     }
     for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let odd = odd.to_le_bytes();
         let in_record = |field: fn(&format::ArchivedHullRecord) -> &rkyv::rend::f64_le| {
-            refused(open_with(&file, |pack| field(&pack.hulls[0]), &odd), "expected a finite number");
+            rejected(open_with(&file, |pack| field(&pack.hulls[0]), &odd), "expected a finite number");
         };
         in_record(|r| &r.diameter);
         in_record(|r| &r.centroid[1]);
@@ -423,12 +426,12 @@ fn nan_is_refused_in_every_field() {
         let at = tree_words(&fan).iter().position(|word| matches!(Slot::decode(*word), Slot::Fan(_))).unwrap();
         let Slot::Fan(node) = Slot::decode(tree_words(&fan)[at]) else { unreachable!("the slot is a fan") };
         let high = encode_f64(f64::from_le_bytes(odd))[1];
-        refused(open_with_word(&fan, node as usize + 1, high), "of the direction index is");
+        rejected(open_with_word(&fan, node as usize + 1, high), "of the direction index is");
     }
 }
 
 #[test]
-fn wrong_ranks_are_refused() {
+fn wrong_ranks_are_rejected() {
     for (name, rank) in
         [("point, tree", 0), ("segment, cube map 1", 1), ("polygon, tree", 2), ("cube, tree", 3), ("sphere, tree", 3)]
     {
@@ -436,13 +439,13 @@ fn wrong_ranks_are_refused() {
         for wrong in (0..6).chain([u32::MAX]).filter(|wrong| *wrong != rank) {
             let opened = open_with(&file, |pack| &pack.hulls[0].rank, &wrong.to_le_bytes());
             // A solid and a polygon differ only in their edges.
-            refused(opened, "hull 0: ");
+            rejected(opened, "hull 0: ");
         }
     }
 }
 
 #[test]
-fn wrong_faces_are_refused() {
+fn wrong_faces_are_rejected() {
     let file = samples::named("cube, tree");
     let bytes = payload(&file);
     let (faces, count) = (archive(&bytes).face_starts.len(), archive(&bytes).vertices.len() as u32);
@@ -450,43 +453,43 @@ fn wrong_faces_are_refused() {
     let vertex = |index: usize, to: u32| open_with(&file, |pack| &pack.face_vertices[index], &to.to_le_bytes());
     assert_eq!((faces, count), (6, 8));
     for to in [1, u32::MAX] {
-        refused(start(0, to), "face 0: its vertices are entries");
+        rejected(start(0, to), "face 0: its vertices are entries");
     }
     for face in 1..faces {
         let right = archive(&bytes).face_starts[face].to_native();
         for to in [0, right - 2, right + 2, 24, 25, u32::MAX] {
-            refused(start(face, to), "its vertices are entries");
+            rejected(start(face, to), "its vertices are entries");
         }
     }
     for to in [count, count + 1, u32::MAX] {
-        refused(vertex(7, to), &format!("face 1: vertex index {to} is out of range (the hull has 8 vertices)"));
+        rejected(vertex(7, to), &format!("face 1: vertex index {to} is out of range (the hull has 8 vertices)"));
     }
     // One face fewer: its vertices belong to the face before, and Euler's formula fails.
     let end = |to: u32| open_with(&file, |pack| &pack.spans[1].face, &to.to_le_bytes());
-    refused(end(5), "faces");
-    refused(end(7), "faces");
+    rejected(end(5), "faces");
+    rejected(end(7), "faces");
 }
 
 /// Hints and manifolds follow the neighbours.
 #[test]
-fn wrong_neighbours_are_refused() {
+fn wrong_neighbours_are_rejected() {
     let file = samples::named("cube, tree");
     let start = |vertex: usize, to: u32| open_with(&file, |pack| &pack.neighbour_starts[vertex], &to.to_le_bytes());
     let neighbour = |index: usize, to: u32| open_with(&file, |pack| &pack.neighbours[index], &to.to_le_bytes());
     let max = |to: u32| open_with(&file, |pack| &pack.hulls[0].max_neighbours, &to.to_le_bytes());
     for opened in [start(0, 1), start(3, 0), start(3, 25), start(7, u32::MAX)] {
-        refused(opened, "its neighbours are entries");
+        rejected(opened, "its neighbours are entries");
     }
     for opened in [max(2), max(4), max(u32::MAX)] {
-        refused(opened, "neighbours of a vertex (expected 3)");
+        rejected(opened, "neighbours of a vertex (expected 3)");
     }
     for to in [8, 9, u32::MAX] {
-        refused(neighbour(11, to), &format!("neighbour 11: vertex index {to} is out of range"));
+        rejected(neighbour(11, to), &format!("neighbour 11: vertex index {to} is out of range"));
     }
 }
 
 #[test]
-fn packs_of_other_versions_are_refused() {
+fn packs_of_other_versions_are_rejected() {
     for version in 1..hullmap_format::FORMAT_VERSION {
         let file = std::fs::read(workspace().join(format!("tests/data/version-{version}.hullmap"))).unwrap();
         let error = Pack::from_bytes(&file).unwrap_err().to_string();
@@ -519,7 +522,7 @@ fn packs_of_other_versions_are_refused() {
 
 /// If sections overlap, move or leave gaps, the file contains bytes that no check covers.
 #[test]
-fn moved_sections_are_refused() {
+fn moved_sections_are_rejected() {
     let file = samples::named("two hulls, tree");
     let root = offset_of(&file, |pack| pack);
     assert_eq!(root + size_of::<format::ArchivedPack>(), file.len());

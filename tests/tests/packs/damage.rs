@@ -1,8 +1,8 @@
-//! Damaged (corrupted) packs: each is refused, or answers every query without a panic, a hang or a
+//! Damaged (corrupted) packs: each is rejected, or answers every query without a panic, a hang or a
 //! read out of bounds.
 //!
-//! 1. A changed, cut or lengthened file is refused: the checksum covers every byte.
-//! 2. With a corrected checksum, it represents a malicious file. It is refused, or it opens and
+//! 1. A changed, cut or lengthened file is rejected: the checksum covers every byte.
+//! 2. With a corrected checksum, it represents a malicious file. It is rejected, or it opens and
 //!    answers all queries, even if its values are wrong.
 //!
 //! The tests try a random sample; `cargo run --release -p hullmap-programs --bin hostile-packs`
@@ -53,7 +53,7 @@ fn try_all(series: Series, indices: impl Fn(Option<usize>) -> Vec<usize>) -> Tal
             let Ok(pack) = Pack::from_bytes(file).map_err(|error| assert!(!error.to_string().is_empty())) else {
                 return false;
             };
-            assert!(!series.is_always_refused(), "a file that must be refused opened");
+            assert!(!series.is_always_rejected(), "a file that must be rejected opened");
             inquiry.run(&pack);
             true
         });
@@ -69,7 +69,7 @@ fn every_flipped_bit_is_detected() {
 }
 
 #[test]
-fn every_cut_or_lengthened_file_is_refused() {
+fn every_cut_or_lengthened_file_is_rejected() {
     // All lengths with the old checksum, and a sample of those with a correct one.
     let tally = try_all(Series::Lengths, |count| {
         let count = count.unwrap();
@@ -81,7 +81,7 @@ fn every_cut_or_lengthened_file_is_refused() {
 }
 
 #[test]
-fn flipped_bits_under_a_correct_checksum_are_refused_or_harmless() {
+fn flipped_bits_under_a_correct_checksum_are_rejected_or_harmless() {
     for sample in samples::small() {
         let mut same = sample.file.clone();
         reseal(&mut same);
@@ -91,17 +91,17 @@ fn flipped_bits_under_a_correct_checksum_are_refused_or_harmless() {
 }
 
 #[test]
-fn extreme_words_under_a_correct_checksum_are_refused_or_harmless() {
+fn extreme_words_under_a_correct_checksum_are_rejected_or_harmless() {
     try_all(Series::Words, |count| share(count.unwrap())).assert_representative();
 }
 
 /// Several changes at once are the most likely to pass checks of single values.
 #[test]
-fn several_random_changes_under_a_correct_checksum_are_refused_or_harmless() {
+fn several_random_changes_under_a_correct_checksum_are_rejected_or_harmless() {
     try_all(Series::Drawn, |_| (0..SHARE / 2).collect()).assert_representative();
 }
 
-/// If damaged files are opened without the checks that would refuse them, answers are wrong, but
+/// If damaged files are opened without the checks that would reject them, answers are wrong, but
 /// every query ends, and no query panics.
 #[test]
 fn queries_end_on_damage_that_opening_did_not_check() {

@@ -460,7 +460,7 @@ fn a_reader_written_from_the_document_agrees() {
 }
 
 #[test]
-fn files_of_older_versions_are_refused_with_the_remedy() {
+fn files_of_older_versions_are_rejected_with_the_remedy() {
     let files = [
         &include_bytes!("../../data/version-1.hullmap")[..],
         include_bytes!("../../data/version-2.hullmap"),

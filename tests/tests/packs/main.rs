@@ -7,4 +7,4 @@ mod format_document;
 mod fuzz_corpus;
 #[cfg(target_os = "linux")]
 mod live_mapping;
-mod refusals;
+mod rejections;

@@ -22,7 +22,7 @@ const PAIRS: u64 = 100_000;
 /// longer than judging the pairs.
 const STRIDE: usize = 32;
 
-/// Maximum shares of undecided, stalled or capped answers, for `intersects`, `contact` and
+/// Maximum shares of undecided, stalled or limited answers, for `intersects`, `contact` and
 /// `distance`: curved shapes that graze each other, and flat shapes thinner than the rounding
 /// error.
 const UNSETTLED: [f64; 3] = [2e-3, 5e-3, 2e-2];
@@ -32,7 +32,7 @@ fn judged(clouds: &[Vec<[f32; 3]>], pairs: u64) -> Tally {
     let bodies = Bodies::new(&stock);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let tally = soak(&bodies, Queries::Pairs, SEED, 0..pairs, threads);
-    println!("seed {SEED}, bodies {:?}, not baked {:?}\n{tally}", bodies.counts, stock.refused);
+    println!("seed {SEED}, bodies {:?}, not baked {:?}\n{tally}", bodies.counts, stock.rejected);
     let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
     assert!(wrong.is_empty(), "seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
     tally

@@ -34,7 +34,7 @@ struct Solid<'a> {
 }
 
 impl<'a> Solid<'a> {
-    fn of(hull: &'a Hull) -> Self {
+    fn new(hull: &'a Hull) -> Self {
         Self { shape: hull, centroid: hull.centroid(), moments: hull.second_moments(), size: hull.diameter() }
     }
 }
@@ -223,7 +223,7 @@ fn assert_solid_stands(name: &str, solid: Solid, upright: DQuat) {
 
 fn assert_stands(name: &str, points: &[[f32; 3]], upright: DQuat) {
     let pack = pack(name, points, IndexKind::Tree);
-    assert_solid_stands(name, Solid::of(&pack.hull(0).unwrap()), upright);
+    assert_solid_stands(name, Solid::new(&pack.hull(0).unwrap()), upright);
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn shapes_stand() {
 
     let pack = pack("prism", &prism(12), IndexKind::Tree);
     let hull = pack.hull(0).unwrap();
-    let plain = Solid::of(&hull);
+    let plain = Solid::new(&hull);
     let rounded = Rounded::new(hull, 0.1).unwrap();
     assert_solid_stands("rounded prism", Solid { shape: &rounded, ..plain }, DQuat::IDENTITY);
     let scale = DVec3::new(-1.5, 1.0, 0.5);
@@ -283,7 +283,7 @@ fn the_first_four_corners_do_not_support_a_prism() {
     for n in [4, 8, 16, 64] {
         let pack = pack("prism", &prism(n), IndexKind::Tree);
         let hull = pack.hull(0).unwrap();
-        let outcome = simulate(Body::new(Solid::of(&hull), DQuat::IDENTITY, 0.0), Points::FirstFour(&hull));
+        let outcome = simulate(Body::new(Solid::new(&hull), DQuat::IDENTITY, 0.0), Points::FirstFour(&hull));
         println!("prism of {n} on its first four corners: {outcome:?}");
         assert_eq!(outcome.greatest_tilt > 5.0, n >= 8, "prism of {n}: {outcome:?}");
     }

@@ -460,7 +460,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "at least 8 points")]
-    fn too_few_points_are_refused() {
+    fn too_few_points_are_rejected() {
         cone(0, 0);
     }
 

@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "OBJ has no text for NaN")]
-    fn not_a_number_is_refused() {
+    fn not_a_number_is_rejected() {
         let _ = Numbers(&[f32::NAN]).to_string();
     }
 
@@ -378,7 +378,7 @@ f 6/2/2 6/2/2 6/2/2
 
     #[test]
     #[should_panic(expected = "names item 1 of an object that has listed only 1")]
-    fn index_that_is_not_listed_is_refused() {
+    fn index_that_is_not_listed_is_rejected() {
         let mut object = Object::new(None);
         object.push_vertices(&[[0.0; 3]]);
         object.push(Statement::Points(vec![1]));

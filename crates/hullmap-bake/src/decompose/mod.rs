@@ -35,7 +35,7 @@ mod merge;
 mod part;
 
 use convex::is_convex;
-use cover::{Deadline, Search};
+use cover::{CoverLimits, Deadline};
 use glam::DVec3;
 use merge::merge;
 use part::SourceVertices;
@@ -141,7 +141,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
     }
-    let vertices = SourceVertices::of(mesh);
+    let vertices = SourceVertices::new(mesh);
     let parts = cover_within(mesh, &vertices, hull, parameters, stage)?;
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(parts.iter().enumerate().map(named).collect()))
@@ -163,7 +163,7 @@ fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
 
 /// Adds thin parts for each triangle that is not proven to be covered, for instance one without
 /// area, of which no cell is made. A triangle of the mesh protrudes nowhere.
-fn add_uncovered(mesh: &PointSet, vertices: &SourceVertices, parts: &mut Vec<Hull>, diagonal: f64, what: &Search) {
+fn add_uncovered(mesh: &PointSet, vertices: &SourceVertices, parts: &mut Vec<Hull>, diagonal: f64, what: &CoverLimits) {
     let thickness = (0.25 * what.limit).min(1e-6 * diagonal);
     for _ in 0..UNCOVERED_ROUNDS {
         let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
@@ -201,7 +201,7 @@ fn cover_within(
     let diagonal = solid.diagonal();
     let least = LEAST_ERROR * diagonal;
     let search = |limit: f64, stage: Stage| -> Option<Vec<Hull>> {
-        let what = Search { limit: limit.max(least), max_vertices, deadline, stage: stage.from_to(0.0, SEARCH) };
+        let what = CoverLimits { limit: limit.max(least), max_vertices, deadline, stage: stage.from_to(0.0, SEARCH) };
         let found = cover::search(mesh, &solid, &what)?;
         stage.reach(SEARCH);
         let mut hulls: Vec<Hull> = found.into_par_iter().map(|(hull, _)| as_built(vertices, hull)).collect();

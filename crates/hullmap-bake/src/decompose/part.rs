@@ -13,7 +13,7 @@ pub struct SourceVertices<'a> {
 impl<'a> SourceVertices<'a> {
     /// # Complexity
     /// O(n log n) for n points.
-    pub fn of(mesh: &'a PointSet) -> Self {
+    pub fn new(mesh: &'a PointSet) -> Self {
         let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
         order.sort_unstable_by_key(|i| (bits(mesh.positions[*i as usize]), mesh.source_vertices[*i as usize]));
         Self { mesh, order }
@@ -22,7 +22,7 @@ impl<'a> SourceVertices<'a> {
     /// The vertices of a hull as a part of the mesh, without a name: sorted by source index, then
     /// by position.
     pub fn part(&self, hull: &Hull) -> PointSet {
-        let mut points: Vec<([f32; 3], u32)> = hull.vertices.iter().map(|p| (*p, self.at(*p))).collect();
+        let mut points: Vec<([f32; 3], u32)> = hull.vertices.iter().map(|p| (*p, self.source_vertex_at(*p))).collect();
         points.sort_unstable_by_key(|(p, source_vertex)| (*source_vertex, p.map(f32::to_bits)));
         points.dedup();
         let (positions, source_vertices) = points.into_iter().unzip();
@@ -30,7 +30,7 @@ impl<'a> SourceVertices<'a> {
     }
 
     /// The source vertex at a position; [`NO_SOURCE_VERTEX`] if there is none.
-    fn at(&self, p: [f32; 3]) -> u32 {
+    fn source_vertex_at(&self, p: [f32; 3]) -> u32 {
         let position = |i: &u32| bits(self.mesh.positions[*i as usize]);
         let index = self.order.partition_point(|i| position(i) < bits(p));
         let found = self.order.get(index).filter(|i| position(i) == bits(p));
@@ -61,7 +61,7 @@ mod tests {
         // A corner was moved, and another one is -0.
         let moved = vec![[-0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
         let moved = PointSet { source_vertices: (0..4).collect(), positions: moved, ..PointSet::default() };
-        let part = SourceVertices::of(&mesh).part(&hull::build(&moved).unwrap());
+        let part = SourceVertices::new(&mesh).part(&hull::build(&moved).unwrap());
         // Of vertices at one position, the lowest source index.
         assert_eq!(part.source_vertices, [10, 11, 12, NO_SOURCE_VERTEX]);
         assert_eq!(part.positions, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 1.5]]);

@@ -170,15 +170,15 @@ fn keep(half_spaces: &mut [HalfSpace], is_kept: impl Fn(&HalfSpace) -> bool) -> 
     &mut half_spaces[..count]
 }
 
-fn search(points: &[DVec3], half_spaces: &[HalfSpace]) -> Search {
+fn search(points: &[DVec3], half_spaces: &[HalfSpace]) -> OutsideSearch {
     let scale = points.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
     let scale = half_spaces.iter().fold(scale, |scale: f64, h| scale.max(h.offset.abs()));
-    let mut search = Search { worst: 0.0, margin: BEHIND * scale, path: Vec::new(), work: 0 };
+    let mut search = OutsideSearch { worst: 0.0, margin: BEHIND * scale, path: Vec::new(), work: 0 };
     search.descend(&mut points.to_vec(), &mut half_spaces.to_vec());
     search
 }
 
-struct Search {
+struct OutsideSearch {
     worst: f64,
     margin: f64,
     /// The boxes around the current group, each with the worst distance when it was entered.
@@ -237,7 +237,7 @@ impl Slice {
     }
 }
 
-impl Search {
+impl OutsideSearch {
     fn descend(&mut self, points: &mut [DVec3], half_spaces: &mut [HalfSpace]) {
         let around = Box3::new(points);
         self.path.push((around, self.worst));

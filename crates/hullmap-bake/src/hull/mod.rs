@@ -1,7 +1,7 @@
 //! Builds and certifies the convex hull, of rank 3, 2, 1 or 0, of a set of source points.
 //!
 //! 1. Merge points with equal positions, and find the dimension they span ([`rank`]).
-//! 2. Find the extreme points and the faces between them: [`solid`] for rank 3, [`polygon`] for
+//! 2. Find the extreme points and the faces between them: [`quickhull`] for rank 3, [`polygon`] for
 //!    rank 2, the two ends for rank 1, the single point for rank 0.
 //! 3. Measure how far any source point lies outside, independently of step 2 ([`certify`]).
 
@@ -11,8 +11,8 @@ mod boundary;
 pub mod certify;
 pub mod polygon;
 pub mod quads;
+pub mod quickhull;
 pub mod rank;
-pub mod solid;
 
 use glam::DVec3;
 
@@ -42,7 +42,7 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
             let back = front[..1].iter().chain(front[1..].iter().rev()).copied().collect();
             (2, vec![front, back])
         }
-        Simplex::Tetrahedron(corners) => (3, solid::hull(&positions, corners)),
+        Simplex::Tetrahedron(corners) => (3, quickhull::hull(&positions, corners)),
     };
     const UNUSED: u32 = u32::MAX;
     let mut vertex_of = vec![UNUSED; distinct.len()];
@@ -65,7 +65,7 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
     }
     drop(vertex_of);
     if rank == 3 {
-        solid::sort(&mut faces);
+        quickhull::sort(&mut faces);
     } else {
         faces.sort_unstable();
     }

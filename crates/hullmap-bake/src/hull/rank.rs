@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Maximum distance from a line or plane, relative to the span of the set, for the set to count as
 /// lying in it.
 ///
-/// It is half a unit in the last place of f32 coordinates near 1, which is the noise that rotating
+/// It is half a unit in the last place of f32 coordinates near 1, the rounding error that rotating
 /// a flat sheet leaves. It is also half of the containment error that [`super::certify`] allows.
 pub const FLAT: f64 = 5e-8;
 

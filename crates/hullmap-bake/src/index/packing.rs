@@ -56,7 +56,7 @@ struct Overlap {
 }
 
 /// For each vertex, the groups that contain it, most recent first: linked lists in one array.
-struct GroupsOf {
+struct VertexGroups {
     /// The last entry of each vertex.
     last: Vec<u32>,
     /// A group, and the entry before it.
@@ -66,14 +66,14 @@ struct GroupsOf {
 /// End of a linked list.
 const END: u32 = u32::MAX;
 
-impl GroupsOf {
+impl VertexGroups {
     fn push(&mut self, vertex: u32, group: u32) {
         let entry = self.entries.len() as u32;
         self.entries.push((group, self.last[vertex as usize]));
         self.last[vertex as usize] = entry;
     }
 
-    fn of(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+    fn groups(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
         let mut next = self.last[vertex as usize];
         std::iter::from_fn(move || {
             let (group, before) = *self.entries.get(next as usize)?;
@@ -89,14 +89,14 @@ fn join_overlapping<L: AsRef<[u32]>>(lists: &[L], capacity: usize) -> Joined {
     let mut groups: Vec<Overlap> = Vec::new();
     let vertices = lists.iter().flat_map(|list| list.as_ref());
     let vertex_count = vertices.max().map_or(0, |max| *max as usize + 1);
-    let mut groups_of = GroupsOf { last: vec![END; vertex_count], entries: Vec::new() };
+    let mut vertex_groups = VertexGroups { last: vec![END; vertex_count], entries: Vec::new() };
     let mut joined = Vec::with_capacity(lists.len());
     let mut partners: Vec<u32> = Vec::new();
     for (time, list) in (0..).zip(lists) {
         let list = list.as_ref();
         partners.clear();
         for vertex in list {
-            for group in groups_of.of(*vertex).take(WINDOW) {
+            for group in vertex_groups.groups(*vertex).take(WINDOW) {
                 let overlap = &mut groups[group as usize];
                 if overlap.shared == 0 {
                     partners.push(group);
@@ -116,7 +116,7 @@ fn join_overlapping<L: AsRef<[u32]>>(lists: &[L], capacity: usize) -> Joined {
         let overlap = &mut groups[group as usize];
         if list.len() <= capacity {
             for vertex in list.iter().filter(|v| overlap.vertices.binary_search(v).is_err()) {
-                groups_of.push(*vertex, group);
+                vertex_groups.push(*vertex, group);
             }
         }
         merge(&mut overlap.vertices, list);

@@ -327,110 +327,27 @@ struct Cell {
     hint: Option<Triangle>,
 }
 
+/// Step 3: the maximum over the part's surface, and over its cavities where they are deeper.
 fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, peaks: Option<&Peaks>) -> Maximum {
     let diagonal = solid.diagonal();
     let enough = match accuracy.limit {
         Some(limit) => limit.max(surface.bound + CAVITY_LIMITED * diagonal),
         None => surface.bound + (CAVITY_RELATIVE * surface.bound).max(CAVITY_ABSOLUTE * diagonal),
     };
-    let depth = enough - surface.bound;
     let positions = part.positions();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let boxes: Vec<[DVec3; 2]> = match peaks {
-        // Where the distance has no local maximum above `enough`, none is greater than at the
-        // surface.
-        Some(peaks) if peaks.above <= enough => {
-            peaks.boxes.iter().filter(|[l, h]| (*l - high).max(low - *h).max_element() <= 0.0).copied().collect()
-        }
-        _ => vec![[low, high]],
-    };
+    let boxes = peak_boxes(peaks, [low, high], enough);
     if boxes.is_empty() {
         return surface;
     }
     let planes = planes::half_spaces(part);
+    let depth = enough - surface.bound;
     let deep = deep_polygons(solid, &planes, [low, high], depth);
-    let start = |[low, high]: [DVec3; 2]| Cell {
-        centre: (low + high) * 0.5,
-        half: (high - low) * 0.5,
-        deep: (0..deep.len() as u32).collect(),
-        within: f64::INFINITY,
-        hint: None,
-    };
-    let measure = |cell: &mut Cell, _: f64| {
-        let nothing = Measured { bound: 0.0, reached: 0.0, at: cell.centre };
-        let mut below = f64::INFINITY;
-        let mut centre_depth = f64::INFINITY;
-        for plane in &planes {
-            let height = plane.height(cell.centre);
-            let reach = plane.normal.abs().dot(cell.half);
-            if height > reach {
-                return nothing;
-            }
-            below = below.min(reach - height);
-            centre_depth = centre_depth.min(-height);
-        }
-        // Close to the surface of the part.
-        let from_surface = surface.bound + below;
-        if from_surface <= enough {
-            return Measured { bound: from_surface, ..nothing };
-        }
-        let (centre, half) = (cell.centre, cell.half);
-        cell.deep.retain(|index| touches(deep[*index as usize].1, centre, half));
-        let radius = cell.half.length();
-        let is_deep_part_inside = |cell: &Cell| match deep_part(cell, &planes, depth) {
-            DeepPart::Empty => true,
-            DeepPart::Point(p) => solid.is_inside(p),
-            DeepPart::Unknown => false,
-        };
-        // Everything not close to the part's surface is inside.
-        let is_inside = Measured { bound: enough, ..nothing };
-        if cell.deep.is_empty() && is_deep_part_inside(cell) {
-            return is_inside;
-        }
-        let Some(near) = solid.near_beside(cell.centre, cell.within, cell.hint.as_ref()) else {
-            return Measured { bound: from_surface.min(cell.within + radius), ..nothing };
-        };
-        cell.hint = Some(near.triangle);
-        cell.within = near.distance + radius;
-        let mut bound = from_surface.min(near.distance + radius);
-        if bound > enough && has_no_peak(solid, centre, half, &near) {
-            return Measured { bound: enough, ..nothing };
-        }
-        let mut reached = if centre_depth >= 0.0 { near.distance } else { 0.0 };
-        if (bound > enough || reached > surface.reached) && solid.is_inside(cell.centre) {
-            reached = 0.0;
-            bound = if near.gap > radius { 0.0 } else { bound.min(radius) };
-            if bound > enough {
-                let sides = box_sides(centre, half);
-                let polygons = cell.deep.iter().filter_map(|index| deep[*index as usize].0.clipped(&sides));
-                let polygons: Vec<Polygon> = polygons.take(MAX_TESTED).collect();
-                if polygons.is_empty() && is_deep_part_inside(cell) || are_sides_inside(solid.surface(), &polygons) {
-                    return is_inside;
-                }
-            }
-        }
-        Measured { bound, reached, at: cell.centre }
-    };
-    let split = |cell: &Cell| {
-        let axis = (0..3).fold(0, |longest, axis| if cell.half[axis] > cell.half[longest] { axis } else { longest });
-        let mut half = cell.half;
-        half[axis] *= 0.5;
-        [-1.0, 1.0].map(|side| {
-            let mut centre = cell.centre;
-            centre[axis] += side * half[axis];
-            Cell { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis], hint: cell.hint }
-        })
-    };
-    let accuracy = match accuracy.limit {
-        Some(_) => Accuracy { limit: Some(enough), ..*accuracy },
-        None => {
-            let relative = CAVITY_ACCURACY * CAVITY_RELATIVE;
-            let absolute = CAVITY_ACCURACY * CAVITY_ABSOLUTE * diagonal;
-            Accuracy { floor: enough, relative, absolute, ..*accuracy }
-        }
-    };
-    let cavity = maximum(boxes.into_iter().map(start), &accuracy, measure, split);
+    let search = CavitySearch { solid, surface: &surface, enough, depth, planes, deep };
+    let cells = boxes.into_iter().map(|bounds| search.cell(bounds));
+    let accuracy = cavity_accuracy(accuracy, enough, diagonal);
+    let cavity = maximum(cells, &accuracy, |cell: &mut Cell, _: f64| search.measure(cell), halves);
     let measurements = surface.measurements + cavity.measurements;
     if cavity.bound <= enough {
         return Maximum { measurements, ..surface };
@@ -439,6 +356,142 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
         bound: cavity.bound.max(surface.bound),
         measurements,
         ..if cavity.reached > surface.reached { cavity } else { surface }
+    }
+}
+
+/// Boxes that together hold all points within `bounds` that may be farther than `enough` from the
+/// solid and than all points of the part's surface.
+fn peak_boxes(peaks: Option<&Peaks>, [low, high]: [DVec3; 2], enough: f64) -> Vec<[DVec3; 2]> {
+    match peaks {
+        // Where the distance has no local maximum above `enough`, none is greater than at the
+        // surface.
+        Some(peaks) if peaks.above <= enough => {
+            peaks.boxes.iter().filter(|[l, h]| (*l - high).max(low - *h).max_element() <= 0.0).copied().collect()
+        }
+        _ => vec![[low, high]],
+    }
+}
+
+/// The accuracy to which cavities are measured.
+fn cavity_accuracy(accuracy: &Accuracy, enough: f64, diagonal: f64) -> Accuracy {
+    match accuracy.limit {
+        Some(_) => Accuracy { limit: Some(enough), ..*accuracy },
+        None => {
+            let relative = CAVITY_ACCURACY * CAVITY_RELATIVE;
+            let absolute = CAVITY_ACCURACY * CAVITY_ABSOLUTE * diagonal;
+            Accuracy { floor: enough, relative, absolute, ..*accuracy }
+        }
+    }
+}
+
+/// The halves of a cell, across its longest side.
+fn halves(cell: &Cell) -> [Cell; 2] {
+    let axis = (0..3).fold(0, |longest, axis| if cell.half[axis] > cell.half[longest] { axis } else { longest });
+    let mut half = cell.half;
+    half[axis] *= 0.5;
+    [-1.0, 1.0].map(|side| {
+        let mut centre = cell.centre;
+        centre[axis] += side * half[axis];
+        Cell { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis], hint: cell.hint }
+    })
+}
+
+/// Search for cavities of a solid inside a part.
+struct CavitySearch<'a> {
+    solid: &'a Solid,
+    /// The maximum over the part's surface.
+    surface: &'a Maximum,
+    /// Distance from the solid up to which nothing is a cavity.
+    enough: f64,
+    /// Depth inside the part up to which the surface bounds the distance by `enough`.
+    depth: f64,
+    /// Half-spaces whose intersection is the part.
+    planes: Vec<HalfSpace>,
+    /// Polygons of the mesh that lie deeper than `depth`, and the boxes around them.
+    deep: Vec<(Polygon, [DVec3; 2])>,
+}
+
+impl CavitySearch<'_> {
+    fn cell(&self, [low, high]: [DVec3; 2]) -> Cell {
+        Cell {
+            centre: (low + high) * 0.5,
+            half: (high - low) * 0.5,
+            deep: (0..self.deep.len() as u32).collect(),
+            within: f64::INFINITY,
+            hint: None,
+        }
+    }
+
+    /// Bounds the distance of the cell's points from the solid.
+    fn measure(&self, cell: &mut Cell) -> Measured {
+        let nothing = Measured { bound: 0.0, reached: 0.0, at: cell.centre };
+        let Some([below, centre_depth]) = self.depths(cell) else { return nothing };
+        // Close to the surface of the part.
+        let from_surface = self.surface.bound + below;
+        if from_surface <= self.enough {
+            return Measured { bound: from_surface, ..nothing };
+        }
+        let (centre, half) = (cell.centre, cell.half);
+        cell.deep.retain(|index| touches(self.deep[*index as usize].1, centre, half));
+        // Everything not close to the part's surface is inside.
+        let is_inside = Measured { bound: self.enough, ..nothing };
+        if cell.deep.is_empty() && self.is_deep_part_inside(cell) {
+            return is_inside;
+        }
+        let radius = half.length();
+        let Some(near) = self.solid.near_beside(centre, cell.within, cell.hint.as_ref()) else {
+            return Measured { bound: from_surface.min(cell.within + radius), ..nothing };
+        };
+        cell.hint = Some(near.triangle);
+        cell.within = near.distance + radius;
+        let mut bound = from_surface.min(near.distance + radius);
+        if bound > self.enough && has_no_peak(self.solid, centre, half, &near) {
+            return is_inside;
+        }
+        let mut reached = if centre_depth >= 0.0 { near.distance } else { 0.0 };
+        if (bound > self.enough || reached > self.surface.reached) && self.solid.is_inside(centre) {
+            reached = 0.0;
+            bound = if near.gap > radius { 0.0 } else { bound.min(radius) };
+            if bound > self.enough && self.are_polygons_inside(cell) {
+                return is_inside;
+            }
+        }
+        Measured { bound, reached, at: centre }
+    }
+
+    /// Maximum depth of a point of the cell inside the part, and the depth of its centre; `None`
+    /// if the cell is outside.
+    fn depths(&self, cell: &Cell) -> Option<[f64; 2]> {
+        let mut below = f64::INFINITY;
+        let mut centre_depth = f64::INFINITY;
+        for plane in &self.planes {
+            let height = plane.height(cell.centre);
+            let reach = plane.normal.abs().dot(cell.half);
+            if height > reach {
+                return None;
+            }
+            below = below.min(reach - height);
+            centre_depth = centre_depth.min(-height);
+        }
+        Some([below, centre_depth])
+    }
+
+    /// Whether the deep part of a cell that no polygon enters is inside. `false` may mean unknown.
+    fn is_deep_part_inside(&self, cell: &Cell) -> bool {
+        match deep_part(cell, &self.planes, self.depth) {
+            DeepPart::Empty => true,
+            DeepPart::Point(p) => self.solid.is_inside(p),
+            DeepPart::Unknown => false,
+        }
+    }
+
+    /// Whether the points of the cell beside all polygons that enter it are inside. `false` may
+    /// mean unknown.
+    fn are_polygons_inside(&self, cell: &Cell) -> bool {
+        let sides = box_sides(cell.centre, cell.half);
+        let polygons = cell.deep.iter().filter_map(|index| self.deep[*index as usize].0.clipped(&sides));
+        let polygons: Vec<Polygon> = polygons.take(MAX_TESTED).collect();
+        polygons.is_empty() && self.is_deep_part_inside(cell) || are_sides_inside(self.solid.surface(), &polygons)
     }
 }
 

@@ -37,7 +37,7 @@ use super::{
 use crate::PointSet;
 
 /// Distance below which vertices of an open boundary are merged, relative to the diagonal.
-const WELD: f64 = 1e-6;
+const MERGE_DISTANCE: f64 = 1e-6;
 
 /// Bound on rounding errors of lengths, relative to the greatest coordinate. A point this close to
 /// a triangle is on it.
@@ -93,14 +93,14 @@ impl Solid {
         let mut moved = 0.0;
         if !cones.is_empty() {
             let open = &cones.iter().flat_map(|[to, from, _]| [*to, *from]).collect::<Vec<_>>();
-            let welded = weld(&positions, open, WELD * diagonal);
-            if let Some(welded) = welded {
-                let welded_indices: Vec<[u32; 3]> = indices.iter().map(|t| t.map(|v| welded[v as usize])).collect();
-                let welded_distinct = self::distinct(&welded_indices);
-                let welded_cones = closing::cones(&positions, &chosen(&welded_indices, &welded_distinct));
-                if welded_cones.len() < cones.len() {
-                    moved = WELD * diagonal;
-                    (indices, distinct, cones) = (welded_indices, welded_distinct, welded_cones);
+            let merged = merge_open(&positions, open, MERGE_DISTANCE * diagonal);
+            if let Some(merged) = merged {
+                let merged_indices: Vec<[u32; 3]> = indices.iter().map(|t| t.map(|v| merged[v as usize])).collect();
+                let merged_distinct = self::distinct(&merged_indices);
+                let merged_cones = closing::cones(&positions, &chosen(&merged_indices, &merged_distinct));
+                if merged_cones.len() < cones.len() {
+                    moved = MERGE_DISTANCE * diagonal;
+                    (indices, distinct, cones) = (merged_indices, merged_distinct, merged_cones);
                 }
             }
         }
@@ -312,10 +312,10 @@ fn chosen(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<[u32; 3]> {
 
 /// For each vertex, the vertex with which it is merged: those at `open` positions that are closer
 /// than `distance` to an earlier one. `None` if no vertices are merged.
-fn weld(positions: &[DVec3], open: &[DVec3], distance: f64) -> Option<Vec<u32>> {
+fn merge_open(positions: &[DVec3], open: &[DVec3], distance: f64) -> Option<Vec<u32>> {
     let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
     let open: std::collections::HashSet<[u64; 3]> = open.iter().map(|p| bits(*p)).collect();
-    let mut welded: Vec<u32> = (0..positions.len() as u32).collect();
+    let mut merged: Vec<u32> = (0..positions.len() as u32).collect();
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let mut is_changed = false;
     if !(distance > 0.0) {
@@ -336,12 +336,12 @@ fn weld(positions: &[DVec3], open: &[DVec3], distance: f64) -> Option<Vec<u32>> 
         match near {
             Some(&w) => {
                 is_changed |= positions[w as usize] != p;
-                welded[v] = w;
+                merged[v] = w;
             }
             None => cells.entry(cell).or_default().push(v as u32),
         }
     }
-    is_changed.then_some(welded)
+    is_changed.then_some(merged)
 }
 
 /// Whether triangles enclose next to no volume.

@@ -59,7 +59,7 @@ impl Plane {
         (self.cc * d1 - self.ab_ac * d2, self.aa * d2 - self.ab_ac * d1)
     }
 
-    fn at(&self, (v, w): (f64, f64)) -> DVec3 {
+    fn point(&self, (v, w): (f64, f64)) -> DVec3 {
         self.a + v * self.ab + w * self.ac
     }
 
@@ -67,11 +67,11 @@ impl Plane {
     fn projection(&self, p: DVec3, scaled: (f64, f64), refinements: usize) -> Option<DVec3> {
         let (mut v, mut w) = (scaled.0 / self.area, scaled.1 / self.area);
         for _ in 0..refinements {
-            let (dv, dw) = self.scaled(p - self.at((v, w)));
+            let (dv, dw) = self.scaled(p - self.point((v, w)));
             (v, w) = (v + dv / self.area, w + dw / self.area);
         }
         // NaN and infinite coordinates of a degenerate triangle fail the test.
-        (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| self.at((v, w)))
+        (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| self.point((v, w)))
     }
 }
 

@@ -131,7 +131,7 @@ impl Part {
     /// Upper bound on the distance of a point, exact except for rounding. Each search starts at
     /// vertex `start` and sets it to a vertex near the point.
     fn distance(&self, p: DVec3, start: &mut u32) -> f64 {
-        let foot = if self.is_solid { self.nearest.from(p, *start) } else { self.nearest.certain(p) };
+        let foot = if self.is_solid { self.nearest.nearest_from(p, *start) } else { self.nearest.certain(p) };
         *start = foot.vertex;
         foot.point.distance(p)
     }

@@ -341,7 +341,7 @@ impl<'a> Collapse<'a> {
     /// `None` if there is no such point within one diameter.
     fn place(&self, edge: &Pending, margin: f64) -> Option<Place> {
         let planes = &edge.planes;
-        let mut foot = self.nearest.from(edge.middle, edge.foot);
+        let mut foot = self.nearest.nearest_from(edge.middle, edge.foot);
         let mut best: Option<Place> = None;
         let mut half_spaces = Vec::with_capacity(planes.len());
         for _ in 0..TURNS {
@@ -350,7 +350,7 @@ impl<'a> Collapse<'a> {
             let offset = |(normal, on): &(DVec3, DVec3)| normal.dot(*on - from) + margin;
             half_spaces.extend(planes.iter().map(|plane| HalfSpace { normal: plane.0, offset: offset(plane) }));
             let point = from + nearest_to_origin(&half_spaces, self.diameter)?;
-            foot = self.nearest.from(point, foot.vertex);
+            foot = self.nearest.nearest_from(point, foot.vertex);
             let distance = foot.point.distance(point);
             let is_better = best.is_none_or(|best| distance < best.distance);
             let is_worth = best.is_none_or(|best| distance < WORTH_A_TURN * best.distance);
@@ -377,8 +377,8 @@ impl<'a> Collapse<'a> {
     fn replace(&mut self, end: u32, place: Place) -> Option<u32> {
         let new = self.surface.insert(place.point, self.surface.triangle_at(end))?;
         self.feet.push(place.foot);
-        let rim: Vec<u32> = self.surface.around(new).map(|[b, _]| b).collect();
-        self.queue_first_looks(rim.into_iter().map(|b| [new, b]));
+        let horizon: Vec<u32> = self.surface.around(new).map(|[b, _]| b).collect();
+        self.queue_first_looks(horizon.into_iter().map(|b| [new, b]));
         Some(new)
     }
 
@@ -397,7 +397,8 @@ impl<'a> Collapse<'a> {
     /// Moves all vertices as near to the hull as possible, the farthest first.
     pub fn settle_all(&mut self) {
         for _ in 0..SWEEPS {
-            let distance = |(v, p): (u32, DVec3)| (self.nearest.from(p, self.feet[v as usize]).point.distance(p), v);
+            let distance =
+                |(v, p): (u32, DVec3)| (self.nearest.nearest_from(p, self.feet[v as usize]).point.distance(p), v);
             let mut order: Vec<(f64, u32)> = self.surface.vertices().map(distance).collect();
             order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             if !order.into_iter().fold(false, |any, (_, v)| self.settle(v) || any) {
@@ -414,7 +415,7 @@ impl<'a> Collapse<'a> {
     fn settle(&mut self, vertex: u32) -> bool {
         let margin = OUTSIDE * self.scale;
         let at = self.surface.point(vertex);
-        let mut foot = self.nearest.from(at, self.feet[vertex as usize]);
+        let mut foot = self.nearest.nearest_from(at, self.feet[vertex as usize]);
         let before = foot.point.distance(at);
         if !(before > WORTH_A_MOVE * self.diameter) {
             return false;
@@ -429,7 +430,7 @@ impl<'a> Collapse<'a> {
             let half_spaces: Vec<HalfSpace> = planes.iter().map(half_space).collect();
             let Some(nearest) = nearest_to_origin(&half_spaces, self.diameter) else { break };
             let point = from + nearest;
-            foot = self.nearest.from(point, foot.vertex);
+            foot = self.nearest.nearest_from(point, foot.vertex);
             let distance = foot.point.distance(point);
             if !(distance < best.distance) {
                 break;
@@ -440,7 +441,7 @@ impl<'a> Collapse<'a> {
         // the hull at every point on the way.
         let shares = [1.0, 0.5, 0.25, 0.125];
         for to in shares.map(|share| at.lerp(best.point, share)) {
-            let foot = self.nearest.from(to, best.foot);
+            let foot = self.nearest.nearest_from(to, best.foot);
             if foot.point.distance(to) < before * WORTH_MOVING && self.surface.try_move(vertex, to) {
                 self.feet[vertex as usize] = foot.vertex;
                 return true;

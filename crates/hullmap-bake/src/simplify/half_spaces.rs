@@ -39,7 +39,7 @@ const AMPLIFIED: f64 = 1e-11;
 const LIMIT: f64 = 1e-10;
 
 /// Square of the sine below which planes count as parallel. Their common line or point would be
-/// noise.
+/// rounding error.
 const PARALLEL: f64 = 1e-20;
 
 /// The point nearest to the origin in all `half_spaces`; `None` if they have no common point within

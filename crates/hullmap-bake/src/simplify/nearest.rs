@@ -239,7 +239,7 @@ impl Nearest {
     }
 
     /// Position of the vertex at a place.
-    fn at(&self, place: u32) -> DVec3 {
+    fn position(&self, place: u32) -> DVec3 {
         self.around[self.starts[place as usize] as usize].position()
     }
 
@@ -293,7 +293,7 @@ impl Nearest {
     }
 
     /// The nearest point to `target`. The search starts at vertex `start`.
-    pub fn from(&self, target: DVec3, start: u32) -> Foot {
+    pub fn nearest_from(&self, target: DVec3, start: u32) -> Foot {
         self.search(target, start, |direction, from| self.climb_from(direction, from))
     }
 
@@ -329,7 +329,7 @@ impl Nearest {
         if let Some((place, _)) = self.guided(direction) {
             return place;
         }
-        let mut best = (self.at(from).dot(direction), from);
+        let mut best = (self.position(from).dot(direction), from);
         let doubt = CERTAIN * self.scale * direction.abs().element_sum();
         let mut is_sampled = false;
         for step in 0.. {
@@ -423,7 +423,7 @@ impl Nearest {
         for _ in 0..MAX_STEPS {
             let towards = target - point;
             let next = farthest(towards, simplex[count - 1]);
-            let vertex = self.at(next);
+            let vertex = self.position(next);
             let gained = towards.dot(vertex - point);
             // Written so that NaN ends the search.
             if !(gained > PROGRESS * self.scale * towards.length()) || simplex[..count].contains(&next) {
@@ -728,7 +728,7 @@ mod tests {
 
     /// A vertex of the hull in a random direction.
     fn on_surface(nearest: &Nearest, rng: &mut SplitMix64) -> DVec3 {
-        nearest.at(nearest.farthest(DVec3::from_array(rng.direction())))
+        nearest.position(nearest.farthest(DVec3::from_array(rng.direction())))
     }
 
     #[test]
@@ -745,10 +745,10 @@ mod tests {
                 let inside = nearest.middle().lerp(on_surface(&nearest, &mut rng), rng.between(0.0, 1.0));
                 assert!(nearest.certain(inside).point.distance(inside) <= 1e-9 * hull.diameter, "{family:?} {round}");
                 assert!(
-                    nearest.from(inside, start).point.distance(inside) <= 1e-9 * hull.diameter,
+                    nearest.nearest_from(inside, start).point.distance(inside) <= 1e-9 * hull.diameter,
                     "{family:?} {round}"
                 );
-                let on = nearest.at(nearest.farthest(DVec3::from_array(rng.direction())));
+                let on = nearest.position(nearest.farthest(DVec3::from_array(rng.direction())));
                 let target = on
                     + (on - nearest.middle()) * (far - 1.0)
                     + DVec3::from_array(rng.direction()) * (far - 1.0) * 0.02 * hull.diameter;
@@ -760,7 +760,7 @@ mod tests {
                 outside += 1;
                 let expected = slow(&hull, target);
                 let certain = nearest.certain(target).point.distance(target);
-                let climbed = nearest.from(target, start);
+                let climbed = nearest.nearest_from(target, start);
                 start = climbed.vertex;
                 for found in [certain, climbed.point.distance(target)] {
                     assert!((found - expected).abs() <= 1e-9 * hull.diameter, "{family:?} {round}: {found} {expected}");

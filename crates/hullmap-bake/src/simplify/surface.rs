@@ -1,8 +1,9 @@
 //! Triangulated surface of a convex polytope, to which points outside can be added (incremental
 //! hull).
 //!
-//! Exact predicates decide which points are outside, as in [`hull::solid`](crate::hull::solid). The
-//! surface therefore stays the surface of a convex polytope for any points.
+//! Exact predicates decide which points are outside, as in
+//! [`hull::quickhull`](crate::hull::quickhull). The surface therefore stays the surface of a convex
+//! polytope for any points.
 
 use glam::DVec3;
 
@@ -19,7 +20,7 @@ pub struct Surface {
     triangles: Vec<Triangle>,
     /// Normal of each triangle. Stored, because it costs as much as a step of a search.
     normals: Vec<Normal>,
-    /// Slots of deleted triangles.
+    /// Places of deleted triangles.
     free: Vec<u32>,
     /// One triangle at each vertex; `NONE` for a deleted vertex.
     at: Vec<u32>,
@@ -90,7 +91,7 @@ impl Surface {
     /// swapped if that is required to orient the surface outward.
     pub fn tetrahedron(points: [DVec3; 4]) -> Self {
         let [a, b, c, d] = points;
-        let points = if above([a, b, c], d) < 0.0 { vec![a, b, c, d] } else { vec![a, c, b, d] };
+        let points = if side_of_plane([a, b, c], d) < 0.0 { vec![a, b, c, d] } else { vec![a, c, b, d] };
         let triangles =
             [([0, 1, 2], [3, 1, 2]), ([2, 1, 3], [0, 3, 2]), ([0, 2, 3], [0, 1, 3]), ([1, 0, 3], [0, 2, 1])];
         let triangles = triangles.map(|(corners, across)| Triangle { corners, across }).to_vec();
@@ -184,7 +185,7 @@ impl Surface {
         }
     }
 
-    /// Corners of a triangle, counter-clockwise seen from outside. Slots of deleted triangles are
+    /// Corners of a triangle, counter-clockwise seen from outside. Places of deleted triangles are
     /// reused.
     pub fn corners(&self, triangle: u32) -> [u32; 3] {
         self.triangles[triangle as usize].corners
@@ -206,7 +207,7 @@ impl Surface {
     }
 
     fn is_above(&self, p: DVec3, corners: [u32; 3]) -> bool {
-        above(corners.map(|v| self.point(v)), p) > 0.0
+        side_of_plane(corners.map(|v| self.point(v)), p) > 0.0
     }
 
     /// Moves a vertex if the surface stays convex. Otherwise, returns false and changes nothing.
@@ -223,7 +224,7 @@ impl Surface {
                 let other = self.triangles[triangle.across[side] as usize];
                 let [from, to] = [triangle.corners[side], triangle.corners[(side + 1) % 3]];
                 let far = other.corners.into_iter().find(|c| *c != from && *c != to).expect("a third corner");
-                above(triangle.corners.map(|v| self.point(v)), self.point(far)) < 0.0
+                side_of_plane(triangle.corners.map(|v| self.point(v)), self.point(far)) < 0.0
             };
             if !is_bent(i) || !is_bent((i + 1) % 3) {
                 break false;
@@ -326,7 +327,7 @@ impl Surface {
         self.at[new as usize] = fan[0];
     }
 
-    /// Puts a triangle into a free slot, or appends it.
+    /// Puts a triangle into a free place, or appends it.
     fn add_triangle(&mut self, triangle: Triangle) -> u32 {
         let normal = Normal::new(triangle.corners.map(|v| self.point(v)));
         match self.free.pop() {
@@ -359,7 +360,7 @@ struct Visible {
 
 /// Positive if `p` lies above the plane of the corners (counter-clockwise seen from above), zero if
 /// it lies in the plane. The sign is exact.
-fn above([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+fn side_of_plane([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }

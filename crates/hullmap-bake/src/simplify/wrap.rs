@@ -54,7 +54,7 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize
     (0..4).for_each(|triangle| look(&wrapped, triangle, &mut queue));
     while let Some((_, triangle, corners, foot)) = queue.pop() {
         if wrapped.surface.corners(triangle) != corners {
-            // The triangle was deleted, and its slot reused.
+            // The triangle was deleted, and its place reused.
             continue;
         }
         // A new vertex may remove others, but rarely more than it adds.

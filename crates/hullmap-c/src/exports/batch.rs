@@ -24,7 +24,7 @@ pub struct Pair {
 ///
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-unsafe fn pairs<'p>(pairs: *const Pair, count: usize) -> Fallible<Vec<batch::Pair<'p>>> {
+unsafe fn pairs<'p>(pairs: *const Pair, count: usize) -> Fallible<Vec<batch::CheckedPair<'p>>> {
     // SAFETY: this function's contract.
     let pairs = unsafe { border::array("pairs", pairs, count)? };
     let mut found = Vec::with_capacity(count);
@@ -38,11 +38,11 @@ unsafe fn pairs<'p>(pairs: *const Pair, count: usize) -> Fallible<Vec<batch::Pai
 
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-unsafe fn checked<'p>(pair: &Pair) -> Fallible<batch::Pair<'p>> {
+unsafe fn checked<'p>(pair: &Pair) -> Fallible<batch::CheckedPair<'p>> {
     // SAFETY: this function's contract.
     let (a, b) = unsafe { (border::handle("a", pair.a)?, border::handle("b", pair.b)?) };
     query::check_sides(b)?;
-    Ok(batch::Pair { a, b, b_in_a: super::pose("b_in_a", pair.b_in_a)? })
+    Ok(batch::CheckedPair { a, b, b_in_a: super::pose("b_in_a", pair.b_in_a)? })
 }
 
 /// An array of handles.

@@ -3,6 +3,7 @@
 
 use hullmap::Motion;
 
+use crate::batch::CheckedPair;
 use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::{Cache, Memory, Shape};
@@ -29,20 +30,13 @@ fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memory) -> Fall
     query(memory)
 }
 
-/// A pair from C.
-struct Pair<'p> {
-    a: &'p Shape,
-    b: &'p Shape,
-    b_in_a: hullmap::Pose,
-}
-
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
 #[inline(always)]
-unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fallible<Pair<'p>> {
+unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fallible<CheckedPair<'p>> {
     // SAFETY: this function's contract.
     let (a, b, b_in_a) = unsafe { (border::handle("a", a)?, border::handle("b", b)?, border::read("b_in_a", b_in_a)?) };
-    Ok(Pair { a, b, b_in_a: super::pose("b_in_a", b_in_a)? })
+    Ok(CheckedPair { a, b, b_in_a: super::pose("b_in_a", b_in_a)? })
 }
 
 /// Support points of a shape in `count` directions: points of the shape with the maximum dot
@@ -164,7 +158,7 @@ pub unsafe extern "C" fn hullmap_cast(
         };
         let motion = Motion::new(velocity.into()).map_err(|error| Failure::new(Result::InvalidArgument, error))?;
         let settings = super::cast_settings(settings);
-        let Pair { a, b, b_in_a } = pair;
+        let CheckedPair { a, b, b_in_a } = pair;
         out.write(with_memory(cache, |memory| query::cast(a, b, b_in_a, motion, &settings, memory))?);
         Ok(())
     })

@@ -29,9 +29,10 @@ fn overhead() {
     }
     // Through pointers that the compiler does not know, as from C.
     type Shapes = *const Shape;
-    type Query<S, T> = unsafe extern "C" fn(Shapes, Shapes, *const types::Pose, *const S, *mut Cache, *mut T) -> Code;
-    let contact: Query<types::Settings, types::Contact> = black_box(hullmap_contact);
-    let distance: Query<types::Settings, types::Distance> = black_box(hullmap_distance);
+    type QueryFunction<S, T> =
+        unsafe extern "C" fn(Shapes, Shapes, *const types::Pose, *const S, *mut Cache, *mut T) -> Code;
+    let contact: QueryFunction<types::Settings, types::Contact> = black_box(hullmap_contact);
+    let distance: QueryFunction<types::Settings, types::Distance> = black_box(hullmap_distance);
     let intersects: unsafe extern "C" fn(_, _, _, _, _) -> _ = black_box(hullmap_intersects);
     let support: unsafe extern "C" fn(_, _, _, _) -> _ = black_box(hullmap_support);
     let update: unsafe extern "C" fn(_, _, _, _, _, _) -> _ = black_box(hullmap_manifold_update);

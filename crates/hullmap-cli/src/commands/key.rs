@@ -34,7 +34,7 @@ pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
         jobs.iter_mut().for_each(lie_beside_the_mesh);
     }
     for jobs in jobs.chunks(AT_ONCE) {
-        let found: Vec<_> = jobs.par_iter().map(|job| Ingredients::of(job, &limits, project)).collect();
+        let found: Vec<_> = jobs.par_iter().map(|job| Ingredients::new(job, &limits, project)).collect();
         for (job, found) in jobs.iter().zip(found) {
             let written = match found {
                 Ok(from) => write(args, job, &from, out),

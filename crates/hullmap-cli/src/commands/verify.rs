@@ -8,7 +8,7 @@ use crate::args::VerifyArgs;
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
-use crate::source::{Folders, Recorded, Search, find_source, given_sources};
+use crate::source::{Folders, Recorded, SourceSearch, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
 use crate::verification::pack::{
@@ -54,18 +54,18 @@ fn verify_pack(
     folders: &Folders,
 ) -> Result<Vec<HullVerification>, Failure> {
     let pack = open_pack(&place.path)?;
-    let search = find_source(place, Recorded::of(&pack), given, &args.limits.limits(), folders)?;
+    let search = find_source(place, Recorded::from_pack(&pack), given, &args.limits.limits(), folders)?;
     let file = place.path.display().to_string();
     let (reference, source) = match &search {
-        Search::Found(source) => (Reference::Source(&source.point_sets), Some(&source.path)),
-        Search::Absent(why) if args.require_source => {
+        SourceSearch::Found(source) => (Reference::Source(&source.point_sets), Some(&source.path)),
+        SourceSearch::Absent(why) if args.require_source => {
             let recorded = pack.source_path();
             let why = why
                 .clone()
                 .unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
             return Err(Failure::rejected(format!("{file}: {why}; name the source with --source")));
         }
-        Search::Absent(why) => {
+        SourceSearch::Absent(why) => {
             let why = why.as_deref().unwrap_or("no source found");
             terminal::note(format_args!(
                 "{file}: {why}; compared with the stored hull only (name the source with --source)"

@@ -34,7 +34,7 @@ impl Config {
     /// folder, to which only globs without `/` can apply. `name` is its file name.
     pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
         let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
-        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.over(&lower))
+        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.laid_over(&lower))
     }
 
     /// Whether the file leaves a mesh out; parameters as for [`layer`](Self::layer).

@@ -58,7 +58,7 @@ mod tests {
         (0..count).map(|i| format!("a/{i}.obj")).collect()
     }
 
-    fn of(places: &[String], bytes: u64, size: BatchSize) -> Vec<Vec<&str>> {
+    fn batched(places: &[String], bytes: u64, size: BatchSize) -> Vec<Vec<&str>> {
         let meshes: Vec<(&str, u64)> = places.iter().map(|place| (place.as_str(), bytes)).collect();
         let name = |batch: Vec<usize>| batch.into_iter().map(|index| meshes[index].0).collect();
         batches(&meshes, size).into_iter().map(name).collect()
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn every_mesh_is_in_one_batch_of_about_the_size() {
         let places = places(10_000);
-        let batches = of(&places, 20_000, BatchSize::default());
+        let batches = batched(&places, 20_000, BatchSize::default());
         assert_eq!(batches.len(), 64);
         assert!(batches.iter().all(|batch| (90..256).contains(&batch.len()) && batch.is_sorted()));
         let mut all: Vec<&str> = batches.concat();
@@ -76,15 +76,16 @@ mod tests {
         expected.sort_unstable();
         assert_eq!(all, expected);
         // Bytes can be the limit.
-        assert_eq!(of(&places, 1 << 20, BatchSize::default()).len(), 512);
-        assert_eq!(of(&places[..300], 1, BatchSize { meshes: 1000, bytes: 1000 }).len(), 1);
-        assert!(of(&[], 1, BatchSize::default()).is_empty());
+        assert_eq!(batched(&places, 1 << 20, BatchSize::default()).len(), 512);
+        assert_eq!(batched(&places[..300], 1, BatchSize { meshes: 1000, bytes: 1000 }).len(), 1);
+        assert!(batched(&[], 1, BatchSize::default()).is_empty());
     }
 
     #[test]
     fn one_more_mesh_changes_one_batch() {
         let places = places(10_001);
-        let (before, after) = (of(&places[..10_000], 1, BatchSize::default()), of(&places, 1, BatchSize::default()));
+        let (before, after) =
+            (batched(&places[..10_000], 1, BatchSize::default()), batched(&places, 1, BatchSize::default()));
         assert_eq!(before.iter().zip(&after).filter(|(a, b)| a != b).count(), 1);
     }
 

@@ -34,7 +34,7 @@ pub struct Ingredients {
 impl Ingredients {
     /// Reads the sources of a job; `project` is the folder where `bake` was started. Fails if they
     /// cannot be read, exceed the limits, or are not those that were planned.
-    pub fn of(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
+    pub fn new(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
         Self::of_source(job, &read(job, limits)?, project)
     }
 

@@ -100,7 +100,7 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<J
         let Chosen { layer, skips, config } = configs.layer(&mesh.source)?;
         let config = config.map(|config| config.path.clone());
         if !skips {
-            chosen.push((mesh, args.options.over(&layer).resolve(), config));
+            chosen.push((mesh, args.options.laid_over(&layer).resolve(), config));
         } else if talk == Talk::All || warns && args.inputs.contains(&mesh.source) {
             let (source, config) = (mesh.source.display(), config.unwrap_or_default());
             terminal::note(format_args!("{source}: left out, because {} sets skip = true", config.display()));

@@ -69,7 +69,7 @@ impl OptionLayer {
     }
 
     /// Value of the option at `index` in the table.
-    pub fn at(&self, index: usize) -> Option<Value> {
+    pub fn value_at(&self, index: usize) -> Option<Value> {
         self.values[index]
     }
 
@@ -139,7 +139,7 @@ impl OptionLayer {
     /// This layer laid over `lower`. Options of one [`Group`] are replaced together: an index with
     /// its resolution or budget, and the two limits of a simplification.
     #[must_use]
-    pub fn over(&self, lower: &Self) -> Self {
+    pub fn laid_over(&self, lower: &Self) -> Self {
         let mut result = self.clone();
         for (index, option) in OPTIONS.iter().enumerate() {
             let is_replaced = option.group != Group::Single && self.gives_any_of(option.group);
@@ -198,8 +198,8 @@ pub mod tests {
         for pair in VALUES {
             let one = layer(&[pair]);
             assert_ne!(one, OptionLayer::default(), "{pair:?}");
-            assert_eq!(OptionLayer::default().over(&one), one, "{pair:?}");
-            assert_eq!(one.over(&OptionLayer::default()), one, "{pair:?}");
+            assert_eq!(OptionLayer::default().laid_over(&one), one, "{pair:?}");
+            assert_eq!(one.laid_over(&OptionLayer::default()), one, "{pair:?}");
         }
     }
 
@@ -207,21 +207,21 @@ pub mod tests {
     fn groups_are_replaced_together() {
         let cubemap = layer(&[("index", "cubemap"), ("resolution", "5")]);
         assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution: 5 }.into());
-        assert_eq!(layer(&[("index", "tree")]).over(&cubemap).resolve().index(), IndexKind::Tree.into());
-        let budget = layer(&[("index_budget", "9")]).over(&cubemap);
+        assert_eq!(layer(&[("index", "tree")]).laid_over(&cubemap).resolve().index(), IndexKind::Tree.into());
+        let budget = layer(&[("index_budget", "9")]).laid_over(&cubemap);
         assert_eq!(budget.resolve().index(), IndexChoice::Budget { bytes_per_vertex: 9 });
-        let cubemap = layer(&[("index", "cubemap")]).over(&budget);
+        let cubemap = layer(&[("index", "cubemap")]).laid_over(&budget);
         let resolution = IndexKind::DEFAULT_RESOLUTION;
         assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution }.into());
         let few = layer(&[("max_vertices", "8")]);
-        let near = layer(&[("max_error", "0.5")]).over(&few);
+        let near = layer(&[("max_error", "0.5")]).laid_over(&few);
         assert_eq!(near.resolve().simplify(1.0), Some(Limit::Distance(0.5)));
         for limit in ["max_vertices", "max_error"] {
-            assert_eq!(layer(&[(limit, "none")]).over(&near).resolve().simplify(1.0), None);
+            assert_eq!(layer(&[(limit, "none")]).laid_over(&near).resolve().simplify(1.0), None);
         }
         let parts = layer(&[("max_parts", "32")]);
         assert_eq!(parts.resolve().decompose(), None, "parameters alone do not decompose");
-        let parts = layer(&[("decompose", "true")]).over(&parts).resolve().decompose().unwrap();
+        let parts = layer(&[("decompose", "true")]).laid_over(&parts).resolve().decompose().unwrap();
         assert_eq!(parts.max_parts, Some(32));
     }
 
@@ -255,7 +255,7 @@ pub mod tests {
     fn options_without_effect_are_found_across_layers() {
         let unused = |own: &[(&str, &str)], lower: &[&[(&str, &str)]]| {
             let own = layer(own);
-            let resolved: Vec<_> = lower.iter().map(|lower| own.over(&layer(lower)).resolve()).collect();
+            let resolved: Vec<_> = lower.iter().map(|lower| own.laid_over(&layer(lower)).resolve()).collect();
             own.without_effect(resolved.iter()).map(|clash| clash.message(str::to_owned))
         };
         let message = "max_parts has no effect without decompose; add it, or remove max_parts";

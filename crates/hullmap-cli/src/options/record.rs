@@ -17,7 +17,7 @@ impl fmt::Display for BuildOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
         for (index, option) in OPTIONS.iter().enumerate() {
-            let text = match (option.record, self.0.at(index), option.default) {
+            let text = match (option.record, self.0.value_at(index), option.default) {
                 (Record::WithIndex | Record::Never, ..) | (_, None, _) => continue,
                 (Record::Always, Some(_), _) if option.key == "index" => recorded_index(self.index()),
                 (Record::Always, Some(value), _) => value.to_string(),

@@ -1,7 +1,8 @@
 //! Judges how parts fit their mesh: looks for a point that refutes a recorded bound.
 //!
 //! It shares no measurement with the baker. Distances from parts come from the runtime solver,
-//! distances from the solid from [`Soup`]. The claim is refuted by one point, which is reported.
+//! distances from the solid from [`TriangleSoup`]. The claim is refuted by one point, which is
+//! reported.
 //!
 //! # Steps
 //! 1. The point that the pack records as the worst. For uncovered surface, the point that the baker
@@ -26,7 +27,7 @@ use rayon::prelude::*;
 
 use super::outside::to_point;
 use super::random::SplitMix;
-use super::soup::{Soup, Triangle, closest};
+use super::soup::{Triangle, TriangleSoup, closest};
 use crate::geometry::polygons;
 
 /// Maximum number of cells of one search.
@@ -66,7 +67,7 @@ pub struct Witness {
 /// A mesh, prepared for judgements.
 pub struct Judge {
     triangles: Vec<Triangle>,
-    soup: Soup,
+    soup: TriangleSoup,
     kind: SolidKind,
     diagonal: f64,
     rounding: f64,
@@ -111,7 +112,7 @@ impl Judge {
         let at = |v: &u32| DVec3::from_array(points.positions[*v as usize].map(f64::from));
         let triangles: Vec<Triangle> = points.triangles.iter().map(|triangle| triangle.each_ref().map(at)).collect();
         let solid = Solid::new(points);
-        let soup = Soup::new(&solid, triangles.len());
+        let soup = TriangleSoup::new(&solid, triangles.len());
         let [low, high] = solid.bounds();
         let rounding = ROUNDING * low.abs().max(high.abs()).max_element() + solid.tolerance();
         Self { triangles, soup, kind: solid.kind(), diagonal: solid.diagonal(), rounding }

@@ -39,7 +39,7 @@ struct Node {
 }
 
 /// Triangles of a mesh, and those that close it.
-pub struct Soup {
+pub struct TriangleSoup {
     kind: SolidKind,
     /// In the order of the tree's leaves.
     triangles: Vec<(Triangle, bool)>,
@@ -50,7 +50,7 @@ pub struct Soup {
     bounds: [DVec3; 2],
 }
 
-impl Soup {
+impl TriangleSoup {
     /// The soup of `solid`, which belongs to a mesh of `mesh_count` triangles.
     pub fn new(solid: &Solid, mesh_count: usize) -> Self {
         let all = solid.triangles();
@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn distances_and_sides_match_boxes() {
         let mesh = boxes();
-        let soup = Soup::new(&Solid::new(&mesh), mesh.triangles.len());
+        let soup = TriangleSoup::new(&Solid::new(&mesh), mesh.triangles.len());
         let mut random = SplitMix::new(5);
         let mut inside = 0;
         for _ in 0..2_000 {

@@ -204,10 +204,10 @@ impl AccessorReader<'_> {
     #[expect(clippy::indexing_slicing, reason = "callers pass elements below `count`, and `strided` has checked those")]
     fn element(&self, at: usize) -> Option<&[u8]> {
         if let Some((elements, values)) = &self.replaced
-            && let Ok(slot) = elements.binary_search(&(at as u32))
+            && let Ok(rank) = elements.binary_search(&(at as u32))
         {
             let size = self.width * component_size(self.component_type)?;
-            return Some(&values[slot * size..]);
+            return Some(&values[rank * size..]);
         }
         self.bytes.map(|bytes| &bytes[at * self.stride..])
     }

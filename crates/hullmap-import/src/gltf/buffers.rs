@@ -64,15 +64,15 @@ pub fn read<'a>(
             let claimed = counted(claimed, "byte", "bytes");
             return Err(fault(format!("should have {claimed} but has {}: it was cut off", bytes.len())));
         }
-        if let Some(slot) = buffers.get_mut(index) {
-            *slot = Some(bytes);
+        if let Some(entry) = buffers.get_mut(index) {
+            *entry = Some(bytes);
         }
     }
     Ok(buffers)
 }
 
 fn locate(index: usize, uri: Option<&str>) -> Result<BufferLocation<'_>, LineFault> {
-    BufferLocation::of(uri).map_err(|text| Fault::format(format!("buffer {index} has {text}")).of_file())
+    BufferLocation::from_uri(uri).map_err(|text| Fault::format(format!("buffer {index} has {text}")).of_file())
 }
 
 /// Indices and URIs of the buffers with positions or vertex indices of the scene. References out of
@@ -81,8 +81,8 @@ fn required<'a>(document: &'a Document) -> impl Iterator<Item = (usize, Option<&
     let mut is_required = vec![false; document.buffers.len()];
     let mut mark_view = |view: u32| {
         let view = document.buffer_views.get(view as usize);
-        if let Some(slot) = view.and_then(|view| is_required.get_mut(view.buffer as usize)) {
-            *slot = true;
+        if let Some(entry) = view.and_then(|view| is_required.get_mut(view.buffer as usize)) {
+            *entry = true;
         }
     };
     let mut mark = |accessor: &Accessor| {

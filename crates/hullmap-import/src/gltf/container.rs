@@ -46,7 +46,7 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
         Ok(document) => document,
         Err(_) if is_version_1(text) => return fault(VERSION_1.to_owned()),
         Err(error) if buffer.is_none() && error.line() > 1 => {
-            return Err(Fault::format(not_a_document(&error)).at(error.line()));
+            return Err(Fault::format(not_a_document(&error)).at_line(error.line()));
         }
         Err(error) => return fault(not_a_document(&error)),
     };
@@ -145,7 +145,7 @@ pub enum BufferLocation<'a> {
 impl BufferLocation<'_> {
     /// Location of the buffer with this URI. Fails if the URI is neither data nor a relative path
     /// that stays below the file's folder.
-    pub fn of(uri: Option<&str>) -> Result<BufferLocation<'_>, String> {
+    pub fn from_uri(uri: Option<&str>) -> Result<BufferLocation<'_>, String> {
         let Some(uri) = uri else {
             return Ok(BufferLocation::Chunk);
         };
@@ -199,17 +199,17 @@ mod tests {
 
     #[test]
     fn buffers_must_lie_in_the_file_or_below_its_folder() {
-        assert_eq!(BufferLocation::of(None), Ok(BufferLocation::Chunk));
+        assert_eq!(BufferLocation::from_uri(None), Ok(BufferLocation::Chunk));
         assert_eq!(
-            BufferLocation::of(Some("data:application/octet-stream;base64,AAAA")),
+            BufferLocation::from_uri(Some("data:application/octet-stream;base64,AAAA")),
             Ok(BufferLocation::Data("AAAA"))
         );
-        assert_eq!(BufferLocation::of(Some("a%20b/c.bin")), Ok(BufferLocation::Beside("a b/c.bin".into())));
-        assert_eq!(BufferLocation::of(Some("100%.bin")), Ok(BufferLocation::Beside("100%.bin".into())));
+        assert_eq!(BufferLocation::from_uri(Some("a%20b/c.bin")), Ok(BufferLocation::Beside("a b/c.bin".into())));
+        assert_eq!(BufferLocation::from_uri(Some("100%.bin")), Ok(BufferLocation::Beside("100%.bin".into())));
         for uri in
             ["", "/etc/x", "../x.bin", "a/../../x.bin", "%2e%2e/x", "https://host/x", "C:\\x", "data:text,a", "data:"]
         {
-            assert!(BufferLocation::of(Some(uri)).is_err(), "{uri}");
+            assert!(BufferLocation::from_uri(Some(uri)).is_err(), "{uri}");
         }
     }
 }

@@ -147,8 +147,8 @@ impl<'a> SceneReader<'a> {
     /// Adds a mesh as an object. `label` names its node in messages; it is empty if there is none.
     fn add_mesh(&mut self, name: &str, label: &str, mesh_index: u32, transform: DAffine3) -> Result<(), Fault> {
         let document = self.data.document;
-        let slot = mesh_index as usize;
-        let (Some(record), Some(is_shown)) = (document.meshes.get(slot), self.is_shown.get_mut(slot)) else {
+        let at = mesh_index as usize;
+        let (Some(record), Some(is_shown)) = (document.meshes.get(at), self.is_shown.get_mut(at)) else {
             return Err(Fault::format(format!(
                 "{label} has the mesh index {mesh_index}, which is out of range (the file has {}); export the file again",
                 counted(document.meshes.len(), "mesh", "meshes")
@@ -265,13 +265,13 @@ impl<'a> SceneReader<'a> {
                     return Err(fault("shares its bytes with another one; export the file again".to_owned()));
                 }
                 let limits = self.limits;
-                let refused = |error| match error {
+                let rejected = |error| match error {
                     DracoFault::TooLarge => too_much_repetition(limits),
                     DracoFault::Damaged(text) => fault(format!("is damaged ({text}); export the file again")),
                 };
-                let claim = draco::claim(bytes).map_err(refused)?;
+                let claim = draco::claim(bytes).map_err(rejected)?;
                 self.check_claims(claim)?;
-                let mesh = Rc::new(draco::decode(bytes, position, claim).map_err(refused)?);
+                let mesh = Rc::new(draco::decode(bytes, position, claim).map_err(rejected)?);
                 self.check_count(accessor, mesh.positions.len());
                 // The data is a list of triangles, but the accessor may be of a strip.
                 if let (Some(indices), None | Some(TRIANGLES)) = (primitive.indices, primitive.mode) {
@@ -295,7 +295,7 @@ impl<'a> SceneReader<'a> {
         Ok(())
     }
 
-    /// Refuses compressed data that [`claim`](Self::claim) would refuse once it was decoded.
+    /// Rejects compressed data that [`claim`](Self::claim) would reject once it was decoded.
     fn check_claims(&mut self, of: draco::Claim) -> Result<(), Fault> {
         let before = (self.unclaimed_bytes, self.repeated_count);
         self.claim(of.triangles.saturating_mul(3), CORNER_BYTES)?;

@@ -55,21 +55,21 @@ pub fn doubles(parts: &Parts) -> Result<Vec<[f64; 3]>, Fault> {
     })
 }
 
-/// Calls `read` for each part with the slots of its vertices, so that no list of positions exists
+/// Calls `read` for each part with the targets of its vertices, so that no list of positions exists
 /// twice.
 fn fill<T: Coordinate>(
     parts: &Parts,
     read: impl Fn(&Part, &mut [[T; 3]]) -> Result<(), Fault> + Sync,
 ) -> Result<Vec<[T; 3]>, Fault> {
     let mut positions = vec![[T::ZERO; 3]; parts.vertex_count()];
-    let mut slots = Vec::with_capacity(parts.parts.len());
+    let mut targets = Vec::with_capacity(parts.parts.len());
     let mut rest = positions.as_mut_slice();
     for part in &parts.parts {
         let (own, tail) = rest.split_at_mut(part.vertex_count);
-        slots.push((part, own));
+        targets.push((part, own));
         rest = tail;
     }
-    slots.into_par_iter().try_for_each(|(part, slots)| read(part, slots))?;
+    targets.into_par_iter().try_for_each(|(part, targets)| read(part, targets))?;
     Ok(positions)
 }
 
@@ -108,24 +108,24 @@ impl Batch {
         Ok(())
     }
 
-    /// Has tobj read the batch, writes the positions to `slots`, and empties the batch.
-    fn read(&mut self, slots: Option<&mut [[f32; 3]]>) -> Result<(), Fault> {
+    /// Has tobj read the batch, writes the positions to `targets`, and empties the batch.
+    fn read(&mut self, targets: Option<&mut [[f32; 3]]>) -> Result<(), Fault> {
         self.text.push(b'l');
         for vertex in 1..=self.vertex_count {
-            write!(self.text, " {vertex}").map_err(|_| Fault::Refused(tobj::LoadError::ReadError))?;
+            write!(self.text, " {vertex}").map_err(|_| Fault::Rejected(tobj::LoadError::ReadError))?;
         }
         let no_materials = |_: &std::path::Path| Ok(Default::default());
         let options = tobj::LoadOptions::default();
         let (models, _) =
-            tobj::load_obj_buf(&mut self.text.as_slice(), &options, no_materials).map_err(Fault::Refused)?;
+            tobj::load_obj_buf(&mut self.text.as_slice(), &options, no_materials).map_err(Fault::Rejected)?;
         let positions = models.first().map(|model| model.mesh.positions.as_slice()).unwrap_or_default();
         let (points, _) = positions.as_chunks::<3>();
         // tobj accepts NaN and infinity, and rounds to infinity what is too large for f32.
-        match slots {
-            Some(slots) if slots.len() == points.len() && positions.iter().all(|x| x.is_finite()) => {
-                slots.copy_from_slice(points);
+        match targets {
+            Some(targets) if targets.len() == points.len() && positions.iter().all(|x| x.is_finite()) => {
+                targets.copy_from_slice(points);
             }
-            _ => return Err(Fault::Refused(tobj::LoadError::PositionParseError)),
+            _ => return Err(Fault::Rejected(tobj::LoadError::PositionParseError)),
         }
         self.text.clear();
         self.vertex_count = 0;

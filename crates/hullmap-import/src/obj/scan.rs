@@ -103,7 +103,7 @@ impl Scan {
         let mut lines = Lines::new(part.text, part.first_line);
         while let Some((line, text)) = lines.next_logical() {
             if !is_irrelevant(&text) {
-                scan.read_line(line, &text, check).map_err(|fault| fault.at(line))?;
+                scan.read_line(line, &text, check).map_err(|fault| fault.at_line(line))?;
             }
         }
         Ok(scan)
@@ -251,7 +251,7 @@ fn first_out_of_range(text: &[u8], scan: &Scan) -> LineFault {
             _ => None,
         });
         if let Some(text) = found {
-            return Fault::IndexTooLarge { text, count }.at(line);
+            return Fault::IndexTooLarge { text, count }.at_line(line);
         }
     }
     Fault::IndexTooLarge { text: (u64::from(scan.largest_reference) + 1).to_string(), count }.of_file()

@@ -18,8 +18,8 @@ impl<'a> VertexLine<'a> {
         let mut first = [""; 4];
         let mut found = 0;
         for word in words {
-            if let Some(slot) = first.get_mut(found) {
-                *slot = word;
+            if let Some(entry) = first.get_mut(found) {
+                *entry = word;
             }
             found += 1;
         }

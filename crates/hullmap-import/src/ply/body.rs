@@ -111,7 +111,7 @@ impl<'a> Body<'a> {
     /// A fault at the current position.
     pub fn fault(&self, message: String) -> LineFault {
         match self {
-            Self::Text(text) => Fault::format(message).at(text.tokens.line()),
+            Self::Text(text) => Fault::format(message).at_line(text.tokens.line()),
             Self::Binary { .. } => Fault::format(message).of_file(),
         }
     }
@@ -232,7 +232,7 @@ impl<'a> Body<'a> {
             let value =
                 if is_double { parse_coordinate::<f64>(&word) } else { parse_coordinate::<f32>(&word).map(f64::from) };
             let Self::Text(text) = self else { unreachable!("the variant does not change") };
-            return value.map_err(|fault| fault.at(text.tokens.line()));
+            return value.map_err(|fault| fault.at_line(text.tokens.line()));
         }
         let is_big = matches!(self, Self::Binary { is_big: true, .. });
         let bytes = self.bytes(scalar.size(), element, index)?;

@@ -35,7 +35,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    fn of(word: &str) -> Option<Self> {
+    fn from_name(word: &str) -> Option<Self> {
         Some(match word {
             "char" | "int8" => Self::I8,
             "uchar" | "uint8" => Self::U8,
@@ -130,7 +130,7 @@ pub struct Header {
 pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     let mut lines = HeaderLines { bytes, at: 0, number: 0 };
     if lines.next() != Some(b"ply") {
-        return Err(Fault::format("the first line is not `ply`; check that this is a PLY file").at(1));
+        return Err(Fault::format("the first line is not `ply`; check that this is a PLY file").at_line(1));
     }
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
@@ -144,7 +144,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
         let number = lines.number;
         let text = String::from_utf8_lossy(line);
         let wrong = |expected: &str| {
-            Fault::format(format!("found `{}`; expected {expected}: correct the line", excerpt(&text))).at(number)
+            Fault::format(format!("found `{}`; expected {expected}: correct the line", excerpt(&text))).at_line(number)
         };
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
         match words.as_slice() {
@@ -166,7 +166,8 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
                 elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new() });
             }
             ["property", kind @ .., name] => {
-                let types: Option<Vec<Scalar>> = kind.iter().filter(|w| **w != "list").map(|w| Scalar::of(w)).collect();
+                let types: Option<Vec<Scalar>> =
+                    kind.iter().filter(|w| **w != "list").map(|w| Scalar::from_name(w)).collect();
                 let (scalar, length) = match (kind.first(), types.as_deref()) {
                     (Some(&"list"), Some(&[length, scalar])) if length.is_integer() => (scalar, Some(length)),
                     (_, Some(&[scalar])) if kind.len() == 1 => (scalar, None),

@@ -108,7 +108,7 @@ fn read_body(
 fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double: bool) -> Result<Positions, LineFault> {
     let mut axes = [0; 3];
     for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
-        *axis = element.find(&[name]).filter(|&slot| element.properties[slot].length.is_none()).ok_or_else(|| {
+        *axis = element.find(&[name]).filter(|&place| element.properties[place].length.is_none()).ok_or_else(|| {
             Fault::format(format!("`element vertex` has no number `{name}`, but a hull requires x, y and z")).of_file()
         })?;
     }
@@ -126,8 +126,8 @@ fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double:
     for vertex in 0..element.count {
         body.begin_instance();
         let mut position = [0.0; 3];
-        for (slot, property) in element.properties.iter().enumerate() {
-            match (property.length, axes.iter().position(|&axis| axis == slot)) {
+        for (place, property) in element.properties.iter().enumerate() {
+            match (property.length, axes.iter().position(|&axis| axis == place)) {
                 (Some(length), _) => body.skip_list(length, property.scalar, element, vertex)?,
                 (None, Some(axis)) => position[axis] = body.number(property.scalar, is_double, element, vertex)?,
                 (None, None) => body.skip_number(property.scalar, element, vertex)?,
@@ -160,7 +160,7 @@ fn read_faces(
 ) -> Result<(), LineFault> {
     let Some(indices) = element
         .find(&["vertex_indices", "vertex_index"])
-        .filter(|&slot| element.properties.get(slot).is_some_and(|p| p.length.is_some() && p.scalar.is_integer()))
+        .filter(|&place| element.properties.get(place).is_some_and(|p| p.length.is_some() && p.scalar.is_integer()))
     else {
         return body.skip(element);
     };
@@ -169,12 +169,12 @@ fn read_faces(
     let mut strip: Vec<u32> = Vec::new();
     for instance in 0..element.count {
         body.begin_instance();
-        for (slot, property) in element.properties.iter().enumerate() {
+        for (place, property) in element.properties.iter().enumerate() {
             let Some(length) = property.length else {
                 body.skip_number(property.scalar, element, instance)?;
                 continue;
             };
-            if slot != indices {
+            if place != indices {
                 body.skip_list(length, property.scalar, element, instance)?;
                 continue;
             }

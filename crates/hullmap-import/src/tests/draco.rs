@@ -202,9 +202,9 @@ fn draco_data_is_limited_and_checked() {
     assert!(import_bytes(glb(&large, ""), &Limits::DEFAULT).is_ok_and(|imported| imported.vertex_count > 1000));
 }
 
-/// A grid of 52 KB took two seconds and 137 MB before it was refused.
+/// A grid of 52 KB took two seconds and 137 MB before it was rejected.
 #[test]
-fn data_is_refused_by_its_header_before_it_is_decoded() {
+fn data_is_rejected_by_its_header_before_it_is_decoded() {
     let mesh = sheet_mesh(1000);
     let limits = Limits { repeated_vertices: 1000, ..Limits::DEFAULT };
     let mut versions = std::collections::BTreeSet::new();

@@ -390,7 +390,7 @@ fn damaged_files_import_or_fail_with_an_error_of_their_line() {
                 assert!(imported.point_sets.iter().flat_map(|set| &set.positions).flatten().all(|x| x.is_finite()));
             }
             Err(error) => assert!(
-                !matches!(error.fault, Fault::Refused(_)),
+                !matches!(error.fault, Fault::Rejected(_)),
                 "seed {SEED}, round {round}: {error}: {}",
                 bytes.escape_ascii()
             ),

@@ -38,7 +38,7 @@ impl<'h> Outline<'h> {
         Self { hull, normal, axes: [side, normal.cross(side)] }
     }
 
-    fn over(&self, point: DVec3) -> DVec2 {
+    fn projected(&self, point: DVec3) -> DVec2 {
         let [x, y] = self.axes;
         DVec2::new(point.dot(x), point.dot(y))
     }
@@ -46,13 +46,13 @@ impl<'h> Outline<'h> {
     fn spots(&self, feature: &Feature) -> [Spot; MAX_CORNERS] {
         let mut spots = [Spot::default(); MAX_CORNERS];
         for (spot, corner) in spots.iter_mut().zip(feature.corners()) {
-            *spot = Spot { at: self.over(corner.point), depth: corner.point.dot(self.normal) };
+            *spot = Spot { at: self.projected(corner.point), depth: corner.point.dot(self.normal) };
         }
         spots
     }
 
     fn center(&self) -> DVec2 {
-        self.over(self.hull.interior_point())
+        self.projected(self.hull.interior_point())
     }
 
     /// The four corners that support the hull best.
@@ -82,19 +82,19 @@ impl<'h> Outline<'h> {
         *out = PolygonalFeature::default();
         let mut chosen = [Corner::default(); 4];
         let mut count = 0;
-        for (slot, index) in chosen.iter_mut().zip(four.indices()) {
-            *slot = feature.corners().get(*index).copied().unwrap_or_default();
+        for (place, index) in chosen.iter_mut().zip(four.indices()) {
+            *place = feature.corners().get(*index).copied().unwrap_or_default();
             count += 1;
         }
         let chosen = chosen.get_mut(..count).unwrap_or_default();
         let middle = chosen.iter().map(|corner| corner.point).sum::<DVec3>() / count.max(1) as f64;
-        let angle = |corner: &Corner| self.over(corner.point - middle).to_angle();
+        let angle = |corner: &Corner| self.projected(corner.point - middle).to_angle();
         chosen.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
-        let corner = |slot: usize| chosen.get(slot).copied().unwrap_or_default();
+        let corner = |place: usize| chosen.get(place).copied().unwrap_or_default();
         out.num_vertices = count;
-        for (slot, ((vertex, vid), eid)) in out.vertices.iter_mut().zip(&mut out.vids).zip(&mut out.eids).enumerate() {
-            let slot = slot.min(count.saturating_sub(1));
-            let (start, end) = (corner(slot), corner(if slot + 1 < count { slot + 1 } else { 0 }));
+        for (place, ((vertex, vid), eid)) in out.vertices.iter_mut().zip(&mut out.vids).zip(&mut out.eids).enumerate() {
+            let place = place.min(count.saturating_sub(1));
+            let (start, end) = (corner(place), corner(if place + 1 < count { place + 1 } else { 0 }));
             *vertex = narrow(start.point);
             *vid = vertex_id(start.vertex);
             *eid = edge_id(start.vertex, end.vertex);

@@ -172,7 +172,7 @@ impl SavedShape {
     /// ```
     pub fn of<P: Packs + ?Sized>(shape: &SharedShape, packs: &P) -> Result<Self, SavedShapeError> {
         if let Some(hull) = shape.as_shape::<BakedHull>() {
-            return SavedHull::of(hull, packs).map(Self::Hull);
+            return SavedHull::new(hull, packs).map(Self::Hull);
         }
         match shape.as_compound().filter(|_| is_custom(shape)) {
             Some(compound) => {
@@ -201,7 +201,7 @@ impl SavedShape {
 }
 
 impl SavedHull {
-    fn of<P: Packs + ?Sized>(hull: &BakedHull, packs: &P) -> Result<Self, SavedShapeError> {
+    fn new<P: Packs + ?Sized>(hull: &BakedHull, packs: &P) -> Result<Self, SavedShapeError> {
         let (shared, name) = (hull.shared_hull(), hull.hull().name().to_owned());
         let Some(pack) = packs.name(shared.pack()) else {
             return Err(SavedShapeError::UnknownPack { hull: name });

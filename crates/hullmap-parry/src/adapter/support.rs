@@ -16,7 +16,8 @@
 //!
 //! # What did not work
 //! - The larger of this face and the faces merged around the direction: 176 of 2,448 bodies awake
-//!   instead of 197, within the noise, and 50 % more time while bodies of 8,192 vertices fall.
+//!   instead of 197, within the spread of the runs, and 50 % more time while bodies of 8,192
+//!   vertices fall.
 //! - The closest face only if the merged feature has fewer than three corners: for a disc that
 //!   stands on its rim, the feature is the rim, which has many corners. Of 102 bodies of 0.1 m, 20
 //!   sank into the floor.

@@ -15,19 +15,19 @@ const GROUP = 256u;
 var<workgroup> sums: array<u32, GROUP>;
 
 // Sum of the values of all threads of the workgroup up to this one.
-fn sum_up_to(lane: u32, value: u32) -> u32 {
-    sums[lane] = value;
+fn sum_up_to(local_thread: u32, value: u32) -> u32 {
+    sums[local_thread] = value;
     workgroupBarrier();
     for (var distance = 1u; distance < GROUP; distance <<= 1u) {
         var before = 0u;
-        if lane >= distance {
-            before = sums[lane - distance];
+        if local_thread >= distance {
+            before = sums[local_thread - distance];
         }
         workgroupBarrier();
-        sums[lane] += before;
+        sums[local_thread] += before;
         workgroupBarrier();
     }
-    return sums[lane];
+    return sums[local_thread];
 }
 
 // 1 if the pair at this place of the list is kept.
@@ -42,33 +42,33 @@ fn keep(at: u32) -> u32 {
 @compute @workgroup_size(GROUP)
 fn count_kept(
     @builtin(global_invocation_id) id: vec3u,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) local_thread: u32,
     @builtin(workgroup_id) group: vec3u,
 ) {
-    let sum = sum_up_to(lane, keep(id.x));
-    if lane == GROUP - 1u {
+    let sum = sum_up_to(local_thread, keep(id.x));
+    if local_thread == GROUP - 1u {
         counts[group.x] = sum;
     }
 }
 
 @compute @workgroup_size(GROUP)
-fn sum_counts(@builtin(local_invocation_index) lane: u32) {
+fn sum_counts(@builtin(local_invocation_index) local_thread: u32) {
     let groups = (parameters.count + GROUP - 1u) / GROUP;
     var base = 0u;
     for (var first = 0u; first < groups; first += GROUP) {
-        let at = first + lane;
+        let at = first + local_thread;
         var count = 0u;
         if at < groups {
             count = counts[at];
         }
-        let sum = sum_up_to(lane, count);
+        let sum = sum_up_to(local_thread, count);
         if at < groups {
             counts[at] = base + sum - count;
         }
         base += sums[GROUP - 1u];
         workgroupBarrier();
     }
-    if lane == 0u {
+    if local_thread == 0u {
         kept[0] = base;
     }
 }
@@ -76,11 +76,11 @@ fn sum_counts(@builtin(local_invocation_index) lane: u32) {
 @compute @workgroup_size(GROUP)
 fn write_kept(
     @builtin(global_invocation_id) id: vec3u,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) local_thread: u32,
     @builtin(workgroup_id) group: vec3u,
 ) {
     let is_kept = keep(id.x);
-    let sum = sum_up_to(lane, is_kept);
+    let sum = sum_up_to(local_thread, is_kept);
     if is_kept == 1u {
         kept[counts[group.x] + sum] = list[id.x + 1u];
     }

@@ -290,7 +290,7 @@ fn epa(index: u32) {
 
 @compute @workgroup_size(WORKGROUP)
 fn expand_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    lane = local;
+    local_thread = local;
     if id.x < list[0] {
         thread = id.x;
         stride = arrayLength(&cells) / (MAX_VERTICES + MAX_FACES);

@@ -309,7 +309,7 @@ fn gjk(index: u32) {
 
 @compute @workgroup_size(WORKGROUP)
 fn solve_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    lane = local;
+    local_thread = local;
     if id.x < list[0] {
         gjk(list[id.x + 1u]);
     }

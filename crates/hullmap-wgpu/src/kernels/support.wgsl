@@ -177,7 +177,7 @@ fn offset_of(center: vec3f, at: u32) -> vec3f {
 // The stacks of all threads of a workgroup. As private memory they would take registers, since they
 // are indexed.
 var<workgroup> stacks: array<vec2u, STACK * WORKGROUP>;
-var<private> lane: u32;
+var<private> local_thread: u32;
 
 fn support_of(hull: u32, dir: vec3f) -> Found {
     var found = Found(vec3f(), NO_INDEX, true);
@@ -192,7 +192,7 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
     var last_word = NO_INDEX;
     if hulls[hull].kind != SCAN {
         count = 0u;
-        stacks[lane] = vec2u(descend(hull, dir), 0u);
+        stacks[local_thread] = vec2u(descend(hull, dir), 0u);
         height = 1u;
     }
     loop {
@@ -241,14 +241,14 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
             break;
         }
         fuel -= 1u;
-        var word = stacks[(height - 1u) * WORKGROUP + lane].x;
-        let end = stacks[(height - 1u) * WORKGROUP + lane].y;
+        var word = stacks[(height - 1u) * WORKGROUP + local_thread].x;
+        let end = stacks[(height - 1u) * WORKGROUP + local_thread].y;
         if end == 0u {
             height -= 1u;
         } else {
             let at = word;
             word = slot(hull, at);
-            stacks[(height - 1u) * WORKGROUP + lane].x = at + 1u;
+            stacks[(height - 1u) * WORKGROUP + local_thread].x = at + 1u;
             if at + 1u >= end {
                 height -= 1u;
             }
@@ -273,13 +273,13 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
             found.is_certain = false;
         } else if (payload & 2u) != 0u {
             let range = steps_of(hull, at, dir);
-            stacks[height * WORKGROUP + lane] = vec2u(at + 17u + range.x, at + 18u + range.y);
+            stacks[height * WORKGROUP + local_thread] = vec2u(at + 17u + range.x, at + 18u + range.y);
             height += 1u;
         } else if (payload & 1u) == 0u {
             let sides = sides_of(hull, at, 2u, dir, doubt);
             for (var side = 0u; side < 2u; side++) {
                 if ((sides >> side) & 1u) != 0u {
-                    stacks[height * WORKGROUP + lane] = vec2u(slot(hull, at + 6u + side), 0u);
+                    stacks[height * WORKGROUP + local_thread] = vec2u(slot(hull, at + 6u + side), 0u);
                     height += 1u;
                 }
             }
@@ -297,7 +297,7 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
                     & (sides >> (6u + 4u * top + 2u * middle + low)) & 1u;
                 let below = slot(hull, at + 42u + part);
                 if possible != 0u && below != previous {
-                    stacks[height * WORKGROUP + lane] = vec2u(below, 0u);
+                    stacks[height * WORKGROUP + local_thread] = vec2u(below, 0u);
                     height += 1u;
                     previous = below;
                 }

@@ -19,7 +19,7 @@ struct FoundRecord {
 
 @compute @workgroup_size(WORKGROUP)
 fn find_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    lane = local;
+    local_thread = local;
     if id.x < parameters.count {
         fuel = MAX_READS;
         let query = directions[id.x];

@@ -104,118 +104,187 @@ pub(super) fn epa<const FUSED: bool>(
     max_steps: u32,
     ended: Ended,
 ) -> AnswerRecord {
-    let Ended { mut out, simplex, mut depth_upper, mut depth_lower } = ended;
-    let error = pair.rounding;
-    let mut dir = axis_direction(0);
-    let mut corners: Vec<Corner> = Vec::new();
-    let mut faces: Vec<Face> = Vec::new();
-    let mut pending: Vec<Triangle> = Vec::new();
-    let mut height = 0.0;
-    // The lowest face so far, of a closed surface with certain volumes.
-    let mut lowest_face = None;
-    let mut lowest_height = 0.0;
-    let mut axes = out.status == code::AXES;
-    if !axes {
-        corners.extend(simplex);
-        pending.extend(FACES);
-    }
-    out.status = loop {
-        if !pending.is_empty() {
-            faces.extend(pending.drain(..).map(|triangle| face::<FUSED>(&corners, triangle)));
-            let mut lowest = 0;
-            height = -LOWEST;
-            for (at, face) in faces.iter().enumerate() {
-                if face.height < height {
-                    lowest = at;
-                    height = face.height;
-                }
-            }
-            // NaN takes the failing branch.
-            if !(height > 0.0) {
-                break code::STALLED;
-            }
-            if height - error > depth_lower {
-                depth_lower = height - error;
-            }
-            lowest_face = Some(faces[lowest].corners);
-            lowest_height = height;
-            dir = faces[lowest].normal;
-        }
-        if out.steps >= max_steps {
-            break code::BUDGET;
-        }
-        out.steps += 1;
-        let Some(reached) = reach::<FUSED>(run, pair, dir) else { break code::BUDGET };
-        let along = dot::<FUSED>(reached.w, dir);
-        if along < depth_upper {
-            depth_upper = along;
-            out.normal = dir;
-        }
-        if -depth_upper > error {
-            break code::SEPARATED;
-        }
-        if !axes {
-            if depth_upper - height <= tolerance * depth_upper + 2.0 * error {
-                break code::OVERLAPPING;
-            }
-            if corners.len() == MAX_VERTICES {
-                break code::BUDGET;
-            }
-            if corners.iter().any(|corner| corner.w == reached.w) {
-                break code::STALLED;
-            }
-        }
-        let apex = corners.len();
-        corners.push(reached);
-        if axes {
-            if corners.len() < 6 {
-                dir = axis_direction(corners.len());
-                continue;
-            }
-            axes = false;
-            pending.extend((0..8).map(|face| {
-                let (i, j, k) = (face & 1, 2 + (face >> 1 & 1), 4 + (face >> 2));
-                if (face ^ face >> 1 ^ face >> 2) & 1 == 0 { [i, j, k] } else { [i, k, j] }
-            }));
-            continue;
-        }
-        pending = open_horizon::<FUSED>(&mut faces, reached.w, apex, error);
-        if pending.is_empty() {
-            faces.clear();
-            break code::STALLED;
+    let mut search = EpaSearch::<FUSED>::new(pair, tolerance, ended);
+    search.out.status = loop {
+        if let Err(status) = search.step(run, max_steps) {
+            break status;
         }
     };
-    // The closest point of the lowest face, and of those as low: a facet has several triangles.
-    let limit = lowest_height + (tolerance * depth_upper + 2.0 * error);
-    let mut square = -LOWEST;
-    if let Some(lowest) = lowest_face {
-        let as_low = faces.iter().filter(|face| face.height > 0.0 && face.height <= limit).map(|face| face.corners);
-        for triangle in std::iter::once(lowest).chain(as_low) {
-            let [i, j, k] = triangle.map(|corner| corners[corner]);
+    search.find_witness();
+    search.finish()
+}
+
+/// State of the search.
+struct EpaSearch<'p, const FUSED: bool> {
+    pair: &'p PairRecord,
+    tolerance: f32,
+    out: AnswerRecord,
+    corners: Vec<Corner>,
+    faces: Vec<Face>,
+    /// Triangles that become faces in the next step.
+    pending: Vec<Triangle>,
+    /// Direction of the next support call.
+    dir: Vector,
+    /// Height of the lowest face.
+    height: f32,
+    /// The lowest face so far, of a closed surface with certain volumes, and its height.
+    lowest_face: Option<Triangle>,
+    lowest_height: f32,
+    depth_upper: f32,
+    depth_lower: f32,
+    /// Whether the search still collects support points along the axes.
+    axes: bool,
+}
+
+impl<'p, const FUSED: bool> EpaSearch<'p, FUSED> {
+    /// Step 1.
+    fn new(pair: &'p PairRecord, tolerance: f32, ended: Ended) -> Self {
+        let Ended { out, simplex, depth_upper, depth_lower } = ended;
+        let axes = out.status == code::AXES;
+        let (corners, pending) = if axes { (Vec::new(), Vec::new()) } else { (simplex.to_vec(), FACES.to_vec()) };
+        Self {
+            pair,
+            tolerance,
+            out,
+            corners,
+            faces: Vec::new(),
+            pending,
+            dir: axis_direction(0),
+            height: 0.0,
+            lowest_face: None,
+            lowest_height: 0.0,
+            depth_upper,
+            depth_lower,
+            axes,
+        }
+    }
+
+    /// Steps 2 to 4. An error is the status with which the search ends.
+    fn step(&mut self, run: &mut Run<'_>, max_steps: u32) -> Result<(), u32> {
+        if !self.pending.is_empty() {
+            self.add_faces()?;
+        }
+        if self.out.steps >= max_steps {
+            return Err(code::BUDGET);
+        }
+        self.out.steps += 1;
+        let Some(reached) = reach::<FUSED>(run, self.pair, self.dir) else { return Err(code::BUDGET) };
+        self.bound_depth(&reached)?;
+        let apex = self.corners.len();
+        self.corners.push(reached);
+        if self.axes {
+            self.turn_to_next_axis();
+            return Ok(());
+        }
+        self.pending = open_horizon::<FUSED>(&mut self.faces, reached.w, apex, self.pair.rounding);
+        if self.pending.is_empty() {
+            self.faces.clear();
+            return Err(code::STALLED);
+        }
+        Ok(())
+    }
+
+    /// Step 2: the pending triangles become faces.
+    fn add_faces(&mut self) -> Result<(), u32> {
+        let corners = &self.corners;
+        self.faces.extend(self.pending.drain(..).map(|triangle| face::<FUSED>(corners, triangle)));
+        let mut lowest = 0;
+        self.height = -LOWEST;
+        for (at, face) in self.faces.iter().enumerate() {
+            if face.height < self.height {
+                lowest = at;
+                self.height = face.height;
+            }
+        }
+        // NaN takes the failing branch.
+        if !(self.height > 0.0) {
+            return Err(code::STALLED);
+        }
+        if self.height - self.pair.rounding > self.depth_lower {
+            self.depth_lower = self.height - self.pair.rounding;
+        }
+        self.lowest_face = Some(self.faces[lowest].corners);
+        self.lowest_height = self.height;
+        self.dir = self.faces[lowest].normal;
+        Ok(())
+    }
+
+    /// Step 3: the plane at the support point bounds the depth from above.
+    fn bound_depth(&mut self, reached: &Corner) -> Result<(), u32> {
+        let error = self.pair.rounding;
+        let along = dot::<FUSED>(reached.w, self.dir);
+        if along < self.depth_upper {
+            self.depth_upper = along;
+            self.out.normal = self.dir;
+        }
+        if -self.depth_upper > error {
+            return Err(code::SEPARATED);
+        }
+        if !self.axes {
+            if self.depth_upper - self.height <= self.tolerance * self.depth_upper + 2.0 * error {
+                return Err(code::OVERLAPPING);
+            }
+            if self.corners.len() == MAX_VERTICES {
+                return Err(code::BUDGET);
+            }
+            if self.corners.iter().any(|corner| corner.w == reached.w) {
+                return Err(code::STALLED);
+            }
+        }
+        Ok(())
+    }
+
+    /// The next support point along the axes, or the octahedron of all six.
+    fn turn_to_next_axis(&mut self) {
+        if self.corners.len() < 6 {
+            self.dir = axis_direction(self.corners.len());
+            return;
+        }
+        self.axes = false;
+        self.pending.extend((0..8).map(|face| {
+            let (i, j, k) = (face & 1, 2 + (face >> 1 & 1), 4 + (face >> 2));
+            if (face ^ face >> 1 ^ face >> 2) & 1 == 0 { [i, j, k] } else { [i, k, j] }
+        }));
+    }
+
+    /// Step 5: the closest point of the lowest face, and of those as low. A facet has several
+    /// triangles.
+    fn find_witness(&mut self) {
+        let Some(lowest) = self.lowest_face else { return };
+        let limit = self.lowest_height + (self.tolerance * self.depth_upper + 2.0 * self.pair.rounding);
+        let mut square = -LOWEST;
+        let as_low = self.faces.iter().filter(|face| face.height > 0.0 && face.height <= limit);
+        for triangle in std::iter::once(lowest).chain(as_low.map(|face| face.corners)) {
+            let [i, j, k] = triangle.map(|corner| self.corners[corner]);
             let simplex = [i, j, k, Corner::default()];
             let closest = on_triangle::<FUSED>(&simplex, 0, 1, 2);
             if closest.square < square {
                 square = closest.square;
-                out.between = closest.y;
-                out.offset = [0.0; 3];
+                self.out.between = closest.y;
+                self.out.offset = [0.0; 3];
                 for (corner, weight) in simplex.iter().zip(closest.weights).take(3) {
                     for axis in 0..3 {
-                        out.offset[axis] = mad::<FUSED>(corner.offset[axis], weight, out.offset[axis]);
+                        self.out.offset[axis] = mad::<FUSED>(corner.offset[axis], weight, self.out.offset[axis]);
                     }
                 }
             }
         }
     }
-    out.lower = depth_lower;
-    out.upper = 0.0;
-    if depth_upper + error > 0.0 {
-        out.upper = depth_upper + error;
-    }
-    if out.status == code::SEPARATED {
-        out.lower = 0.0;
+
+    /// The answer, with its bounds widened by the rounding error.
+    fn finish(self) -> AnswerRecord {
+        let Self { mut out, depth_upper, depth_lower, .. } = self;
+        out.lower = depth_lower;
         out.upper = 0.0;
-    } else if !(depth_lower > 0.0) && out.status != code::BUDGET {
-        out.status = code::OPEN;
+        if depth_upper + self.pair.rounding > 0.0 {
+            out.upper = depth_upper + self.pair.rounding;
+        }
+        if out.status == code::SEPARATED {
+            out.lower = 0.0;
+            out.upper = 0.0;
+        } else if !(depth_lower > 0.0) && out.status != code::BUDGET {
+            out.status = code::OPEN;
+        }
+        out
     }
-    out
 }

@@ -17,7 +17,7 @@
 use super::query::Query;
 use super::simplex::{Closest, Corner, FACES, nearer, on_segment, on_triangle, reach};
 use super::support::Run;
-use super::vector::{CERTAIN, LOWEST, cross, dot, l1, mad, scaled, sub};
+use super::vector::{CERTAIN, LOWEST, Vector, cross, dot, l1, mad, scaled, sub};
 use crate::records::{AnswerRecord, HullRecord, PairRecord, StateRecord, code};
 
 /// Squared length below which a normal has no direction.
@@ -36,29 +36,6 @@ fn is_vertex(hull: &HullRecord, stored: u32) -> bool {
     stored >= start && stored - start < hull.block_count * 32 && (stored - start) & 31 < 8
 }
 
-/// Puts the corners of a state into the simplex, and returns their number.
-fn restore<const FUSED: bool>(
-    run: &Run<'_>,
-    pair: &PairRecord,
-    state: &StateRecord,
-    simplex: &mut [Corner; 4],
-) -> usize {
-    let (a, b) = (&run.tables.hulls[pair.a as usize], &run.tables.hulls[pair.b as usize]);
-    let mut size = 0;
-    for ends in state.corners {
-        if ends[0] == StateRecord::CENTER {
-            simplex[size] = Corner::center(pair);
-            size += 1;
-        } else if is_vertex(a, ends[0]) && is_vertex(b, ends[1]) {
-            let at = ends.map(|stored| stored - StateRecord::FIRST_WORD);
-            let from = [run.offset(a, at[0] as usize), run.offset(b, at[1] as usize)];
-            simplex[size] = Corner::of::<FUSED>(pair, from, at);
-            size += 1;
-        }
-    }
-    size
-}
-
 /// Solves `pair` up to EPA. `state` is the simplex to start from, and becomes the final one.
 pub(super) fn gjk<const FUSED: bool>(
     run: &mut Run<'_>,
@@ -68,223 +45,355 @@ pub(super) fn gjk<const FUSED: bool>(
     max_steps: u32,
     state: &mut StateRecord,
 ) -> Ended {
-    let (a, b) = (&run.tables.hulls[pair.a as usize], &run.tables.hulls[pair.b as usize]);
-    let mut out = AnswerRecord { status: code::RUNNING, ..AnswerRecord::default() };
-    let center = pair.rows.map(|row| row[3]);
-    let error = pair.rounding;
-    // Not far · far: compilers turn the square of a root into its argument.
-    let center_square = dot::<FUSED>(center, center);
-    let far = center_square.sqrt();
-    let mut upper = far;
-    let mut lower = far - (a.outer + b.outer) * pair.scale;
-    let mut dir = [1.0, 0.0, 0.0];
-    if far > 0.0 {
-        dir = scaled(center, -(1.0 / far));
-    }
-    let mut square = -LOWEST;
-    let mut outward = false;
-    let mut depth_upper = -lower;
-    let mut depth_lower = 0.0;
-    out.normal = dir;
-    out.between = center;
-    let deep = (a.inner + b.inner) * pair.scale - far;
-    if deep > error {
-        depth_lower = deep - error;
-    }
-    if query != Query::Contact && deep > error {
-        out.status = code::OVERLAPPING;
-    } else if query != Query::Distance && lower > error {
-        out.status = code::SEPARATED;
-    }
-    let mut simplex = [Corner::default(); 4];
-    let mut size = restore::<FUSED>(run, pair, state, &mut simplex);
+    let mut search = GjkSearch::<FUSED>::new(run, pair, query, tolerance);
+    search.restore(run, state);
     // Whether the simplex is that of the last batch, and its closest point comes first.
-    let mut restored = size > 0;
-    if size == 0 {
-        simplex[0] = Corner::center(pair);
-        size = 1;
-        square = center_square;
+    let mut restored = search.size > 0;
+    if !restored {
+        search.start_at_center();
     }
-    while out.status == code::RUNNING && (restored || out.steps < max_steps) {
-        if !restored {
-            out.steps += 1;
-            let Some(reached) = reach::<FUSED>(run, pair, dir) else {
-                out.status = code::BUDGET;
-                break;
-            };
-            // The plane at the support point. `dir` is of unit length within the error.
-            let along = dot::<FUSED>(reached.w, dir);
-            if -along > lower {
-                lower = -along;
-                out.normal = dir;
-            }
-            if along < depth_upper {
-                depth_upper = along;
-                if query == Query::Contact {
-                    out.normal = dir;
-                }
-            }
-            let apart = lower > error;
-            if apart && (query != Query::Distance || upper - lower <= tolerance * upper + 2.0 * error) {
-                out.status = code::SEPARATED;
-                break;
-            }
-            let mut stuck = outward && !(along > 2.0 * error);
-            for corner in &simplex[..size] {
-                if corner.w == reached.w {
-                    stuck = true;
-                }
-            }
-            if stuck {
-                out.status = ended(query, apart);
-                break;
-            }
-            simplex[size] = reached;
-            size += 1;
+    while search.out.status == code::RUNNING && (restored || search.out.steps < max_steps) {
+        if restored || search.extend(run) {
+            search.reduce();
         }
         restored = false;
+    }
+    if search.out.status == code::RUNNING {
+        search.out.status = code::BUDGET;
+    }
+    *state = StateRecord::default();
+    for (stored, corner) in state.corners.iter_mut().zip(&search.simplex[..search.size]) {
+        *stored = corner.ends;
+    }
+    search.finish()
+}
 
-        // The point of the simplex closest to the origin.
+/// State of the search.
+struct GjkSearch<'p, const FUSED: bool> {
+    pair: &'p PairRecord,
+    query: Query,
+    tolerance: f32,
+    out: AnswerRecord,
+    simplex: [Corner; 4],
+    size: usize,
+    /// Direction of the next support call.
+    dir: Vector,
+    /// Bounds of the distance.
+    upper: f32,
+    lower: f32,
+    /// Square of the upper bound.
+    square: f32,
+    /// Whether the search continues across a face of a tetrahedron that may hold the origin.
+    outward: bool,
+    /// Bounds of the depth.
+    depth_upper: f32,
+    depth_lower: f32,
+}
+
+/// The point of the simplex closest to the origin, and where the origin is in a tetrahedron.
+struct Nearest {
+    closest: Closest,
+    /// Whether the simplex is a tetrahedron that holds the origin.
+    inside: bool,
+    /// Whether it holds the origin by more than the rounding error.
+    certain: bool,
+    /// The face closest to the origin.
+    through: usize,
+    /// The faces are oriented alike, outwards by this factor.
+    outwards: f32,
+}
+
+/// A face of the tetrahedron that the origin is certainly behind. Lengths are in lengths of the
+/// normal.
+struct FaceInFront {
+    normal: Vector,
+    height: f32,
+    /// Height of the lowest corner.
+    lowest: f32,
+}
+
+impl<'p, const FUSED: bool> GjkSearch<'p, FUSED> {
+    /// Step 1.
+    fn new(run: &Run<'_>, pair: &'p PairRecord, query: Query, tolerance: f32) -> Self {
+        let (a, b) = (&run.tables.hulls[pair.a as usize], &run.tables.hulls[pair.b as usize]);
+        let mut out = AnswerRecord { status: code::RUNNING, ..AnswerRecord::default() };
+        let center = pair.rows.map(|row| row[3]);
+        let error = pair.rounding;
+        // Not far · far: compilers turn the square of a root into its argument.
+        let far = dot::<FUSED>(center, center).sqrt();
+        let lower = far - (a.outer + b.outer) * pair.scale;
+        let mut dir = [1.0, 0.0, 0.0];
+        if far > 0.0 {
+            dir = scaled(center, -(1.0 / far));
+        }
+        let mut depth_lower = 0.0;
+        out.normal = dir;
+        out.between = center;
+        let deep = (a.inner + b.inner) * pair.scale - far;
+        if deep > error {
+            depth_lower = deep - error;
+        }
+        if query != Query::Contact && deep > error {
+            out.status = code::OVERLAPPING;
+        } else if query != Query::Distance && lower > error {
+            out.status = code::SEPARATED;
+        }
+        Self {
+            pair,
+            query,
+            tolerance,
+            out,
+            simplex: [Corner::default(); 4],
+            size: 0,
+            dir,
+            upper: far,
+            lower,
+            square: -LOWEST,
+            outward: false,
+            depth_upper: -lower,
+            depth_lower,
+        }
+    }
+
+    /// Puts the corners of a state into the simplex.
+    fn restore(&mut self, run: &Run<'_>, state: &StateRecord) {
+        let pair = self.pair;
+        let (a, b) = (&run.tables.hulls[pair.a as usize], &run.tables.hulls[pair.b as usize]);
+        for ends in state.corners {
+            if ends[0] == StateRecord::CENTER {
+                self.push(Corner::center(pair));
+            } else if is_vertex(a, ends[0]) && is_vertex(b, ends[1]) {
+                let at = ends.map(|stored| stored - StateRecord::FIRST_WORD);
+                let from = [run.offset(a, at[0] as usize), run.offset(b, at[1] as usize)];
+                self.push(Corner::new::<FUSED>(pair, from, at));
+            }
+        }
+    }
+
+    fn start_at_center(&mut self) {
+        let corner = Corner::center(self.pair);
+        self.square = dot::<FUSED>(corner.w, corner.w);
+        self.push(corner);
+    }
+
+    fn push(&mut self, corner: Corner) {
+        self.simplex[self.size] = corner;
+        self.size += 1;
+    }
+
+    /// Step 2. Returns false if the search has ended.
+    fn extend(&mut self, run: &mut Run<'_>) -> bool {
+        let error = self.pair.rounding;
+        self.out.steps += 1;
+        let Some(reached) = reach::<FUSED>(run, self.pair, self.dir) else {
+            self.out.status = code::BUDGET;
+            return false;
+        };
+        // The plane at the support point. `dir` is of unit length within the error.
+        let along = dot::<FUSED>(reached.w, self.dir);
+        if -along > self.lower {
+            self.lower = -along;
+            self.out.normal = self.dir;
+        }
+        if along < self.depth_upper {
+            self.depth_upper = along;
+            if self.query == Query::Contact {
+                self.out.normal = self.dir;
+            }
+        }
+        let apart = self.lower > error;
+        let narrow = self.upper - self.lower <= self.tolerance * self.upper + 2.0 * error;
+        if apart && (self.query != Query::Distance || narrow) {
+            self.out.status = code::SEPARATED;
+            return false;
+        }
+        let mut stuck = self.outward && !(along > 2.0 * error);
+        for corner in &self.simplex[..self.size] {
+            if corner.w == reached.w {
+                stuck = true;
+            }
+        }
+        if stuck {
+            self.out.status = ended(self.query, apart);
+            return false;
+        }
+        self.push(reached);
+        true
+    }
+
+    /// Steps 3 and 4.
+    fn reduce(&mut self) {
+        let found = self.nearest();
+        if found.inside {
+            self.end_or_go_outward(&found);
+            return;
+        }
+        self.outward = false;
+        let closest = found.closest;
+        if !(closest.square < self.square) || (self.query == Query::Contact && !(closest.square > 0.0)) {
+            self.out.status = ended(self.query, self.lower > self.pair.rounding);
+            return;
+        }
+        self.square = closest.square;
+        self.upper = self.square.sqrt();
+        self.out.between = closest.y;
+        self.keep_corners(&closest.weights);
+        if !(self.upper > 0.0) {
+            self.out.status = if self.query == Query::Contact { code::AXES } else { code::OPEN };
+            return;
+        }
+        self.turn_to_origin(closest.y);
+    }
+
+    fn nearest(&mut self) -> Nearest {
+        let center = self.pair.rows.map(|row| row[3]);
         let mut closest = Closest { weights: [1.0, 0.0, 0.0, 0.0], y: center, square: -LOWEST };
-        let mut inside = size == 4;
-        let mut certain = true;
-        let mut least = -LOWEST;
-        let mut through = 0;
-        // The faces are oriented alike, outwards by this factor.
-        let mut outwards = 1.0;
-        let mut face_count = 0;
-        if size <= 2 {
-            closest = on_segment::<FUSED>(&simplex, 0, size - 1);
-        } else if size == 3 {
-            face_count = 1;
+        if self.size == 4 {
+            return self.nearest_in_tetrahedron(closest);
+        }
+        if self.size <= 2 {
+            closest = on_segment::<FUSED>(&self.simplex, 0, self.size - 1);
         } else {
-            face_count = 4;
-            let (e, f) = (sub(simplex[1].w, simplex[0].w), sub(simplex[2].w, simplex[0].w));
-            if dot::<FUSED>(cross::<FUSED>(e, f), sub(simplex[3].w, simplex[0].w)) > 0.0 {
-                outwards = -1.0;
+            let [i, j, k] = FACES[0];
+            closest = nearer(closest, on_triangle::<FUSED>(&self.simplex, i, j, k));
+        }
+        Nearest { closest, inside: false, certain: true, through: 0, outwards: 1.0 }
+    }
+
+    /// If the tetrahedron holds the origin, `dir` becomes the normal of the closest face.
+    fn nearest_in_tetrahedron(&mut self, closest: Closest) -> Nearest {
+        let mut found = Nearest { closest, inside: true, certain: true, through: 0, outwards: 1.0 };
+        let [o, p, q, r] = self.simplex.map(|corner| corner.w);
+        let (e, f) = (sub(p, o), sub(q, o));
+        if dot::<FUSED>(cross::<FUSED>(e, f), sub(r, o)) > 0.0 {
+            found.outwards = -1.0;
+        }
+        let mut least = -LOWEST;
+        for (face, corners) in FACES.into_iter().enumerate() {
+            let Some(FaceInFront { normal, height, lowest }) = self.face_in_front(corners, found.outwards) else {
+                found.inside = false;
+                let [i, j, k] = corners;
+                found.closest = nearer(found.closest, on_triangle::<FUSED>(&self.simplex, i, j, k));
+                continue;
+            };
+            let length = dot::<FUSED>(normal, normal).sqrt();
+            if !(lowest > self.pair.rounding * length) {
+                found.certain = false;
+            }
+            let clearance = height * (1.0 / length);
+            if clearance < least {
+                least = clearance;
+                found.through = face;
+                self.dir = scaled(normal, 1.0 / length);
             }
         }
-        for (face, [i, j, k]) in FACES.into_iter().enumerate().take(face_count) {
-            if size == 4 {
-                let (p, e, f) = (simplex[i].w, sub(simplex[j].w, simplex[i].w), sub(simplex[k].w, simplex[i].w));
-                let normal = scaled(cross::<FUSED>(e, f), outwards);
-                let volume = dot::<FUSED>(normal, p);
-                let long = dot::<FUSED>(e, e) + dot::<FUSED>(f, f);
-                if volume > CERTAIN * 0.5 * long * l1(p) {
-                    let length = dot::<FUSED>(normal, normal).sqrt();
-                    let mut height = volume;
-                    let at_j = dot::<FUSED>(normal, simplex[j].w);
-                    let at_k = dot::<FUSED>(normal, simplex[k].w);
-                    if at_j < height {
-                        height = at_j;
-                    }
-                    if at_k < height {
-                        height = at_k;
-                    }
-                    if !(height > error * length) {
-                        certain = false;
-                    }
-                    let clearance = volume * (1.0 / length);
-                    if clearance < least {
-                        least = clearance;
-                        through = face;
-                        dir = scaled(normal, 1.0 / length);
-                    }
-                    continue;
-                }
-                inside = false;
-            }
-            closest = nearer(closest, on_triangle::<FUSED>(&simplex, i, j, k));
+        found
+    }
+
+    /// A face of the tetrahedron, if the origin is certainly behind it.
+    fn face_in_front(&self, corners: [usize; 3], outwards: f32) -> Option<FaceInFront> {
+        let [p, q, r] = corners.map(|corner| self.simplex[corner].w);
+        let (e, f) = (sub(q, p), sub(r, p));
+        let normal = scaled(cross::<FUSED>(e, f), outwards);
+        let height = dot::<FUSED>(normal, p);
+        let long = dot::<FUSED>(e, e) + dot::<FUSED>(f, f);
+        // NaN takes the failing branch.
+        if !(height > CERTAIN * 0.5 * long * l1(p)) {
+            return None;
         }
-        if inside {
-            if query == Query::Contact {
-                if outwards < 0.0 {
-                    simplex.swap(0, 1);
-                }
-                out.status = code::TETRAHEDRON;
-                break;
+        let mut lowest = height;
+        for corner in [q, r] {
+            let at = dot::<FUSED>(normal, corner);
+            if at < lowest {
+                lowest = at;
             }
-            if certain {
-                out.status = code::OVERLAPPING;
-                break;
+        }
+        Some(FaceInFront { normal, height, lowest })
+    }
+
+    /// Step 4: the tetrahedron holds the origin.
+    fn end_or_go_outward(&mut self, found: &Nearest) {
+        if self.query == Query::Contact {
+            if found.outwards < 0.0 {
+                self.simplex.swap(0, 1);
             }
-            let [i, j, k] = FACES[through];
-            simplex = [simplex[i], simplex[j], simplex[k], simplex[3]];
-            size = 3;
-            outward = true;
-            continue;
+            self.out.status = code::TETRAHEDRON;
+            return;
         }
-        outward = false;
-        if !(closest.square < square) || (query == Query::Contact && !(closest.square > 0.0)) {
-            out.status = ended(query, lower > error);
-            break;
+        if found.certain {
+            self.out.status = code::OVERLAPPING;
+            return;
         }
-        square = closest.square;
-        upper = square.sqrt();
-        out.between = closest.y;
-        out.offset = [0.0; 3];
+        let [i, j, k] = FACES[found.through];
+        self.simplex = [self.simplex[i], self.simplex[j], self.simplex[k], self.simplex[3]];
+        self.size = 3;
+        self.outward = true;
+    }
+
+    /// Keeps the corners with positive weights, and computes A's part of the closest point.
+    fn keep_corners(&mut self, weights: &[f32; 4]) {
+        self.out.offset = [0.0; 3];
         let mut kept = 0;
-        for corner in 0..size {
-            let weight = closest.weights[corner];
+        for (corner, &weight) in weights.iter().enumerate().take(self.size) {
             if weight > 0.0 {
-                let from = simplex[corner];
+                let from = self.simplex[corner];
                 for axis in 0..3 {
-                    out.offset[axis] = mad::<FUSED>(from.offset[axis], weight, out.offset[axis]);
+                    self.out.offset[axis] = mad::<FUSED>(from.offset[axis], weight, self.out.offset[axis]);
                 }
-                simplex[kept] = from;
+                self.simplex[kept] = from;
                 kept += 1;
             }
         }
-        size = kept;
-        if !(upper > 0.0) {
-            out.status = if query == Query::Contact { code::AXES } else { code::OPEN };
-            break;
-        }
-        dir = scaled(closest.y, -(1.0 / upper));
-        if size == 3 {
+        self.size = kept;
+    }
+
+    /// Turns `dir` from the closest point `y` to the origin.
+    fn turn_to_origin(&mut self, y: Vector) {
+        self.dir = scaled(y, -(1.0 / self.upper));
+        if self.size == 3 {
             // Close to the origin, the normal of the triangle is more accurate than the point.
-            let (e, f) = (sub(simplex[1].w, simplex[0].w), sub(simplex[2].w, simplex[0].w));
+            let [o, p, q, _] = self.simplex.map(|corner| corner.w);
+            let (e, f) = (sub(p, o), sub(q, o));
             let normal = cross::<FUSED>(e, f);
             let long = dot::<FUSED>(normal, normal);
-            if long > dot::<FUSED>(e, e) * dot::<FUSED>(f, f) * square && long > NO_NORMAL {
+            if long > dot::<FUSED>(e, e) * dot::<FUSED>(f, f) * self.square && long > NO_NORMAL {
                 let mut by = 1.0 / long.sqrt();
-                if dot::<FUSED>(normal, simplex[0].w) > 0.0 {
+                if dot::<FUSED>(normal, o) > 0.0 {
                     by = -by;
                 }
-                dir = scaled(normal, by);
+                self.dir = scaled(normal, by);
             }
         }
     }
-    if out.status == code::RUNNING {
-        out.status = code::BUDGET;
-    }
-    out.gjk_steps = out.steps;
-    *state = StateRecord::default();
-    for (stored, corner) in state.corners.iter_mut().zip(&simplex[..size]) {
-        *stored = corner.ends;
-    }
-    if query == Query::Contact {
-        out.lower = depth_lower;
-        out.upper = 0.0;
-        if depth_upper + error > 0.0 {
-            out.upper = depth_upper + error;
-        }
-        if out.status == code::SEPARATED {
-            out.lower = 0.0;
+
+    /// The answer, with its bounds widened by the rounding error.
+    fn finish(self) -> Ended {
+        let Self { mut out, simplex, upper, lower, depth_upper, depth_lower, .. } = self;
+        let error = self.pair.rounding;
+        out.gjk_steps = out.steps;
+        if self.query == Query::Contact {
+            out.lower = depth_lower;
             out.upper = 0.0;
-        }
-    } else {
-        out.lower = 0.0;
-        if lower > error {
-            out.lower = lower - error;
-        }
-        out.upper = upper + error;
-        if out.status == code::OVERLAPPING {
+            if depth_upper + error > 0.0 {
+                out.upper = depth_upper + error;
+            }
+            if out.status == code::SEPARATED {
+                out.lower = 0.0;
+                out.upper = 0.0;
+            }
+        } else {
             out.lower = 0.0;
-            out.upper = 0.0;
+            if lower > error {
+                out.lower = lower - error;
+            }
+            out.upper = upper + error;
+            if out.status == code::OVERLAPPING {
+                out.lower = 0.0;
+                out.upper = 0.0;
+            }
         }
+        Ended { out, simplex, depth_upper, depth_lower }
     }
-    Ended { out, simplex, depth_upper, depth_lower }
 }
 
 /// Outcome of a pair that makes no more progress.

@@ -21,7 +21,7 @@ impl Corner {
     }
 
     /// Of vertices relative to the centres of their hulls, and their words in `blocks`.
-    pub(super) fn of<const FUSED: bool>(pair: &PairRecord, from: [Vector; 2], at: [u32; 2]) -> Self {
+    pub(super) fn new<const FUSED: bool>(pair: &PairRecord, from: [Vector; 2], at: [u32; 2]) -> Self {
         let r = pair.rows;
         let offset = scaled(from[0], pair.scale);
         let of_b = scaled(from[1], pair.scale);
@@ -45,7 +45,7 @@ pub(super) fn reach<const FUSED: bool>(run: &mut Run<'_>, pair: &PairRecord, dir
     let on_a = run.support::<FUSED>(pair.a, dir);
     let on_b = run.support::<FUSED>(pair.b, along_b);
     let is_certain = on_a.is_certain && on_b.is_certain;
-    is_certain.then(|| Corner::of::<FUSED>(pair, [on_a.offset, on_b.offset], [on_a.at, on_b.at]))
+    is_certain.then(|| Corner::new::<FUSED>(pair, [on_a.offset, on_b.offset], [on_a.at, on_b.at]))
 }
 
 /// The closest point of a segment or a triangle, as weights of the corners.

@@ -183,122 +183,168 @@ impl Run<'_> {
     /// Support point of hull `index` in direction `dir`, which is of about unit length.
     pub(super) fn support<const FUSED: bool>(&mut self, index: u32, dir: Vector) -> Found {
         let hull = &self.tables.hulls[index as usize];
-        let mut found = Found { at: u32::MAX, is_certain: true, ..Found::default() };
-        let mut greatest = LOWEST;
-        let doubt = PLANE_DOUBT * l1(dir);
-        // A word, or the range of a fan's slots from the first number up to the second.
-        let mut stack = [[0_u32; 2]; STACK];
-        let mut height = 0;
-        let mut first = 0;
-        let mut count = hull.block_count;
-        let mut last_word = u32::MAX;
+        let mut search = SupportSearch {
+            hull,
+            dir,
+            doubt: PLANE_DOUBT * l1(dir),
+            found: Found { at: u32::MAX, is_certain: true, ..Found::default() },
+            greatest: LOWEST,
+            stack: [[0; 2]; STACK],
+            height: 0,
+        };
+        let mut leaf = Leaf { first: 0, count: hull.block_count };
         if hull.kind != kind::SCAN {
-            count = 0;
-            stack[0] = [self.descend::<FUSED>(hull, dir), 0];
-            height = 1;
+            leaf = Leaf::NONE;
+            search.push([self.descend::<FUSED>(hull, dir), 0]);
         }
+        let mut last_word = u32::MAX;
         loop {
-            // The leaf, if there is one.
-            if first >= hull.block_count || count > hull.block_count - first {
-                found.is_certain = false;
-                count = 0;
-            }
-            for block in 0..count {
-                if self.fuel == 0 {
-                    found.is_certain = false;
-                    break;
-                }
-                self.fuel -= 1;
-                let at = ((hull.block_start + first + block) * 32) as usize;
-                for lane in 0..8 {
-                    let at = at + lane;
-                    let offset = self.offset(hull, at);
-                    let along = dot::<FUSED>(offset, dir);
-                    if along > greatest {
-                        greatest = along;
-                        found.offset = offset;
-                        found.at = at as u32;
-                    }
-                }
-            }
-            count = 0;
-            first = 0;
-            if height == 0 {
+            self.scan::<FUSED>(&mut search, leaf);
+            leaf = Leaf::NONE;
+            if search.height == 0 {
                 break;
             }
             if self.fuel == 0 {
-                found.is_certain = false;
+                search.found.is_certain = false;
                 break;
             }
             self.fuel -= 1;
-            let [mut word, end] = stack[height - 1];
-            if end == 0 {
-                height -= 1;
-            } else {
-                let at = word;
-                word = self.slot(hull, at);
-                stack[height - 1][0] = at + 1;
-                if at + 1 >= end {
-                    height -= 1;
-                }
-            }
+            let word = self.pop(&mut search);
             if word == last_word {
                 // What is below it is visited already, or on the stack.
                 continue;
             }
             last_word = word;
-            match Slot::decode(word) {
-                Slot::Block(block) => {
-                    first = block;
-                    count = hull.leaf_blocks;
-                }
-                Slot::List(at) => {
-                    first = self.slot(hull, at);
-                    count = self.slot(hull, at + 1);
-                    found.is_certain &= count > 0;
-                }
-                // A branch below planes: not in a checked pack. Or no room for eight parts.
-                Slot::Branch(_) => found.is_certain = false,
-                _ if height + BUNDLE_PARTS > STACK => found.is_certain = false,
-                Slot::Fan(at) => {
-                    let [from, to] = self.steps::<FUSED>(hull, at, dir);
-                    stack[height] = [at + fan::HEAD_WORDS + from, at + fan::HEAD_WORDS + 1 + to];
-                    height += 1;
-                }
-                Slot::Plane(at) => {
-                    let sides = self.sides::<FUSED>(hull, at, 2, dir, doubt);
-                    for side in 0..2 {
-                        if sides >> side & 1 != 0 {
-                            stack[height] = [self.slot(hull, at + 6 + side), 0];
-                            height += 1;
-                        }
-                    }
-                }
-                Slot::Bundle(at) => {
-                    let mut sides = 0;
-                    for plane in 0..BUNDLE_PLANES as u32 {
-                        sides |= self.sides::<FUSED>(hull, at + 2 * plane, 14, dir, doubt) << (2 * plane);
-                    }
-                    let mut previous = u32::MAX;
-                    for part in 0..8 {
-                        let (top, middle, low) = (part >> 2, part >> 1 & 1, part & 1);
-                        let possible = sides >> top
-                            & sides >> (2 + 2 * top + middle)
-                            & sides >> (6 + 4 * top + 2 * middle + low)
-                            & 1;
-                        let word = self.slot(hull, at + 42 + part);
-                        if possible != 0 && word != previous {
-                            stack[height] = [word, 0];
-                            height += 1;
-                            previous = word;
-                        }
-                    }
-                }
-            }
+            leaf = self.visit::<FUSED>(&mut search, word);
         }
-        if greatest > LOWEST {
+        let mut found = search.found;
+        if search.greatest > LOWEST {
             found.vertex = self.tables.blocks[found.at as usize + 24];
         }
         found
     }
+
+    /// Step 3: the candidates of a leaf.
+    fn scan<const FUSED: bool>(&mut self, search: &mut SupportSearch<'_>, leaf: Leaf) {
+        let hull = search.hull;
+        let Leaf { first, mut count } = leaf;
+        if first >= hull.block_count || count > hull.block_count - first {
+            search.found.is_certain = false;
+            count = 0;
+        }
+        for block in 0..count {
+            if self.fuel == 0 {
+                search.found.is_certain = false;
+                break;
+            }
+            self.fuel -= 1;
+            let at = ((hull.block_start + first + block) * 32) as usize;
+            for lane in 0..8 {
+                let at = at + lane;
+                let offset = self.offset(hull, at);
+                let along = dot::<FUSED>(offset, search.dir);
+                if along > search.greatest {
+                    search.greatest = along;
+                    search.found.offset = offset;
+                    search.found.at = at as u32;
+                }
+            }
+        }
+    }
+
+    /// Takes the next word from the stack.
+    fn pop(&self, search: &mut SupportSearch<'_>) -> u32 {
+        let [word, end] = search.stack[search.height - 1];
+        if end == 0 {
+            search.height -= 1;
+            return word;
+        }
+        search.stack[search.height - 1][0] = word + 1;
+        if word + 1 >= end {
+            search.height -= 1;
+        }
+        self.slot(search.hull, word)
+    }
+
+    /// Step 2: returns the leaf to which a word leads, or puts words below it on the stack.
+    fn visit<const FUSED: bool>(&self, search: &mut SupportSearch<'_>, word: u32) -> Leaf {
+        let hull = search.hull;
+        match Slot::decode(word) {
+            Slot::Block(block) => return Leaf { first: block, count: hull.leaf_blocks },
+            Slot::List(at) => {
+                let leaf = Leaf { first: self.slot(hull, at), count: self.slot(hull, at + 1) };
+                search.found.is_certain &= leaf.count > 0;
+                return leaf;
+            }
+            // A branch below planes: not in a checked pack. Or no room for eight parts.
+            Slot::Branch(_) => search.found.is_certain = false,
+            _ if search.height + BUNDLE_PARTS > STACK => search.found.is_certain = false,
+            Slot::Fan(at) => {
+                let [from, to] = self.steps::<FUSED>(hull, at, search.dir);
+                search.push([at + fan::HEAD_WORDS + from, at + fan::HEAD_WORDS + 1 + to]);
+            }
+            Slot::Plane(at) => {
+                let sides = self.sides::<FUSED>(hull, at, 2, search.dir, search.doubt);
+                for side in 0..2 {
+                    if sides >> side & 1 != 0 {
+                        search.push([self.slot(hull, at + 6 + side), 0]);
+                    }
+                }
+            }
+            Slot::Bundle(at) => self.push_parts::<FUSED>(search, at),
+        }
+        Leaf::NONE
+    }
+
+    /// Puts the parts of a bundle in which the direction may be on the stack.
+    fn push_parts<const FUSED: bool>(&self, search: &mut SupportSearch<'_>, at: u32) {
+        let mut sides = 0;
+        for plane in 0..BUNDLE_PLANES as u32 {
+            sides |= self.sides::<FUSED>(search.hull, at + 2 * plane, 14, search.dir, search.doubt) << (2 * plane);
+        }
+        let mut previous = u32::MAX;
+        for part in 0..8 {
+            let (top, middle, low) = (part >> 2, part >> 1 & 1, part & 1);
+            let possible =
+                sides >> top & sides >> (2 + 2 * top + middle) & sides >> (6 + 4 * top + 2 * middle + low) & 1;
+            let word = self.slot(search.hull, at + 42 + part);
+            if possible != 0 && word != previous {
+                search.push([word, 0]);
+                previous = word;
+            }
+        }
+    }
+}
+
+/// State of a support query.
+struct SupportSearch<'t> {
+    hull: &'t HullRecord,
+    dir: Vector,
+    /// Half the width of the slab around a plane in which its side is uncertain.
+    doubt: f32,
+    found: Found,
+    /// The greatest dot product.
+    greatest: f32,
+    /// A word, or the range of a fan's slots from the first number up to the second.
+    stack: [[u32; 2]; STACK],
+    /// Entries on the stack.
+    height: usize,
+}
+
+impl SupportSearch<'_> {
+    fn push(&mut self, entry: [u32; 2]) {
+        self.stack[self.height] = entry;
+        self.height += 1;
+    }
+}
+
+/// Blocks of a leaf.
+#[derive(Clone, Copy)]
+struct Leaf {
+    first: u32,
+    count: u32,
+}
+
+impl Leaf {
+    const NONE: Self = Self { first: 0, count: 0 };
 }

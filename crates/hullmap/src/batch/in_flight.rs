@@ -5,44 +5,45 @@
 //! needs the answer before it can state its next direction, so it waits for each of them. The
 //! queries of a batch do not depend on each other.
 //!
-//! 1. Each lane holds a suspended query, which has prefetched what it reads next: a word of a
+//! 1. Each query in flight is suspended, and has prefetched what it reads next: a word of a
 //!    direction index, a node, or the blocks of a leaf.
-//! 2. The lanes take turns. Each runs until its next read from memory. The turns of the other lanes
-//!    give that memory some 100 ns to arrive.
-//! 3. A lane that is done takes the next pair, whose shapes have been fetched in the meantime.
+//! 2. They take turns. Each runs until its next read from memory. The turns of the others give
+//!    that memory some 100 ns to arrive.
+//! 3. When a query has ended, the next pair takes its place. The shapes of that pair have been
+//!    fetched in the meantime.
 //!
 //! Answers have the same bits as single queries. Suspending costs time when everything is in the
 //! first caches, so a batch does it only if its shapes are larger ([`Plan`](super::plan::Plan)).
 //!
 //! # Tried and rejected
 //! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a
-//! branch that is predicted wrongly keeps the processor from starting on the next lane until the
-//! word has arrived. The slots of the six cube faces are an exception, since they are fetched
+//! branch that is predicted wrongly keeps the processor from starting on the next query until
+//! the word has arrived. The slots of the six cube faces are an exception, since they are fetched
 //! ahead.
 
 use super::ahead::{fetch_pairs, fetch_queries};
 use super::pair::{Pair, SupportQuery};
 use crate::shapes::Shape;
 use crate::solver::{
-    Cache, Contact, ContactQuery, Distance, DistanceQuery, Intersection, IntersectionQuery, Query, Settings, Suspended,
-    queries,
+    Cache, Contact, ContactQuery, Distance, DistanceQuery, Intersection, IntersectionQuery, Settings, SteppedQuery,
+    Suspended, queries,
 };
 use crate::support::simd::fetch_start;
 use crate::support::{Lookup, SupportPoint};
 
 /// Number of queries in flight. A processor core can wait for 10 to 16 cache lines at a time.
-const LANES: usize = 8;
+const IN_FLIGHT: usize = 8;
 
-/// Number of contacts in flight. The polytopes of all lanes must stay in the first-level cache, and
+/// Number of contacts in flight. The polytopes of all must stay in the first-level cache, and
 /// they are on the stack: 16 KB each.
-const CONTACT_LANES: usize = 3;
+const CONTACTS_IN_FLIGHT: usize = 3;
 
 /// One of the queries in flight.
-struct Lane<Q, R> {
+struct InFlight<Q, R> {
     /// The index of the pair, and its query.
     query: Option<(usize, Q)>,
     /// `None` before the first query.
-    room: Option<R>,
+    workspace: Option<R>,
 }
 
 /// Answers all pairs, `N` at a time: rounded shapes by `at_once`, all others as suspended queries.
@@ -56,13 +57,14 @@ fn answer_all<'s, A, B, Q, const N: usize>(
 ) where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
-    Q: Query<A, B>,
+    Q: SteppedQuery<A, B>,
 {
-    // An array of rooms would be built in copies, which take several times the stack.
-    let mut lanes = [const { Lane::<Suspended<'s, A, B, Q>, Q::Room> { query: None, room: None } }; N];
+    // An array of workspaces would be built in copies, which take several times the stack.
+    let mut in_flight =
+        [const { InFlight::<Suspended<'s, A, B, Q>, Q::Workspace> { query: None, workspace: None } }; N];
     let mut rest = 0..pairs.len();
     // Starts the next query that takes a support query.
-    let mut start = |room: &mut Q::Room, caches: &mut [Cache], out: &mut [Q::Answer]| {
+    let mut start = |workspace: &mut Q::Workspace, caches: &mut [Cache], out: &mut [Q::Answer]| {
         for at in rest.by_ref() {
             fetch_pairs(pairs, at, N);
             caches.get(at + N).into_iter().for_each(fetch_start);
@@ -73,7 +75,7 @@ fn answer_all<'s, A, B, Q, const N: usize>(
                 *out = at_once(pair, cache);
                 continue;
             }
-            match Suspended::start((pair.a, pair.b, pair.b_in_a), settings, cache, room) {
+            match Suspended::start((pair.a, pair.b, pair.b_in_a), settings, cache, workspace) {
                 Ok(query) => return Some((at, query)),
                 Err(answer) => *out = answer,
             }
@@ -81,20 +83,20 @@ fn answer_all<'s, A, B, Q, const N: usize>(
         None
     };
     let mut running = 0;
-    for lane in &mut lanes {
-        lane.query = start(lane.room.get_or_insert_default(), caches, out);
-        running += usize::from(lane.query.is_some());
+    for next in &mut in_flight {
+        next.query = start(next.workspace.get_or_insert_default(), caches, out);
+        running += usize::from(next.query.is_some());
     }
     while running > 0 {
-        for Lane { query: slot, room } in &mut lanes {
-            let (Some((at, query)), Some(room)) = (slot.as_mut(), room) else { continue };
+        for InFlight { query: suspended, workspace } in &mut in_flight {
+            let (Some((at, query)), Some(workspace)) = (suspended.as_mut(), workspace) else { continue };
             let Some(cache) = caches.get_mut(*at) else { continue };
-            if let Some(answer) = query.resume(settings, cache, room) {
+            if let Some(answer) = query.resume(settings, cache, workspace) {
                 if let Some(out) = out.get_mut(*at) {
                     *out = answer;
                 }
-                *slot = start(room, caches, out);
-                running -= usize::from(slot.is_none());
+                *suspended = start(workspace, caches, out);
+                running -= usize::from(suspended.is_none());
             }
         }
     }
@@ -110,7 +112,7 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    answer_all::<A, B, IntersectionQuery, LANES>(pairs, &(), caches, out, |pair, cache| {
+    answer_all::<A, B, IntersectionQuery, IN_FLIGHT>(pairs, &(), caches, out, |pair, cache| {
         queries::intersects(pair.a, pair.b, pair.b_in_a, cache)
     });
 }
@@ -121,7 +123,7 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    answer_all::<A, B, DistanceQuery, LANES>(pairs, settings, caches, out, |pair, cache| {
+    answer_all::<A, B, DistanceQuery, IN_FLIGHT>(pairs, settings, caches, out, |pair, cache| {
         queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache)
     });
 }
@@ -132,18 +134,18 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    answer_all::<A, B, ContactQuery, CONTACT_LANES>(pairs, settings, caches, out, |pair, cache| {
+    answer_all::<A, B, ContactQuery, CONTACTS_IN_FLIGHT>(pairs, settings, caches, out, |pair, cache| {
         queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache)
     });
 }
 
 /// The support points of all queries. The slices have equal lengths.
 pub(super) fn support_points<S: Shape + ?Sized>(queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]) {
-    for (wave, out) in out.chunks_mut(LANES).enumerate() {
-        let start = wave * LANES;
-        (start..start + out.len()).for_each(|at| fetch_queries(queries, at, LANES));
+    for (wave, out) in out.chunks_mut(IN_FLIGHT).enumerate() {
+        let start = wave * IN_FLIGHT;
+        (start..start + out.len()).for_each(|at| fetch_queries(queries, at, IN_FLIGHT));
         let queries = queries.get(start..start + out.len()).unwrap_or_default();
-        let mut lookups = [Lookup::WHOLE; LANES];
+        let mut lookups = [Lookup::WHOLE; IN_FLIGHT];
         for (lookup, query) in lookups.iter_mut().zip(queries) {
             *lookup = query.shape.start_lookup(query.dir);
         }

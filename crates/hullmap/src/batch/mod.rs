@@ -331,8 +331,8 @@ where
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        let slots = caches.par_iter_mut().zip(out.par_iter_mut());
-        let jobs = pairs.par_iter().zip(slots).with_min_len(MIN_PAIRS);
+        let outputs = caches.par_iter_mut().zip(out.par_iter_mut());
+        let jobs = pairs.par_iter().zip(outputs).with_min_len(MIN_PAIRS);
         jobs.for_each(|(pair, (cache, out))| solve(pair, cache, out));
     }
     #[cfg(not(feature = "parallel"))]
@@ -353,8 +353,8 @@ where
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        let slots = caches.par_chunks_mut(MIN_TESTS).zip(out.par_chunks_mut(MIN_TESTS));
-        let jobs = pairs.par_chunks(MIN_TESTS).zip(slots);
+        let outputs = caches.par_chunks_mut(MIN_TESTS).zip(out.par_chunks_mut(MIN_TESTS));
+        let jobs = pairs.par_chunks(MIN_TESTS).zip(outputs);
         jobs.for_each(|(pairs, (caches, out))| solve(pairs, caches, out));
     }
     #[cfg(not(feature = "parallel"))]

@@ -21,14 +21,14 @@ use crate::solver::{Cache, Scratch};
 /// ```
 #[derive(Clone, Debug)]
 pub struct CompoundCache {
-    slots: Box<[Slot]>,
+    entries: Box<[Entry]>,
     first: Option<[usize; 2]>,
-    /// The slot whose cache has the scratch memory, if any was lent.
+    /// The entry whose cache has the scratch memory, if any was lent.
     lent_to: Option<usize>,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Slot {
+struct Entry {
     pair: Option<[usize; 2]>,
     cache: Cache,
 }
@@ -44,54 +44,54 @@ impl Default for CompoundCache {
 }
 
 impl CompoundCache {
-    /// An empty cache with `pairs` slots, at least one. A pair of hulls is assigned to a slot by
-    /// its indices; if two pairs share a slot, the later one replaces the earlier one.
+    /// An empty cache with `pairs` entries, at least one. A pair of hulls is assigned to an entry
+    /// by its indices; if two pairs share an entry, the later one replaces the earlier one.
     pub fn new(pairs: usize) -> Self {
-        Self { slots: vec![Slot::default(); pairs.max(1)].into_boxed_slice(), first: None, lent_to: None }
+        Self { entries: vec![Entry::default(); pairs.max(1)].into_boxed_slice(), first: None, lent_to: None }
     }
 
-    /// Clears all slots.
+    /// Clears all entries.
     pub fn clear(&mut self) {
         self.first = None;
-        for slot in &mut self.slots {
-            slot.pair = None;
-            slot.cache.clear();
+        for entry in &mut self.entries {
+            entry.pair = None;
+            entry.cache.clear();
         }
     }
 
     /// Lends scratch memory to the queries that use this cache, as [`Cache::set_scratch`] does.
     pub fn set_scratch(&mut self, scratch: Box<Scratch>) {
         self.take_scratch();
-        if let Some(slot) = self.slots.first_mut() {
-            slot.cache.set_scratch(scratch);
+        if let Some(entry) = self.entries.first_mut() {
+            entry.cache.set_scratch(scratch);
             self.lent_to = Some(0);
         }
     }
 
     /// Returns the scratch memory that the cache was lent, if any.
     pub fn take_scratch(&mut self) -> Option<Box<Scratch>> {
-        self.slots.get_mut(self.lent_to.take()?)?.cache.take_scratch()
+        self.entries.get_mut(self.lent_to.take()?)?.cache.take_scratch()
     }
 
     /// Solver cache of one pair of hulls, by their indices in A and in B. It is empty if the pair
     /// was not cached. Use it for queries of this pair only.
-    #[expect(clippy::indexing_slicing, reason = "taken modulo the number of slots, which is at least one")]
+    #[expect(clippy::indexing_slicing, reason = "taken modulo the number of entries, which is at least one")]
     pub fn pair(&mut self, pair: [usize; 2]) -> &mut Cache {
-        // The factor sends neighbouring pairs to different slots.
-        let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
+        // The factor sends neighbouring pairs to different entries.
+        let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.entries.len();
         // Move the scratch memory to the cache in use.
         if self.lent_to.is_some_and(|lent_to| lent_to != index)
             && let Some(scratch) = self.take_scratch()
         {
-            self.slots[index].cache.set_scratch(scratch);
+            self.entries[index].cache.set_scratch(scratch);
             self.lent_to = Some(index);
         }
-        let slot = &mut self.slots[index];
-        if slot.pair != Some(pair) {
-            slot.pair = Some(pair);
-            slot.cache.clear();
+        let entry = &mut self.entries[index];
+        if entry.pair != Some(pair) {
+            entry.pair = Some(pair);
+            entry.cache.clear();
         }
-        &mut slot.cache
+        &mut entry.cache
     }
 
     /// The pair that decided the last query, if it exists in compounds with this many parts.

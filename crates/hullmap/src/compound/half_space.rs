@@ -71,8 +71,8 @@ impl<'q> Descent<'q> {
             let bounds = [self.upper_bound(first)?, self.upper_bound(second)?];
             let children = [(first, bounds[0]), (second, bounds[1])];
             for child in if bounds[0] < bounds[1] { children } else { [children[1], children[0]] } {
-                if let Some(slot) = self.stack.get_mut(self.len).filter(|_| !(child.1 < depth)) {
-                    *slot = child;
+                if let Some(entry) = self.stack.get_mut(self.len).filter(|_| !(child.1 < depth)) {
+                    *entry = child;
                     self.len += 1;
                 }
             }

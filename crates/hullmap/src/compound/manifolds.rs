@@ -6,9 +6,9 @@
 //! # Steps
 //! 1. Traverse the BVHs for the pairs of parts whose boxes are within the prediction of each other.
 //! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
-//!    empty manifold, and gets a slot if it has points.
+//!    empty manifold, and gets an entry if it has points.
 //! 3. Normals at edges between the parts of a compound are corrected ([`seams`](super::seams)).
-//! 4. Pairs that no longer touch leave their slots.
+//! 4. Pairs that no longer touch leave their entries.
 
 use super::bvh::{Node, Placement};
 use super::cache::CompoundCache;
@@ -65,11 +65,11 @@ use crate::support::SupportMap;
 /// ```
 #[derive(Clone, Debug)]
 pub struct CompoundManifolds {
-    slots: Box<[Slot]>,
-    /// Indices of all slots: first those in use, ordered by their pairs, then the free ones.
+    entries: Box<[Entry]>,
+    /// Indices of all entries: first those in use, ordered by their pairs, then the free ones.
     order: Box<[usize]>,
     used: usize,
-    /// Solver caches of pairs without a slot.
+    /// Solver caches of pairs without an entry.
     others: CompoundCache,
     /// Lent by the caller, and passed to the cache in use.
     scratch: Option<Box<Scratch>>,
@@ -78,9 +78,9 @@ pub struct CompoundManifolds {
 
 /// A pair of parts that touch.
 #[derive(Clone, Debug, Default)]
-struct Slot {
+struct Entry {
     pair: [usize; 2],
-    /// Whether the pair had points in the last update. Free slots have none.
+    /// Whether the pair had points in the last update. Free entries have none.
     touches: bool,
     manifold: Manifold,
     cache: Cache,
@@ -91,7 +91,7 @@ struct Slot {
 pub struct ManifoldCounts {
     /// Number of pairs of parts with manifold points, without those dropped.
     pub touching: u32,
-    /// Number of pairs of parts that touch but have no manifold, because all slots are in use.
+    /// Number of pairs of parts that touch but have no manifold, because all entries are in use.
     pub dropped: u32,
     /// Number of pairs of parts queried.
     pub pairs: u32,
@@ -111,7 +111,7 @@ impl CompoundManifolds {
     pub fn new(pairs: usize) -> Self {
         let pairs = pairs.max(1);
         Self {
-            slots: vec![Slot::default(); pairs].into_boxed_slice(),
+            entries: vec![Entry::default(); pairs].into_boxed_slice(),
             order: (0..pairs).collect(),
             used: 0,
             others: CompoundCache::new(2 * pairs),
@@ -136,7 +136,7 @@ impl CompoundManifolds {
     /// # Complexity
     /// Compares all pairs of boxes within the prediction of each other, with one
     /// [`Manifold::update`] for each pair of parts in such leaves: at most G H for G and H parts.
-    /// Finding the slot of a pair takes logarithmic time. No allocation.
+    /// Finding the entry of a pair takes logarithmic time. No allocation.
     pub fn update<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         a: &A,
@@ -226,21 +226,21 @@ impl CompoundManifolds {
     }
 
     fn start(&mut self) -> Frame {
-        for slot in &mut self.slots {
-            slot.touches = false;
+        for entry in &mut self.entries {
+            entry.touches = false;
         }
         Frame { old: self.used, counts: ManifoldCounts::default() }
     }
 
-    /// Updates the manifold of a pair, and assigns a slot to a new pair that touches.
-    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the slots; `old` and `used` are within")]
+    /// Updates the manifold of a pair, and assigns an entry to a new pair that touches.
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the entries; `old` and `used` are within")]
     fn visit(
         &mut self,
         frame: &mut Frame,
         pair: [usize; 2],
         mut update: impl FnMut(&mut Manifold, &mut Cache) -> Contact,
     ) {
-        let Self { slots, order, used, others, scratch, .. } = self;
+        let Self { entries, order, used, others, scratch, .. } = self;
         let mut update = |manifold: &mut Manifold, cache: &mut Cache| {
             if let Some(scratch) = scratch.take() {
                 cache.set_scratch(scratch);
@@ -249,10 +249,10 @@ impl CompoundManifolds {
             *scratch = cache.take_scratch();
             contact
         };
-        let known = order[..frame.old].binary_search_by_key(&pair, |slot| slots[*slot].pair);
+        let known = order[..frame.old].binary_search_by_key(&pair, |entry| entries[*entry].pair);
         let contact = match known.map(|at| order[at]) {
-            Ok(slot) => {
-                let Slot { manifold, cache, touches, .. } = &mut slots[slot];
+            Ok(entry) => {
+                let Entry { manifold, cache, touches, .. } = &mut entries[entry];
                 let contact = update(manifold, cache);
                 *touches = !manifold.points().is_empty();
                 contact
@@ -263,7 +263,7 @@ impl CompoundManifolds {
                 let contact = update(&mut manifold, cache);
                 if !manifold.points().is_empty() {
                     if let Some(free) = order.get(*used) {
-                        slots[*free] = Slot { pair, touches: true, manifold, cache: cache.clone() };
+                        entries[*free] = Entry { pair, touches: true, manifold, cache: cache.clone() };
                         *used += 1;
                     } else {
                         frame.counts.dropped += 1;
@@ -277,21 +277,21 @@ impl CompoundManifolds {
         frame.counts.support_calls += contact.support_calls;
     }
 
-    /// Frees the slots of pairs that do not touch.
-    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the slots; `used` is within")]
+    /// Frees the entries of pairs that do not touch.
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the entries; `used` is within")]
     fn finish(&mut self, frame: Frame) -> ManifoldCounts {
-        let Self { slots, order, used, .. } = self;
+        let Self { entries, order, used, .. } = self;
         let mut kept = 0;
         for at in 0..*used {
-            let slot = &mut slots[order[at]];
-            if slot.touches {
+            let entry = &mut entries[order[at]];
+            if entry.touches {
                 order.swap(kept, at);
                 kept += 1;
             } else {
-                slot.manifold.clear();
+                entry.manifold.clear();
             }
         }
-        order[..kept].sort_unstable_by_key(|slot| slots[*slot].pair);
+        order[..kept].sort_unstable_by_key(|entry| entries[*entry].pair);
         *used = kept;
         ManifoldCounts { touching: kept as u32, ..frame.counts }
     }
@@ -310,19 +310,19 @@ impl CompoundManifolds {
     ///
     /// A pair keeps its relative place in this order while it touches.
     pub fn iter(&self) -> impl Iterator<Item = ([usize; 2], &Manifold)> {
-        self.slots.iter().filter(|slot| slot.touches).map(|slot| (slot.pair, &slot.manifold))
+        self.entries.iter().filter(|entry| entry.touches).map(|entry| (entry.pair, &entry.manifold))
     }
 
     /// [`iter`](Self::iter), for storing impulses and user data.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = ([usize; 2], &mut Manifold)> {
-        self.slots.iter_mut().filter(|slot| slot.touches).map(|slot| (slot.pair, &mut slot.manifold))
+        self.entries.iter_mut().filter(|entry| entry.touches).map(|entry| (entry.pair, &mut entry.manifold))
     }
 
     /// The manifold of a pair of parts; `None` if they do not touch.
-    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the slots; `used` is within")]
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the entries; `used` is within")]
     pub fn get(&self, pair: [usize; 2]) -> Option<&Manifold> {
-        let at = self.order[..self.used].binary_search_by_key(&pair, |slot| self.slots[*slot].pair).ok()?;
-        Some(&self.slots[self.order[at]].manifold)
+        let at = self.order[..self.used].binary_search_by_key(&pair, |entry| self.entries[*entry].pair).ok()?;
+        Some(&self.entries[self.order[at]].manifold)
     }
 
     /// Lends scratch memory to the queries of the updates, as [`Cache::set_scratch`] does.
@@ -345,7 +345,7 @@ impl CompoundManifolds {
 
 /// An update in progress.
 struct Frame {
-    /// Number of slots in use before it.
+    /// Number of entries in use before it.
     old: usize,
     counts: ManifoldCounts,
 }

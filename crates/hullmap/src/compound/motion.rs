@@ -105,7 +105,7 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 /// ```
 pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<RayHit> {
     let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
-    let placement = Placement::new(a.nodes(), origin, Pose::at(ray.origin()));
+    let placement = Placement::new(a.nodes(), origin, Pose::from_checked(ray.origin()));
     let CompoundAnswer { answer, hulls, pairs, boxes } = first_hit(placement, ray.motion(), settings, |pair| {
         let found = cast_ray(&a.part(pair[0])?, ray, settings);
         let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } = found;

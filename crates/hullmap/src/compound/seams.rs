@@ -171,7 +171,7 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
     let reach = a.shape.outer_radius().min(b.shape.outer_radius());
     let rounding = a.farthest(manifold, |p| p.point_a).max(b.farthest(manifold, |p| p.local_b)) * ROUNDING;
     let seam = (SEAM * settings.prediction.length(reach)).max(LEAST_SEAM * reach).max(rounding);
-    let pair = Pair { a, b, b_in_a, seam };
+    let pair = PartPair { a, b, b_in_a, seam };
     if pair.a_allows(manifold) && pair.b_allows(manifold) {
         return false;
     }
@@ -443,7 +443,7 @@ impl Faces {
     }
 }
 
-struct Pair<'p, A: ?Sized, B: ?Sized> {
+struct PartPair<'p, A: ?Sized, B: ?Sized> {
     a: &'p Side<'p, A>,
     b: &'p Side<'p, B>,
     b_in_a: Pose,
@@ -451,7 +451,7 @@ struct Pair<'p, A: ?Sized, B: ?Sized> {
     seam: f64,
 }
 
-impl<A: Shape + ?Sized, B: Shape + ?Sized> Pair<'_, A, B> {
+impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
     fn a_allows(&self, manifold: &Manifold) -> bool {
         self.a.allows(manifold.normal(), manifold.points(), |p| p.point_a, self.seam)
     }

@@ -100,7 +100,7 @@ pub fn signed_distance<A: Parts + ?Sized>(
     let first = cache.first([a.part_count(), 1]).map_or(0, |pair| pair[0]);
     query(&mut nearest, first, cache)?;
     let at_point = Nodes::one(DVec3::ZERO, DVec3::ZERO);
-    let mut traversal = Traversal::new(Placement::new(a.nodes(), at_point, Pose::at(point)));
+    let mut traversal = Traversal::new(Placement::new(a.nodes(), at_point, Pose::from_checked(point)));
     // Boxes that contain the point have a lower bound of 0.
     while let Some([part, _]) = traversal.next(nearest.upper.max(0.0)) {
         if part != first {

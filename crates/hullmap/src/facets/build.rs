@@ -56,14 +56,14 @@ impl FacetTable {
     /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 40
     /// ms together.
     pub(crate) fn of_pack(pack: &Sections<'_>) -> Box<[Option<Self>]> {
-        Self::within(MAX_BYTES, pack.hulls.len(), |index| Hull::new(pack, None, index))
+        Self::of_hulls(MAX_BYTES, pack.hulls.len(), |index| Hull::new(pack, None, index))
     }
 
     /// The tables of `count` hulls, or none if they would take more than `bytes` bytes together.
-    fn within<'a>(bytes: usize, count: usize, hull: impl Fn(usize) -> Option<Hull<'a>>) -> Box<[Option<Self>]> {
+    fn of_hulls<'a>(bytes: usize, count: usize, hull: impl Fn(usize) -> Option<Hull<'a>>) -> Box<[Option<Self>]> {
         let hulls = || (0..count).map(|index| hull(index).filter(is_suitable));
         let fits = hulls().flatten().map(|hull| byte_len(&hull)).sum::<usize>() <= bytes;
-        hulls().map(|hull| hull.filter(|_| fits).and_then(|hull| Self::of(&hull))).collect()
+        hulls().map(|hull| hull.filter(|_| fits).and_then(|hull| Self::of_hull(&hull))).collect()
     }
 
     /// The table of `hull`; `None` if the hull is flat, has more than [`MAX_VERTICES`] vertices, or
@@ -71,7 +71,7 @@ impl FacetTable {
     ///
     /// # Complexity
     /// O(n²); in practice about 1 µs a vertex.
-    fn of(hull: &Hull<'_>) -> Option<Self> {
+    fn of_hull(hull: &Hull<'_>) -> Option<Self> {
         if !is_suitable(hull) {
             return None;
         }
@@ -323,11 +323,11 @@ mod tests {
                     let pack = Pack::from_bytes(&bytes).unwrap();
                     let hull = pack.hull(0).unwrap();
                     if hull.rank() != 3 || hull.vertex_count() > MAX_VERTICES {
-                        assert!(FacetTable::of(&hull).is_none());
+                        assert!(FacetTable::of_hull(&hull).is_none());
                         continue;
                     }
                     tables[0] += 1;
-                    let Some(table) = FacetTable::of(&hull) else { continue };
+                    let Some(table) = FacetTable::of_hull(&hull) else { continue };
                     tables[1] += 1;
                     check(&hull, &table, seed);
                 }
@@ -394,7 +394,7 @@ mod tests {
         let sizes: Vec<usize> = pack.hulls().map(|hull| byte_len(&hull)).collect();
         let all = sizes[0] + sizes[2];
         for (limit, expected) in [(MAX_BYTES, [true, false, true]), (all, [true, false, true]), (all - 1, [false; 3])] {
-            let tables = FacetTable::within(limit, sets.len(), |index| pack.hull(index).ok());
+            let tables = FacetTable::of_hulls(limit, sets.len(), |index| pack.hull(index).ok());
             assert_eq!(tables.iter().map(Option::is_some).collect::<Vec<_>>(), expected, "{limit}");
         }
     }

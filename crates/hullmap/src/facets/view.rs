@@ -7,7 +7,7 @@ use super::table::{Edge, FacetTable, LANES, MAX_VERTICES, NormalBlock, PointBloc
 use crate::hull::Hull;
 use crate::support::simd::Dispatch;
 
-/// The faces of a small polytope, from [`SupportMap::facets`].
+/// The faces of a small polytope, from [`SupportMap::facets`](crate::SupportMap::facets).
 ///
 /// Hulls of few vertices and boxes have them. They cannot be made outside of this crate.
 #[derive(Clone, Copy, Debug)]

@@ -193,7 +193,7 @@ impl Outline {
             extent: 0.0,
         };
         for corner in feature.corners() {
-            out.corners[out.count] = frame.flat(corner);
+            out.corners[out.count] = frame.flattened(corner);
             out.count += 1;
         }
         let origin = out.corners[0].at;
@@ -284,13 +284,13 @@ impl Frame {
         Self { origin, x, y: normal.cross(x), normal }
     }
 
-    fn flat(&self, corner: &Corner) -> Flat {
+    fn flattened(&self, corner: &Corner) -> Flat {
         let height = (corner.point - self.origin).dot(self.normal);
-        Flat { at: self.over(corner.point), height, vertex: corner.vertex }
+        Flat { at: self.projected(corner.point), height, vertex: corner.vertex }
     }
 
     /// Position of a point in the plane.
-    pub(super) fn over(&self, point: DVec3) -> DVec2 {
+    pub(super) fn projected(&self, point: DVec3) -> DVec2 {
         let p = point - self.origin;
         DVec2::new(p.dot(self.x), p.dot(self.y))
     }
@@ -373,17 +373,17 @@ fn is_inside(incident: &Outline, reference: &Outline) -> bool {
 
 /// Adds a `vertex` of B if it is over A's face, and returns whether it is.
 pub(super) fn vertex_over(a: &Feature, vertex: &Corner, frame: &Frame, out: &mut Patch) -> bool {
-    over(a, vertex, frame).map(|point| out.push(point)).is_some()
+    point_over(a, vertex, frame).map(|point| out.push(point)).is_some()
 }
 
 /// The same with A and B exchanged.
 pub(super) fn vertex_over_swapped(b: &Feature, vertex: &Corner, frame: &Frame, out: &mut Patch) -> bool {
-    over(b, vertex, frame).map(|point| out.push(point.swapped())).is_some()
+    point_over(b, vertex, frame).map(|point| out.push(point.swapped())).is_some()
 }
 
 /// The point of a `vertex` of B over a face of A; `None` if it is not over it.
-fn over(a: &Feature, vertex: &Corner, frame: &Frame) -> Option<PatchPoint> {
-    let (face, vertex) = (Outline::new(a, frame), frame.flat(vertex));
+fn point_over(a: &Feature, vertex: &Corner, frame: &Frame) -> Option<PatchPoint> {
+    let (face, vertex) = (Outline::new(a, frame), frame.flattened(vertex));
     let mut alone = face;
     (alone.corners[0], alone.count) = (vertex, 1);
     if !(face.area > 0.0 && is_inside(&alone, &face)) {

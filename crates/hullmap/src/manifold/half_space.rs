@@ -70,11 +70,11 @@ impl Manifold {
             let point = b_in_a.transform_point(point);
             // The origin is midway between the lowest point of B and the plane.
             let heights = [0.5 * signed, (point - frame.origin).dot(normal)];
-            PatchPoint { at: frame.over(point), heights, exact: [true; 2], is_moved: false, parts: [FACE, part] }
+            PatchPoint { at: frame.projected(point), heights, exact: [true; 2], is_moved: false, parts: [FACE, part] }
         };
         let add = |patch: &mut Patch, Corner { point, vertex }: Corner, is_exact: bool| {
             let mut point = place(point, [vertex; 2]);
-            let is_there = is_exact || settle_b((b, b_in_a), &frame, lengths.above(), &mut point);
+            let is_there = is_exact || settle_b((b, b_in_a), &frame, lengths.height_above(), &mut point);
             if is_there && point.depth() >= -prediction {
                 patch.push(point);
             }
@@ -88,7 +88,7 @@ impl Manifold {
             // case.
             patch.put(place(b_in_a.inverse().transform_point(contact.point_b), part(&feature)));
         }
-        let center = frame.over(b_in_a.transform_point(b.interior_point()));
+        let center = frame.projected(b_in_a.transform_point(b.interior_point()));
         let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
         if tips(&choice, &patch, center, &lengths) {
             for SupportPoint { point, feature } in farther_out(b, dir, &lengths) {

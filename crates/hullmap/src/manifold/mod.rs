@@ -141,7 +141,7 @@ pub enum FeatureId {
 }
 
 impl FeatureId {
-    fn of(part: Part) -> Self {
+    fn from_part(part: Part) -> Self {
         match part {
             FACE => Self::Face,
             [a, b] if a == b => Self::Vertex(a),
@@ -188,12 +188,12 @@ pub struct PointId {
 impl PointId {
     /// The feature of A.
     pub fn on_a(self) -> FeatureId {
-        FeatureId::of(self.parts[0])
+        FeatureId::from_part(self.parts[0])
     }
 
     /// The feature of B.
     pub fn on_b(self) -> FeatureId {
-        FeatureId::of(self.parts[1])
+        FeatureId::from_part(self.parts[1])
     }
 }
 
@@ -340,7 +340,8 @@ impl Manifold {
         let mut contact = queries::contact(a, b, b_in_a, &settings.contact, cache);
         let mut depth = contact.depth;
         if !contact.hit {
-            let Some(gap) = near((a, b, b_in_a), contact.normal, prediction, &settings.contact, cache) else {
+            let Some(gap) = distance_within((a, b, b_in_a), contact.normal, prediction, &settings.contact, cache)
+            else {
                 self.clear();
                 return contact;
             };
@@ -514,7 +515,7 @@ struct Lengths {
 
 impl Lengths {
     /// A height above both surfaces, from the origin of the frame.
-    fn above(&self) -> f64 {
+    fn height_above(&self) -> f64 {
         self.depth.abs() + self.reach
     }
 
@@ -588,7 +589,7 @@ fn is_face<S: Shape + ?Sized>(shape: &S, feature: &Feature, pose: Pose, normal: 
 /// The centre of the smaller body, in the plane perpendicular to the normal of `frame`.
 fn center<A: Shape + ?Sized, B: Shape + ?Sized>((a, b, b_in_a): (&A, &B, Pose), frame: &Frame) -> DVec2 {
     let a_is_smaller = a.outer_radius() < b.outer_radius();
-    frame.over(if a_is_smaller { a.interior_point() } else { b_in_a.transform_point(b.interior_point()) })
+    frame.projected(if a_is_smaller { a.interior_point() } else { b_in_a.transform_point(b.interior_point()) })
 }
 
 /// Whether the smaller body tips on the chosen points: its centre is not over them, and not close
@@ -615,13 +616,13 @@ fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
         // The other surface is at most half of the depth beyond the origin.
         let [on_a, on_b] = [0.5 * lengths.depth, -0.5 * lengths.depth];
         let most = if exact[1] { on_a - heights[1] } else { heights[0] - on_b };
-        let at = frame.over(point);
+        let at = frame.projected(point);
         let is_same = |known: &PatchPoint| known.parts == parts || known.at.distance(at) <= SAME_PLACE * lengths.reach;
         if most < -lengths.prediction || patch.points().iter().any(is_same) {
             return;
         }
         let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
-        if settle((a, b, b_in_a), frame, lengths.above(), &mut point) && point.depth() >= -lengths.prediction {
+        if settle((a, b, b_in_a), frame, lengths.height_above(), &mut point) && point.depth() >= -lengths.prediction {
             patch.push(point);
         }
     };
@@ -672,11 +673,11 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
             // No point is deeper than the contact: the plane of a sliver is off.
             point.exact = [false; 2];
         }
-        let mut is_there = settle(pair, frame, lengths.above(), point);
+        let mut is_there = settle(pair, frame, lengths.height_above(), point);
         if !is_there {
             point.at += (middle - point.at).normalize_or_zero() * (INWARD * lengths.reach);
             point.exact = [false; 2];
-            is_there = settle(pair, frame, lengths.above(), point);
+            is_there = settle(pair, frame, lengths.height_above(), point);
         }
         if is_there && point.depth() >= -lengths.prediction {
             kept.push(*index);
@@ -686,7 +687,7 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
 }
 
 /// The distance of shapes that `axis` separates; `None` if it is above `prediction`.
-fn near<A: Shape + ?Sized, B: Shape + ?Sized>(
+fn distance_within<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     axis: DVec3,
     prediction: f64,

@@ -140,7 +140,7 @@ impl Choice {
         };
         for slots in triangles {
             let corners = slots.map(|slot| self.indices[slot]);
-            let Some(plane) = Plane::over(corners.map(|i| spots[i]), center) else { continue };
+            let Some(plane) = Plane::of_triangle(corners.map(|i| spots[i]), center) else { continue };
             // The body comes to rest on the lowest of the planes below its centre.
             if rest.is_none_or(|(_, deepest)| plane.depth(center) > deepest.depth(center)) {
                 rest = Some((corners, plane));
@@ -178,7 +178,7 @@ struct Plane {
 
 impl Plane {
     /// The plane of a triangle; `None` if `center` is not over it, or if it is a line.
-    fn over([p, q, r]: [Spot; 3], center: DVec2) -> Option<Self> {
+    fn of_triangle([p, q, r]: [Spot; 3], center: DVec2) -> Option<Self> {
         let (u, v) = (q.at - p.at, r.at - p.at);
         let area = u.perp_dot(v);
         let sides = [(p, q), (q, r), (r, p)].map(|(s, t)| (s.at - center).perp_dot(t.at - center));
@@ -313,7 +313,7 @@ fn lowest(spots: &[Spot], choice: Choice, center: DVec2) -> Choice {
         }
         let exchanged = (0..3).map(|slot| std::array::from_fn(|i| if i == slot { worst } else { corners[i] }));
         let next = exchanged
-            .filter_map(|corners: [usize; 3]| Some((corners, Plane::over(corners.map(|i| spots[i]), center)?)))
+            .filter_map(|corners: [usize; 3]| Some((corners, Plane::of_triangle(corners.map(|i| spots[i]), center)?)))
             .max_by(|(_, p), (_, q)| p.depth(center).total_cmp(&q.depth(center)));
         match next {
             Some((next, lower)) if lower.depth(center) > plane.depth(center) => (corners, plane) = (next, lower),
@@ -404,7 +404,9 @@ mod tests {
                 for (i, a) in indices.iter().enumerate() {
                     for (j, b) in indices.iter().enumerate().skip(i + 1) {
                         planes.extend(
-                            indices[j + 1..].iter().filter_map(|c| Plane::over([*a, *b, *c].map(|i| spots[i]), center)),
+                            indices[j + 1..]
+                                .iter()
+                                .filter_map(|c| Plane::of_triangle([*a, *b, *c].map(|i| spots[i]), center)),
                         );
                     }
                 }

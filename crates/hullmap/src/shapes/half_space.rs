@@ -350,7 +350,7 @@ impl HalfSpace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
-        let found = self.lowest(&Foot(DVec3::ZERO), Pose::at(ray.origin())).impact(ray.motion(), settings);
+        let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(ray.origin())).impact(ray.motion(), settings);
         let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
         let point = if hit { ray.at(t) } else { ray.origin() };
         RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
@@ -374,7 +374,7 @@ impl HalfSpace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn signed_distance(&self, point: DVec3) -> Result<SignedDistance, VectorError> {
-        let found = self.lowest(&Foot(DVec3::ZERO), Pose::at(checked("point", point)?));
+        let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(checked("point", point)?));
         let status = if found.overlap() == Overlap::Touching { Status::Touching } else { Status::Exact };
         Ok(SignedDistance {
             status,

@@ -40,7 +40,7 @@ impl Bound {
     }
 
     /// A bound whose witness points belong to the point of `face` closest to the origin.
-    pub(super) fn at(upper: f64, normal: DVec3, face: [&Point; 3]) -> Self {
+    pub(super) fn on_face(upper: f64, normal: DVec3, face: [&Point; 3]) -> Self {
         let [p, q, r] = face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
         let (point_a, point_b) = (blend(&weights, face.map(|v| v.a)), blend(&weights, face.map(|v| v.b())));

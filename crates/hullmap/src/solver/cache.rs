@@ -28,7 +28,7 @@ use glam::DVec3;
 /// Maximum number of vertices of a cached polytope.
 pub(super) const MAX_POINTS: usize = 56;
 
-/// Number of face slots of a cached polytope.
+/// Number of face places of a cached polytope.
 const MAX_FACES: usize = 2 * MAX_POINTS;
 
 /// Caller-owned memory of one ordered pair (A, B), passed to every query of that pair.
@@ -253,7 +253,7 @@ impl Cache {
     /// Stores a polytope: the features of its vertices, then the corners and neighbours of its
     /// faces.
     ///
-    /// A polytope that is too large empties the slot instead.
+    /// A polytope that is too large empties the place instead.
     pub(super) fn keep_polytope(&mut self, points: &[[u32; 2]], (corners, neighbours): (&[[u16; 3]], &[[u16; 3]])) {
         self.point_count = 0;
         if points.len() > MAX_POINTS || corners.len() > MAX_FACES {

@@ -12,7 +12,7 @@
 use glam::DVec3;
 
 use super::cache::Cache;
-use super::line::{Entry, Query, enter};
+use super::line::{Entry, LineQuery, enter};
 use super::minkowski::Minkowski;
 use super::motion::{CastSettings, Motion, Path};
 use super::queries::{distance, intersects};
@@ -155,8 +155,13 @@ pub(super) fn cast_sharp<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     impact(&entry, path, m.support_calls())
 }
 
-fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, path: Path, settings: &CastSettings) -> Query {
-    Query {
+fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    path: Path,
+    settings: &CastSettings,
+) -> LineQuery {
+    LineQuery {
         direction: path.direction,
         // Rounded up: the limit itself counts.
         limit: path.length(settings.limit()) * (1.0 + 2.0 * f64::EPSILON),

@@ -30,14 +30,14 @@
 use super::answer::{Contact, separated_contact};
 use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
-use super::epa::{self, Expansion, Goal, Progress, Room};
+use super::epa::{self, Expansion, Goal, Progress, Workspace};
 use super::intersection::{axis_of_balls, portal_tetrahedron, store_separation};
 use super::minkowski::{Minkowski, Point};
 use super::mpr::{self, Found, Until};
 use super::sat;
 use super::settings::Settings;
 use super::status::Status;
-use super::steps::{Query, Step, at_once};
+use super::steps::{Step, SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -92,16 +92,16 @@ pub(crate) enum ContactQuery {
     /// Along this separating axis of the cache.
     Axis(DVec3),
     /// For MPR.
-    Portal(mpr::Search),
+    Portal(mpr::MprSearch),
     /// For EPA, after this number of steps of MPR.
-    Expansion(epa::Search, u32),
+    Expansion(epa::EpaSearch, u32),
 }
 
 /// In the order of the steps above.
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuery {
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for ContactQuery {
     type Settings = Settings;
     type Answer = Contact;
-    type Room = Room;
+    type Workspace = Workspace;
 
     fn new() -> Self {
         Self::Axis(DVec3::ZERO)
@@ -114,7 +114,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuer
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Step<Contact> {
         if let Some(axis) = axis_of_balls(m) {
             return Step::Answer(separated_contact(m, cache, axis, 0));
@@ -124,7 +124,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuer
                 *self = Self::Axis(axis);
                 Step::Ask(axis)
             }
-            None => self.after_axis(m, settings, cache, room),
+            None => self.after_axis(m, settings, cache, workspace),
         }
     }
 
@@ -135,17 +135,17 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuer
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Step<Contact> {
         match self {
             Self::Axis(axis) if m.separates(*axis, &point) => Step::Answer(separated_contact(m, cache, *axis, 0)),
-            Self::Axis(_) => self.after_axis(m, settings, cache, room),
+            Self::Axis(_) => self.after_axis(m, settings, cache, workspace),
             Self::Portal(search) => match search.continue_with(point) {
                 None => Step::Ask(search.direction()),
-                Some(found) => self.after_portal(found, m, settings, cache, room),
+                Some(found) => self.after_portal(found, m, settings, cache, workspace),
             },
             Self::Expansion(search, _) => {
-                let progress = search.continue_with(point, m, cache, room);
+                let progress = search.continue_with(point, m, cache, workspace);
                 self.after_expansion(progress, m, settings, cache)
             }
         }
@@ -160,7 +160,7 @@ impl ContactQuery {
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Step<Contact> {
         let tolerance = settings.relative_tolerance();
         if let Some(found) = contact_of_balls(m, tolerance) {
@@ -176,8 +176,8 @@ impl ContactQuery {
         {
             return Step::Answer(Contact { support_calls: m.support_calls(), ..found });
         }
-        match epa::Search::start_again(m, terms(m, settings), cache, room) {
-            Some(search) => self.start_expansion(search, 0, m, settings, cache, room),
+        match epa::EpaSearch::start_again(m, terms(m, settings), cache, workspace) {
+            Some(search) => self.start_expansion(search, 0, m, settings, cache, workspace),
             None => self.start_portal(m, Until::Decided),
         }
     }
@@ -189,7 +189,7 @@ impl ContactQuery {
         m: &Minkowski<'_, A, B>,
         until: Until,
     ) -> Step<Contact> {
-        let search = mpr::Search::new(m, until);
+        let search = mpr::MprSearch::new(m, until);
         let dir = search.direction();
         *self = Self::Portal(search);
         Step::Ask(dir)
@@ -203,7 +203,7 @@ impl ContactQuery {
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Step<Contact> {
         let Self::Portal(search) = self else { return Step::Answer(Contact::default()) };
         let (portal, bound, iterations) = (search.portal(), search.bound(), search.iterations());
@@ -215,8 +215,8 @@ impl ContactQuery {
             Found::Portal(_) => Some(portal_tetrahedron(m, portal)),
             Found::Nothing => None,
         };
-        match epa::Search::start(m, start, terms(m, settings), bound, cache, room) {
-            Ok(search) => self.start_expansion(search, iterations, m, settings, cache, room),
+        match epa::EpaSearch::start(m, start, terms(m, settings), bound, cache, workspace) {
+            Ok(search) => self.start_expansion(search, iterations, m, settings, cache, workspace),
             Err(flat) => Step::Answer(contact_from_expansion(m, cache, &flat, settings, iterations)),
         }
     }
@@ -224,16 +224,16 @@ impl ContactQuery {
     #[inline(always)]
     fn start_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
-        search: epa::Search,
+        search: epa::EpaSearch,
         iterations: u32,
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Step<Contact> {
         *self = Self::Expansion(search, iterations);
         let Self::Expansion(search, _) = self else { return Step::Answer(Contact::default()) };
-        let progress = search.aim(m, cache, room);
+        let progress = search.aim(m, cache, workspace);
         self.after_expansion(progress, m, settings, cache)
     }
 

@@ -18,7 +18,7 @@ use super::intersection::decide_by_expansion;
 use super::minkowski::{Minkowski, Point};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
-use super::steps::{Query, Step, at_once};
+use super::steps::{Step, SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -91,13 +91,13 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 pub(crate) struct DistanceQuery {
     simplex: Simplex,
     /// `None` while the support point is the first vertex of the simplex.
-    search: Option<gjk::Search>,
+    search: Option<gjk::GjkSearch>,
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for DistanceQuery {
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for DistanceQuery {
     type Settings = Settings;
     type Answer = Distance;
-    type Room = ();
+    type Workspace = ();
 
     #[inline(always)]
     fn new() -> Self {
@@ -158,7 +158,7 @@ impl DistanceQuery {
     ) -> Step<Distance> {
         let search = self.search.get_or_insert_with(|| {
             let (rounding, tolerance) = (m.rounding_error(), settings.relative_tolerance());
-            gjk::Search::new(&self.simplex, rounding, rounding, tolerance, settings.max_iterations)
+            gjk::GjkSearch::new(&self.simplex, rounding, rounding, tolerance, settings.max_iterations)
         });
         match search.aim(&mut self.simplex) {
             Ok(dir) => Step::Ask(dir),

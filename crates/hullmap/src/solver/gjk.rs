@@ -35,31 +35,31 @@ const MAX_STEPS: u32 = 1000;
 /// about 1e-5 in the thinnest sliver that still counts as a triangle.
 const MAX_CORRECTIONS: usize = 3;
 
-/// A simplex of up to four vertices, in fixed slots.
+/// A simplex of up to four vertices, in fixed places.
 ///
-/// Vertices never move between slots: reading data back in other pieces than it was just written in
+/// Vertices never move between places: reading data back in other pieces than it was just written in
 /// would stall the processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     /// Coordinates of the points of the Minkowski difference: all x, all y, all z.
-    w: [[f64; SLOTS]; 3],
+    w: [[f64; PLACES]; 3],
     /// The points of A, in A's frame.
-    a: [DVec3; SLOTS],
-    features: [[u32; 2]; SLOTS],
-    /// The slots in use, one bit each.
+    a: [DVec3; PLACES],
+    features: [[u32; 2]; PLACES],
+    /// The places in use, one bit each.
     used: u8,
     /// Weights of the vertices in the closest point, if the search computed them. It usually does
     /// not need them.
-    weights: Option<[f64; SLOTS]>,
+    weights: Option<[f64; PLACES]>,
 }
 
-const SLOTS: usize = 4;
+const PLACES: usize = 4;
 
 impl Simplex {
     /// A simplex without vertices.
     #[inline(always)]
     pub(super) fn empty() -> Self {
-        Self { w: [[0.0; SLOTS]; 3], a: [DVec3::ZERO; SLOTS], features: [[0; 2]; SLOTS], used: 0, weights: None }
+        Self { w: [[0.0; PLACES]; 3], a: [DVec3::ZERO; PLACES], features: [[0; 2]; PLACES], used: 0, weights: None }
     }
 
     /// A simplex of one vertex.
@@ -69,37 +69,37 @@ impl Simplex {
         simplex
     }
 
-    /// Adds a vertex and returns its slot. There must be a free slot.
+    /// Adds a vertex and returns its place. There must be a free place.
     #[inline(always)]
     pub(super) fn push(&mut self, vertex: Point) -> usize {
-        let slot = self.used.trailing_ones() as usize % SLOTS;
+        let place = self.used.trailing_ones() as usize % PLACES;
         let Point { w, a, features } = vertex;
-        (self.w[0][slot], self.w[1][slot], self.w[2][slot]) = (w.x, w.y, w.z);
-        self.a[slot] = a;
-        self.features[slot] = features;
-        self.used |= 1 << slot;
-        slot
+        (self.w[0][place], self.w[1][place], self.w[2][place]) = (w.x, w.y, w.z);
+        self.a[place] = a;
+        self.features[place] = features;
+        self.used |= 1 << place;
+        place
     }
 
-    /// The slots in use.
-    fn slots(&self) -> impl Iterator<Item = usize> {
+    /// The places in use.
+    fn places(&self) -> impl Iterator<Item = usize> {
         let used = self.used;
-        (0..SLOTS).filter(move |slot| used >> slot & 1 == 1)
+        (0..PLACES).filter(move |place| used >> place & 1 == 1)
     }
 
     /// The features of the vertices.
     pub(super) fn features(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.slots().map(|slot| self.features[slot])
+        self.places().map(|place| self.features[place])
     }
 
-    /// The vertex in a slot.
+    /// The vertex in a place.
     #[inline(always)]
-    fn corner(&self, slot: usize) -> DVec3 {
-        let slot = slot % SLOTS;
-        DVec3::new(self.w[0][slot], self.w[1][slot], self.w[2][slot])
+    fn corner(&self, place: usize) -> DVec3 {
+        let place = place % PLACES;
+        DVec3::new(self.w[0][place], self.w[1][place], self.w[2][place])
     }
 
-    /// The slot of the only vertex; `None` if there are more.
+    /// The place of the only vertex; `None` if there are more.
     fn only_slot(&self) -> Option<usize> {
         self.used.is_power_of_two().then_some(self.used.trailing_zeros() as usize)
     }
@@ -110,16 +110,16 @@ impl Simplex {
 
     /// Whether a vertex of the simplex equals `w`.
     pub(super) fn contains(&self, w: DVec3) -> bool {
-        self.slots().any(|slot| self.corner(slot) == w)
+        self.places().any(|place| self.corner(place) == w)
     }
 
-    /// The slots in use and their number. If there are fewer than four, the first one is repeated.
+    /// The places in use and their number. If there are fewer than four, the first one is repeated.
     #[inline]
-    fn packed(&self) -> ([usize; SLOTS], usize) {
-        let first = self.used.trailing_zeros() as usize % SLOTS;
-        let (mut at, mut count) = ([first; SLOTS], 0);
-        for slot in self.slots() {
-            at[count] = slot;
+    fn packed(&self) -> ([usize; PLACES], usize) {
+        let first = self.used.trailing_zeros() as usize % PLACES;
+        let (mut at, mut count) = ([first; PLACES], 0);
+        for place in self.places() {
+            at[count] = place;
             count += 1;
         }
         (at, count)
@@ -152,7 +152,7 @@ impl Simplex {
             for (p, q) in (1..count).flat_map(|q| (0..q).map(move |p| (p, q))) {
                 let on_edge = on_segment(w[p], w[q]);
                 if on_edge.point.length() < between.length() {
-                    weights = [0.0; SLOTS];
+                    weights = [0.0; PLACES];
                     (weights[p], weights[q]) = (on_edge.weights[0], on_edge.weights[1]);
                     between = blend(&weights, w);
                 }
@@ -164,28 +164,28 @@ impl Simplex {
 
     /// Weights of the vertices in the closest point, in the order of [`packed`](Self::packed).
     #[inline(always)]
-    fn packed_weights(&self, [i, j, k, l]: [usize; SLOTS], w: [DVec3; SLOTS], count: usize) -> [f64; SLOTS] {
+    fn packed_weights(&self, [i, j, k, l]: [usize; PLACES], w: [DVec3; PLACES], count: usize) -> [f64; PLACES] {
         match self.weights {
             Some(weights) => {
                 // Slots beyond the count repeat the first one, which must count once.
-                let weight = |at: usize, slot: usize| if at < count { weights[slot] } else { 0.0 };
+                let weight = |at: usize, place: usize| if at < count { weights[place] } else { 0.0 };
                 [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
             }
             None => on_simplex(w, count).0.weights,
         }
     }
 
-    /// The closest point of the whole simplex, the slots of the vertices that span it, and the
+    /// The closest point of the whole simplex, the places of the vertices that span it, and the
     /// clearance of the origin if it is inside (see [`on_simplex`]). Stores the weights.
     #[inline(never)]
     fn closest_point(&mut self) -> (DVec3, u8, f64) {
         let ([i, j, k, l], count) = self.packed();
         let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
         let (nearest, clearance) = on_simplex(w, count);
-        let (mut kept, mut weights) = (0, [0.0; SLOTS]);
-        for (slot, weight) in [i, j, k, l].into_iter().zip(nearest.weights).take(count) {
-            kept |= u8::from(weight > 0.0) << slot;
-            weights[slot] = weight;
+        let (mut kept, mut weights) = (0, [0.0; PLACES]);
+        for (place, weight) in [i, j, k, l].into_iter().zip(nearest.weights).take(count) {
+            kept |= u8::from(weight > 0.0) << place;
+            weights[place] = weight;
         }
         // NaN weights keep no vertex. Then the first one stays.
         if kept == 0 {
@@ -195,7 +195,7 @@ impl Simplex {
         (nearest.point, kept, clearance)
     }
 
-    /// The closest point, provided that it needs the vertex `s` in slot `newest`, and the slots of
+    /// The closest point, provided that it needs the vertex `s` in place `newest`, and the places of
     /// the vertices that span it. `None` if the origin is inside.
     #[inline(always)]
     fn closest_point_with(&self, newest: usize, s: DVec3) -> Option<(DVec3, u8)> {
@@ -258,7 +258,7 @@ pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     tolerance: f64,
     max_iterations: u32,
 ) -> Closest {
-    let mut search = Search::new(simplex, m.rounding_error(), enough, tolerance, max_iterations);
+    let mut search = GjkSearch::new(simplex, m.rounding_error(), enough, tolerance, max_iterations);
     loop {
         let dir = match search.aim(simplex) {
             Ok(dir) => dir,
@@ -276,14 +276,14 @@ pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// A batch keeps several searches in flight: while the memory that one of them needs is on its way,
 /// the others compute.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Search {
+pub(super) struct GjkSearch {
     tolerance: f64,
     rounding: f64,
     enough: f64,
     lower: f64,
     upper: f64,
     normal: DVec3,
-    /// The vertex added last, with its slot. A single vertex counts as such.
+    /// The vertex added last, with its place. A single vertex counts as such.
     newest: Option<(usize, DVec3)>,
     /// The point of the simplex closest to the origin.
     y: DVec3,
@@ -292,7 +292,7 @@ pub(super) struct Search {
     limit: u32,
 }
 
-impl Search {
+impl GjkSearch {
     #[inline(always)]
     pub(super) fn new(simplex: &Simplex, rounding: f64, enough: f64, tolerance: f64, max_iterations: u32) -> Self {
         Self {
@@ -302,7 +302,7 @@ impl Search {
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
             normal: DVec3::ZERO,
-            newest: simplex.only_slot().map(|slot| (slot, simplex.corner(slot))),
+            newest: simplex.only_slot().map(|place| (place, simplex.corner(place))),
             y: DVec3::ZERO,
             iterations: 0,
             // At least one step, since there is no bound without one.
@@ -314,7 +314,7 @@ impl Search {
     #[inline(always)]
     pub(super) fn aim(&mut self, simplex: &mut Simplex) -> Result<DVec3, Closest> {
         self.iterations += 1;
-        let fast = self.newest.and_then(|(slot, w)| simplex.closest_point_with(slot, w));
+        let fast = self.newest.and_then(|(place, w)| simplex.closest_point_with(place, w));
         let (mut y, mut kept) = fast.unwrap_or_default();
         let mut length = y.length();
         simplex.weights = None;
@@ -333,8 +333,8 @@ impl Search {
             let nearer = length < self.upper;
             if !nearer {
                 // Without the newest vertex the simplex is as it was before this step.
-                if let Some((slot, _)) = self.newest {
-                    simplex.used &= !(1 << slot);
+                if let Some((place, _)) = self.newest {
+                    simplex.used &= !(1 << place);
                     simplex.weights = None;
                 }
                 return Err(self.end(End::Stalled));

@@ -19,7 +19,7 @@ use super::epa::{self, Expansion};
 use super::minkowski::{Minkowski, Point};
 use super::mpr::{self, Found, Portal, Side, Until, is_clearly_negative};
 use super::status::Overlap;
-use super::steps::{Query, Step, at_once};
+use super::steps::{Step, SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -88,13 +88,13 @@ pub(crate) enum IntersectionQuery {
     /// Along this separating axis of the cache.
     Axis(DVec3),
     /// For MPR.
-    Portal(mpr::Search),
+    Portal(mpr::MprSearch),
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for IntersectionQuery {
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for IntersectionQuery {
     type Settings = ();
     type Answer = Intersection;
-    type Room = ();
+    type Workspace = ();
 
     fn new() -> Self {
         Self::Axis(DVec3::ZERO)
@@ -155,7 +155,7 @@ impl IntersectionQuery {
             cache.forget_axis();
             return answer(m, Overlap::Overlapping, 0);
         }
-        let search = mpr::Search::new(m, Until::Decided);
+        let search = mpr::MprSearch::new(m, Until::Decided);
         let dir = search.direction();
         *self = Self::Portal(search);
         Step::Ask(dir)

@@ -69,4 +69,4 @@ pub use scratch::Scratch;
 pub use settings::Settings;
 pub use signed_distance::SignedDistance;
 pub use status::{Overlap, Status};
-pub(crate) use steps::{Query, Suspended};
+pub(crate) use steps::{SteppedQuery, Suspended};

@@ -109,7 +109,7 @@ pub struct RayHit {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings) -> RayHit {
-    let start = Pose::at(ray.origin());
+    let start = Pose::from_checked(ray.origin());
     let found = match ray.motion().path() {
         Some(path) if !(shape.convex_radius() > 0.0) => cast_sharp((shape, &Dot, start), path, settings, None),
         _ => cast(shape, &Dot, start, ray.motion(), settings, &mut Cache::new()),

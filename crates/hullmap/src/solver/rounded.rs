@@ -20,7 +20,7 @@ use glam::DVec3;
 
 use super::cache::Cache;
 use super::distance::{Distance, core_distance};
-use super::line::{Entry, Query};
+use super::line::{Entry, LineQuery};
 use super::queries::{Core, outward, rounded_points, rounding};
 use super::settings::Settings;
 use super::status::Status;
@@ -94,7 +94,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
 
     /// Steps 1 and 2: the length up to which the shapes are certainly separated. `Err` has the
     /// normal of a miss.
-    fn approach(&mut self, first: Sample, query: &Query, cache: &mut Cache) -> Result<Progress, DVec3> {
+    fn approach(&mut self, first: Sample, query: &LineQuery, cache: &mut Cache) -> Result<Progress, DVec3> {
         let mut progress = Progress { lower: 0.0, normal: first.gap.normal, sample: first };
         for _ in 0..query.max_iterations.min(MAX_STEPS) {
             let Progress { lower: at, sample, .. } = &progress;
@@ -123,7 +123,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
 
     /// Step 3: the upper bound of the entry, and the cores there if it is certain that the shapes
     /// meet up to there.
-    fn bracket(&mut self, progress: &mut Progress, query: &Query, cache: &mut Cache) -> (f64, Option<Sample>) {
+    fn bracket(&mut self, progress: &mut Progress, query: &LineQuery, cache: &mut Cache) -> (f64, Option<Sample>) {
         let mut trial = (SHARE * query.tolerance).max(4.0 * progress.sample.error);
         for _ in 0..MAX_TRIALS {
             let at = progress.lower + trial;
@@ -149,7 +149,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
         (self.end.max(progress.lower), None)
     }
 
-    fn find(&mut self, radii: [f64; 2], query: &Query, cache: &mut Cache) -> Entry {
+    fn find(&mut self, radii: [f64; 2], query: &LineQuery, cache: &mut Cache) -> Entry {
         let first = self.sample(0.0, cache);
         if first.upper < 0.0 {
             let points = rounded_points(&first.gap, radii);
@@ -204,7 +204,7 @@ struct Progress {
 pub(super) fn enter_rounded<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     radii: [f64; 2],
-    query: &Query,
+    query: &LineQuery,
     cache: &mut Cache,
 ) -> (Entry, u32) {
     let radius = radii[0] + radii[1];

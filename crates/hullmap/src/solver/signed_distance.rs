@@ -78,7 +78,7 @@ pub fn signed_distance<S: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Result<SignedDistance, VectorError> {
-    let place = Pose::at(checked("point", point)?);
+    let place = Pose::from_checked(checked("point", point)?);
     let outside = distance(shape, &Dot, place, settings, cache);
     let mut found = SignedDistance {
         status: outside.status,

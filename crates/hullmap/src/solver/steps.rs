@@ -22,13 +22,13 @@ pub(crate) enum Step<T> {
 }
 
 /// A query of two shapes without convex radii, in steps.
-pub(crate) trait Query<A: ?Sized, B: ?Sized>: Sized {
+pub(crate) trait SteppedQuery<A: ?Sized, B: ?Sized>: Sized {
     /// What the query needs to know.
     type Settings;
     /// What it returns.
     type Answer;
     /// Memory that it uses until it has ended.
-    type Room: Default;
+    type Workspace: Default;
 
     /// The query before its first step.
     fn new() -> Self;
@@ -39,7 +39,7 @@ pub(crate) trait Query<A: ?Sized, B: ?Sized>: Sized {
         m: &mut Minkowski<'_, A, B>,
         settings: &Self::Settings,
         cache: &mut Cache,
-        room: &mut Self::Room,
+        workspace: &mut Self::Workspace,
     ) -> Step<Self::Answer>;
 
     /// The next step, with the support point in the direction requested by the last one. The other
@@ -50,23 +50,23 @@ pub(crate) trait Query<A: ?Sized, B: ?Sized>: Sized {
         m: &mut Minkowski<'_, A, B>,
         settings: &Self::Settings,
         cache: &mut Cache,
-        room: &mut Self::Room,
+        workspace: &mut Self::Workspace,
     ) -> Step<Self::Answer>;
 }
 
 /// Drives a query to its end.
 #[inline(always)]
-pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>>(
+pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery<A, B>>(
     m: &mut Minkowski<'_, A, B>,
     settings: &Q::Settings,
     cache: &mut Cache,
 ) -> Q::Answer {
-    let (mut query, mut room) = (Q::new(), Q::Room::default());
-    let mut step = query.start(m, settings, cache, &mut room);
+    let (mut query, mut workspace) = (Q::new(), Q::Workspace::default());
+    let mut step = query.start(m, settings, cache, &mut workspace);
     loop {
         match step {
             Step::Answer(answer) => return answer,
-            Step::Ask(dir) => step = query.continue_with(m.point(dir), m, settings, cache, &mut room),
+            Step::Ask(dir) => step = query.continue_with(m.point(dir), m, settings, cache, &mut workspace),
         }
     }
 }
@@ -80,7 +80,7 @@ pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized, Q> {
     next: Interrupted,
 }
 
-impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>> Suspended<'s, A, B, Q> {
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery<A, B>> Suspended<'s, A, B, Q> {
     /// Starts a query of `a`, of `b` and of b's pose in a's frame.
     ///
     /// # Errors
@@ -90,10 +90,10 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>> Suspend
         (a, b, b_in_a): (&'s A, &'s B, Pose),
         settings: &Q::Settings,
         cache: &mut Cache,
-        room: &mut Q::Room,
+        workspace: &mut Q::Workspace,
     ) -> Result<Self, Q::Answer> {
         let (mut m, mut query) = (Minkowski::new(a, b, b_in_a), Q::new());
-        match query.start(&mut m, settings, cache, room) {
+        match query.start(&mut m, settings, cache, workspace) {
             Step::Answer(answer) => Err(answer),
             Step::Ask(dir) => {
                 let next = m.start(dir);
@@ -109,14 +109,14 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>> Suspend
         &mut self,
         settings: &Q::Settings,
         cache: &mut Cache,
-        room: &mut Q::Room,
+        workspace: &mut Q::Workspace,
     ) -> Option<Q::Answer> {
         if !self.next.is_ready() {
             self.m.resume(&mut self.next);
             return None;
         }
         let point = self.m.finish(&self.next);
-        match self.query.continue_with(point, &mut self.m, settings, cache, room) {
+        match self.query.continue_with(point, &mut self.m, settings, cache, workspace) {
             Step::Answer(answer) => Some(answer),
             Step::Ask(dir) => {
                 self.next = self.m.start(dir);

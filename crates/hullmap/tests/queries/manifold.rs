@@ -14,7 +14,7 @@ fn prism(n: usize, radius: f64) -> Pack {
     tree_pack(&solids::extrusion(&solids::regular_polygon(n, radius), -1.0, 1.0).vertices)
 }
 
-fn at(x: f64, y: f64, z: f64, rotation: DQuat) -> Pose {
+fn pose_at(x: f64, y: f64, z: f64, rotation: DQuat) -> Pose {
     Pose::new(DVec3::new(x, y, z), rotation).unwrap()
 }
 
@@ -80,7 +80,7 @@ fn face_contacts_span_nearly_the_maximum_area() {
         let (below, above) = (below.hull(0).unwrap(), above.hull(0).unwrap());
         for i in 0..60 {
             let turn = DQuat::from_rotation_z(rng.between(0.0, 6.0));
-            let pose = at(rng.between(-0.9, 0.9), rng.between(-0.9, 0.9), 1.99, turn);
+            let pose = pose_at(rng.between(-0.9, 0.9), rng.between(-0.9, 0.9), 1.99, turn);
             let outline = |n: usize, radius: f64| -> Vec<DVec2> {
                 solids::regular_polygon(n, radius).into_iter().map(DVec2::from_array).collect()
             };
@@ -146,13 +146,13 @@ fn each_pair_of_features_has_the_expected_number_of_points() {
     let (root, third) = (2_f64.sqrt(), 3_f64.sqrt());
     let ball = Sphere::new(0.5).unwrap();
     for (name, shape, pose, count) in [
-        ("face", &cube as &dyn Shape, at(0.0, 0.0, 1.99, up), 4),
-        ("baked face", &baked, at(0.0, 0.0, 1.99, up), 4),
-        ("edge", &cube, at(0.0, 0.0, 0.99 + root, edge), 2),
+        ("face", &cube as &dyn Shape, pose_at(0.0, 0.0, 1.99, up), 4),
+        ("baked face", &baked, pose_at(0.0, 0.0, 1.99, up), 4),
+        ("edge", &cube, pose_at(0.0, 0.0, 0.99 + root, edge), 2),
         (
             "baked edge",
             &baked,
-            at(
+            pose_at(
                 0.0,
                 0.0,
                 0.99 + root,
@@ -160,16 +160,16 @@ fn each_pair_of_features_has_the_expected_number_of_points() {
             ),
             2,
         ),
-        ("vertex", &cube, at(0.0, 0.0, 0.99 + third, vertex), 1),
-        ("sphere", &ball, at(0.0, 0.0, 1.49, up), 1),
-        ("standing capsule", &capsule, at(0.0, 0.0, 2.49, up), 1),
-        ("lying capsule", &capsule, at(0.0, 0.0, 1.49, lie), 2),
-        ("standing cylinder", &cylinder, at(0.0, 0.0, 1.99, up), 4),
-        ("lying cylinder", &cylinder, at(0.0, 0.0, 1.49, lie), 2),
-        ("leaning cylinder", &cylinder, at(0.0, 0.0, 0.99 + 1.5 / root, edge), 1),
-        ("standing cone", &cone, at(0.0, 0.0, 1.99, up), 4),
-        ("cone on its tip", &cone, at(0.0, 0.0, 1.99, lie * lie), 1),
-        ("cone on its side", &cone, at(0.0, 0.0, 0.99 + high, slant), 2),
+        ("vertex", &cube, pose_at(0.0, 0.0, 0.99 + third, vertex), 1),
+        ("sphere", &ball, pose_at(0.0, 0.0, 1.49, up), 1),
+        ("standing capsule", &capsule, pose_at(0.0, 0.0, 2.49, up), 1),
+        ("lying capsule", &capsule, pose_at(0.0, 0.0, 1.49, lie), 2),
+        ("standing cylinder", &cylinder, pose_at(0.0, 0.0, 1.99, up), 4),
+        ("lying cylinder", &cylinder, pose_at(0.0, 0.0, 1.49, lie), 2),
+        ("leaning cylinder", &cylinder, pose_at(0.0, 0.0, 0.99 + 1.5 / root, edge), 1),
+        ("standing cone", &cone, pose_at(0.0, 0.0, 1.99, up), 4),
+        ("cone on its tip", &cone, pose_at(0.0, 0.0, 1.99, lie * lie), 1),
+        ("cone on its side", &cone, pose_at(0.0, 0.0, 0.99 + high, slant), 2),
     ] {
         for swapped in [false, true] {
             let found = if swapped { manifold(shape, &floor, pose.inverse()) } else { manifold(&floor, shape, pose) };
@@ -185,7 +185,7 @@ fn each_pair_of_features_has_the_expected_number_of_points() {
     let crossed = edge.inverse() * DQuat::from_rotation_z(quarter) * edge;
     let crossed = Pose::new(edge.inverse() * (DVec3::Z * (2.0 * root - 0.01)), crossed).unwrap();
     assert_eq!(manifold(&cube, &cube, crossed).points().len(), 1);
-    let found = manifold(&capsule, &capsule, at(0.99, 0.0, 0.5, DQuat::from_rotation_x(1e-3)));
+    let found = manifold(&capsule, &capsule, pose_at(0.99, 0.0, 0.5, DQuat::from_rotation_x(1e-3)));
     assert_eq!(found.points().len(), 2);
     assert!((found.points()[0].point_a.distance(found.points()[1].point_a) - 1.5).abs() < 1e-3, "{found:?}");
 }
@@ -209,7 +209,7 @@ fn nearly_flat_caps_are_one_face() {
         for (name, shape, height, radius) in
             [("hull", &hull as &dyn Shape, 1.0, 1.0), ("rounded", &rounded, 1.25, 1.0), ("scaled", &scaled, 0.5, 0.5)]
         {
-            let found = manifold(&floor, shape, at(0.3, 0.2, 0.99 + height, turn.inverse()));
+            let found = manifold(&floor, shape, pose_at(0.3, 0.2, 0.99 + height, turn.inverse()));
             let flat: Vec<DVec2> = found.points().iter().map(|p| p.point_b.truncate()).collect();
             let outline: Vec<DVec2> = solids::regular_polygon(n, radius).into_iter().map(DVec2::from_array).collect();
             let max_area = max_area_of_four(&outline.iter().copied().step_by(n.div_ceil(100)).collect::<Vec<_>>());
@@ -233,7 +233,7 @@ fn points_persist_with_their_impulses() {
             let t = f64::from(frame) / 60.0;
             let mut slight = || rng.between(-1e-4, 1e-4);
             let rock = DQuat::from_scaled_axis(DVec3::new(slight(), slight(), 0.1 * t));
-            let pose = at(0.5 * t, 0.2 * t, 1.995, rock);
+            let pose = pose_at(0.5 * t, 0.2 * t, 1.995, rock);
             let before: Vec<_> = manifold.points().iter().map(|p| (p.id, p.impulse, p.age)).collect();
             let contact = manifold.update(&floor, &hull, pose, &ManifoldSettings::default(), &mut cache);
             assert!(contact.hit && manifold.points().len() == 4, "{manifold:?}");
@@ -272,7 +272,7 @@ fn gaps_within_the_prediction_keep_the_points() {
     let prediction = settings.prediction.length(cube.outer_radius());
     let mut ages = Vec::new();
     for gap in [-0.01, 0.5 * prediction, -0.01, 0.99 * prediction, 1.01 * prediction, 10.0, -0.01] {
-        let c = manifold.update(&floor, &cube, at(0.2, 0.1, 2.0 + gap, DQuat::IDENTITY), &settings, &mut cache);
+        let c = manifold.update(&floor, &cube, pose_at(0.2, 0.1, 2.0 + gap, DQuat::IDENTITY), &settings, &mut cache);
         assert_eq!(c.hit, gap < 0.0);
         assert_eq!(manifold.points().len(), if gap <= prediction { 4 } else { 0 }, "{gap}: {manifold:?}");
         assert!(manifold.points().iter().all(|p| (p.depth + gap).abs() < 1e-9), "{gap}: {manifold:?}");
@@ -282,7 +282,7 @@ fn gaps_within_the_prediction_keep_the_points() {
     let nothing = [f64::NAN, -1.0, 0.0].into_iter().flat_map(|p| [Prediction::Relative(p), Prediction::Length(p)]);
     for prediction in nothing {
         let none = ManifoldSettings { prediction, ..settings };
-        manifold.update(&floor, &cube, at(0.0, 0.0, 2.0 + 1e-3, DQuat::IDENTITY), &none, &mut cache);
+        manifold.update(&floor, &cube, pose_at(0.0, 0.0, 2.0 + 1e-3, DQuat::IDENTITY), &none, &mut cache);
         assert!(manifold.points().is_empty());
     }
 }
@@ -296,7 +296,7 @@ fn a_prediction_is_a_length() {
         let cube = Cuboid::new(DVec3::splat(half)).unwrap();
         for (gap, count) in [(0.019, 4), (0.021, 0)] {
             let mut manifold = Manifold::new();
-            let pose = at(0.0, 0.0, 1.0 + half + gap, DQuat::IDENTITY);
+            let pose = pose_at(0.0, 0.0, 1.0 + half + gap, DQuat::IDENTITY);
             manifold.update(&floor, &cube, pose, &settings, &mut Cache::new());
             assert_eq!(manifold.points().len(), count, "half edge {half}, gap {gap}");
         }
@@ -310,7 +310,7 @@ fn user_data_stays_with_its_point() {
     let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
     let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
     let settings = ManifoldSettings::default();
-    manifold.update(&floor, &cube, at(0.0, 0.0, 1.99, DQuat::IDENTITY), &settings, &mut cache);
+    manifold.update(&floor, &cube, pose_at(0.0, 0.0, 1.99, DQuat::IDENTITY), &settings, &mut cache);
     for (i, p) in manifold.points_mut().iter_mut().enumerate() {
         assert_eq!(p.user_data, 0);
         p.user_data = 10 + i as u64;
@@ -318,7 +318,7 @@ fn user_data_stays_with_its_point() {
     let before: Vec<_> = manifold.points().iter().map(|p| (p.id, p.user_data)).collect();
     for step in 1..20 {
         let turn = DQuat::from_rotation_z(0.002 * f64::from(step));
-        manifold.update(&floor, &cube, at(0.01 * f64::from(step), 0.0, 1.99, turn), &settings, &mut cache);
+        manifold.update(&floor, &cube, pose_at(0.01 * f64::from(step), 0.0, 1.99, turn), &settings, &mut cache);
         assert_eq!(manifold.points().len(), 4);
         for p in manifold.points() {
             assert!(before.contains(&(p.id, p.user_data)), "{} has {}", p.id, p.user_data);
@@ -441,12 +441,12 @@ fn flat_thin_and_featureless_shapes_have_manifolds() {
     );
     let edge = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     for (name, shape, pose, count) in [
-        ("sheet", &sheet as &dyn Shape, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
-        ("sheet on its edge", &sheet, at(0.0, 0.0, 1.99, edge), 2),
-        ("stick", &stick, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 2),
-        ("stick on its end", &stick, at(0.0, 0.0, 1.99, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2)), 1),
-        ("dot", &dot, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 1),
-        ("cloud", &cloud, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
+        ("sheet", &sheet as &dyn Shape, pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
+        ("sheet on its edge", &sheet, pose_at(0.0, 0.0, 1.99, edge), 2),
+        ("stick", &stick, pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 2),
+        ("stick on its end", &stick, pose_at(0.0, 0.0, 1.99, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2)), 1),
+        ("dot", &dot, pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 1),
+        ("cloud", &cloud, pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
     ] {
         for swapped in [false, true] {
             let found = if swapped { manifold(shape, &floor, pose.inverse()) } else { manifold(&floor, shape, pose) };
@@ -456,7 +456,7 @@ fn flat_thin_and_featureless_shapes_have_manifolds() {
         }
     }
     // The sheet hangs over the edge of the floor, which supports only a part of it.
-    let found = manifold(&floor, &sheet, at(5.5, 0.0, 0.99, DQuat::IDENTITY));
+    let found = manifold(&floor, &sheet, pose_at(5.5, 0.0, 0.99, DQuat::IDENTITY));
     assert!(found.points().iter().all(|p| p.point_a.x <= 5.0 + 1e-5) && found.points().len() == 4, "{found:?}");
     let reach = found.points().iter().map(|p| p.point_a.x).fold(f64::NEG_INFINITY, f64::max);
     assert!((reach - 5.0).abs() < 1e-5);
@@ -478,7 +478,7 @@ fn points_are_not_beyond_sharp_corners() {
         let [a, b] = [round % 3, round / 3 % 3].map(|i| packs[i].hull(0).unwrap());
         let apart = [1e-7, 1e-6, 1e-5, 1e-3][rng.below(4)];
         let [x, y] = [0, 1].map(|_| rng.between(-apart, apart));
-        let pose = at(x, y, 0.1999, DQuat::from_rotation_z(rng.between(0.0, 6.3)));
+        let pose = pose_at(x, y, 0.1999, DQuat::from_rotation_z(rng.between(0.0, 6.3)));
         for p in manifold(&a, &b, pose).points() {
             let off = [height_over_faces(&a, p.point_a), height_over_faces(&b, p.local_b)];
             assert!(off.iter().all(|off| off.abs() <= 2e-6), "{round}, {pose:?}: {off:?}, {p:?}");

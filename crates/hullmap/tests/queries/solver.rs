@@ -122,7 +122,7 @@ fn random_pairs_against_brute_force() {
     assert_eq!(converged, PAIRS - hits, "distances that did not converge");
 }
 
-fn at(x: f64, y: f64, z: f64) -> Pose {
+fn pose_at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
@@ -216,7 +216,7 @@ fn zero_iterations_give_the_contact_of_the_paper() {
     // A valid upper bound, but not the depth: the centre ray leaves the long box through its end.
     let (long, cube) = (Cuboid(DVec3::new(20.0, 1.0, 1.0)), Cuboid(DVec3::ONE));
     let settings = Settings { max_iterations: 0, ..Settings::default() };
-    let pose = at(15.0, 1.5, 0.3);
+    let pose = pose_at(15.0, 1.5, 0.3);
     let paper = contact(&long, &cube, pose, &settings, &mut Cache::new());
     assert!(paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12, "{paper:?}");
     let mut rng = SplitMix64::new(SEED + 2);
@@ -239,7 +239,7 @@ fn zero_iterations_give_the_contact_of_the_paper() {
 #[test]
 fn iteration_limit_is_a_status_and_the_interval_holds() {
     let mut rng = SplitMix64::new(SEED + 4);
-    let (mut hits, mut capped, mut misses, mut far_capped) = (0, 0, 0, 0);
+    let (mut hits, mut limited, mut misses, mut far_limited) = (0, 0, 0, 0);
     for _ in 0..200 {
         let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let pose = rng.pose(2.0);
@@ -249,20 +249,20 @@ fn iteration_limit_is_a_status_and_the_interval_holds() {
             let c = contact(&a, &b, pose, &settings, &mut Cache::new());
             if truth > TRUTH_ERROR {
                 hits += 1;
-                capped += usize::from(c.status == Status::IterationLimit);
+                limited += usize::from(c.status == Status::IterationLimit);
                 assert!(c.hit && c.depth_lower <= truth + TRUTH_ERROR, "{truth} {c:?}");
                 assert!(truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0, "{truth} {c:?}");
             } else {
                 let gap = distance_apart(&a, &b, pose);
                 let d = distance(&a, &b, pose, &settings, &mut Cache::new());
                 misses += 1;
-                far_capped += usize::from(d.status == Status::IterationLimit);
+                far_limited += usize::from(d.status == Status::IterationLimit);
                 assert!(d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR, "{gap} {d:?}");
                 assert!(d.upper < 10.0, "{d:?}");
             }
         }
     }
-    assert!(capped * 2 > hits && far_capped * 4 > misses, "{capped} of {hits}, {far_capped} of {misses}");
+    assert!(limited * 2 > hits && far_limited * 4 > misses, "{limited} of {hits}, {far_limited} of {misses}");
 }
 
 /// More iterations only narrow the interval, and it always contains the depth.

@@ -207,7 +207,7 @@ fn an_unreachable_server_is_an_error_or_a_warning() {
 }
 
 #[test]
-fn poisoned_results_are_refused() {
+fn poisoned_results_are_rejected() {
     let setup = Setup::new();
     setup.build("one", "").expect(0);
     let folder = setup.folder.path().join("one");
@@ -287,7 +287,7 @@ fn files_that_were_removed_from_the_store_are_baked_again() {
 
 /// A pack with the right header and a correct checksum, but the hull of another mesh.
 #[test]
-fn a_pack_with_the_right_header_and_wrong_hulls_is_refused_with_verify() {
+fn a_pack_with_the_right_header_and_wrong_hulls_is_rejected_with_verify() {
     let setup = Setup::new();
     setup.build("one", "").expect(0);
     let folder = setup.folder.path().join("one");

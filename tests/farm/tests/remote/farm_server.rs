@@ -52,14 +52,14 @@ pub struct State {
     /// Headers of the last request.
     pub headers: BTreeMap<String, String>,
     /// Attack that it makes.
-    pub malice: Option<Malice>,
+    pub fault: Option<Fault>,
     /// A file that somebody overwrites while a result is looked up, and with what.
     pub edit: Option<(PathBuf, String)>,
 }
 
 /// Attack of a hostile server.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Malice {
+pub enum Fault {
     /// Downloads that are streamed repeat these bytes for ever; if there are none, they never
     /// begin.
     EndlessBlob(Vec<u8>),
@@ -253,8 +253,8 @@ impl ActionCache for Farm {
             std::fs::write(path, text).expect("the file can be written");
         }
         let hash = request.into_inner().action_digest.unwrap_or_default().hash;
-        let missing = || match state.malice {
-            Some(Malice::BrokenDetails) => {
+        let missing = || match state.fault {
+            Some(Fault::BrokenDetails) => {
                 let mut headers = HeaderMap::new();
                 headers.insert("grpc-status-details-bin", "no Base64!".parse().expect("a header"));
                 Status::with_metadata(Code::NotFound, "no result", MetadataMap::from_headers(headers))
@@ -289,7 +289,7 @@ impl ContentAddressableStorage for Farm {
         let mut state = self.state();
         state.count("FindMissingBlobs", request.metadata())?;
         let mut digests = request.into_inner().blob_digests;
-        if state.malice == Some(Malice::HugeAnswer) {
+        if state.fault == Some(Fault::HugeAnswer) {
             digests = vec![api::Digest { hash: "0".repeat(64), size_bytes: 1 }; 300_000];
         }
         let missing_blob_digests =
@@ -377,7 +377,7 @@ impl ByteStream for Farm {
     async fn read(&self, request: Request<stream::ReadRequest>) -> Result<Response<Self::ReadStream>, Status> {
         let mut state = self.state();
         state.count("Read", request.metadata())?;
-        if let Some(Malice::EndlessBlob(data)) = state.malice.clone() {
+        if let Some(Fault::EndlessBlob(data)) = state.fault.clone() {
             if data.is_empty() {
                 return Ok(Response::new(Box::pin(tokio_stream::pending())));
             }
@@ -439,7 +439,7 @@ impl Execution for Farm {
             state.broken_streams -= 1;
             return Ok(Response::new(Box::pin(tokio_stream::iter([Ok(begun)]))));
         }
-        if state.malice == Some(Malice::EndlessAction) {
+        if state.fault == Some(Fault::EndlessAction) {
             return Ok(Response::new(Box::pin(tokio_stream::iter(std::iter::repeat_with(move || Ok(begun.clone()))))));
         }
         let done = run(&mut state, &digest, name);

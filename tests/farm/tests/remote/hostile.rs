@@ -9,7 +9,7 @@ use hullmap_remote::{Blob, Client, Digest, Settings};
 use hullmap_tests::outside::contents;
 
 use crate::build::{Setup, count};
-use crate::farm_server::{FarmServer, Malice};
+use crate::farm_server::{FarmServer, Fault};
 use crate::run;
 
 /// The pack whose entry the tests change.
@@ -100,7 +100,7 @@ fn numbers_of_outputs_are_bounded() {
 }
 
 #[test]
-fn invalid_rows_are_refused() {
+fn invalid_rows_are_rejected() {
     let setup = warm();
     let honest = setup.server.state.lock().unwrap().results.clone();
     let nested = format!(r#"{{"source":{}"#, "[".repeat(100_000));
@@ -164,16 +164,16 @@ fn text_from_workers_is_bounded_and_escaped() {
 #[test]
 fn an_invalid_base64_header_does_not_end_the_program() {
     let setup = Setup::new();
-    setup.server.state.lock().unwrap().malice = Some(Malice::BrokenDetails);
+    setup.server.state.lock().unwrap().fault = Some(Fault::BrokenDetails);
     let run = setup.build("one", "").expect(0);
     assert!(!run.stderr.contains("panicked"), "{}", run.stderr);
     setup.assert_equal("one");
 }
 
 #[test]
-fn huge_answers_are_refused() {
+fn huge_answers_are_rejected() {
     let setup = Setup::new();
-    setup.server.state.lock().unwrap().malice = Some(Malice::HugeAnswer);
+    setup.server.state.lock().unwrap().fault = Some(Fault::HugeAnswer);
     let run = setup.build("one", "").expect(1);
     assert!(run.stderr.contains("length too large"), "{}", run.stderr);
 }
@@ -181,7 +181,7 @@ fn huge_answers_are_refused() {
 #[test]
 fn an_action_without_end_is_given_up() {
     let setup = Setup::new();
-    setup.server.state.lock().unwrap().malice = Some(Malice::EndlessAction);
+    setup.server.state.lock().unwrap().fault = Some(Fault::EndlessAction);
     let run = setup.build("one", "--remote-timeout 2").expect(2);
     assert!(run.stderr.contains("did not end in time"), "{}", run.stderr);
     let local = setup.build("one", "--remote-timeout 2 --remote-fallback").expect(0);
@@ -201,7 +201,7 @@ fn a_download_without_end_is_given_up() {
     let digest = Digest::new(&"0".repeat(64), 10 << 20).unwrap();
     let fetch = || client.fetch(std::slice::from_ref(&digest), 1 << 30).unwrap_err().to_string();
     for (data, reason) in [(Vec::new(), "no answer in time"), (vec![7; 100_000], "more bytes than its digest says")] {
-        server.state.lock().unwrap().malice = Some(Malice::EndlessBlob(data));
+        server.state.lock().unwrap().fault = Some(Fault::EndlessBlob(data));
         assert!(fetch().contains(reason), "{}", fetch());
     }
     assert!(server.requests("Read") >= 3);

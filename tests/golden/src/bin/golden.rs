@@ -8,7 +8,7 @@ const HELP: &str = "Compares the golden hashes of packs and answers with what th
 
 Usage: golden [--renew [--unreleased]] [--threads N]
 
-  --renew       Write the computed hashes. Refused if packs of the same format version changed
+  --renew       Write the computed hashes. Rejected if packs of the same format version changed
   --unreleased  With --renew: accept changed packs, because the format version was never released
   --threads N   Number of threads for bakes and queries [default: all processors]
 

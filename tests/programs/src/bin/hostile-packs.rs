@@ -142,7 +142,7 @@ fn try_series(subject: &Subject, series: Series, count: usize, arguments: &Argum
     trial::run(&format!("{series:?}, {}", subject.sample.name), &indices, arguments.threads, |index, file| {
         subject.change(series, index, file);
         let Ok(pack) = Pack::from_bytes(file) else { return false };
-        assert!(!series.is_always_refused(), "a file that must be refused opened");
+        assert!(!series.is_always_rejected(), "a file that must be rejected opened");
         inquiry.run(&pack);
         true
     })

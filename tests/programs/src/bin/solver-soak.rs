@@ -65,7 +65,7 @@ fn main() -> ExitCode {
         }
     };
     let stock = Stock::bake(&clouds, stride);
-    stock.refused.iter().for_each(|refused| eprintln!("refused by the baker: {refused}"));
+    stock.rejected.iter().for_each(|rejected| eprintln!("rejected by the baker: {rejected}"));
     let bodies = Bodies::new(&stock);
     eprintln!("bodies: {:?}", bodies.counts);
     let (start, end) = (Instant::now(), first.saturating_add(pairs));

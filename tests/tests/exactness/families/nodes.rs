@@ -40,7 +40,7 @@ pub struct Counts {
 
 impl Counts {
     /// The count of this kind of slot.
-    fn of(&mut self, slot: Slot) -> &mut usize {
+    fn count_mut(&mut self, slot: Slot) -> &mut usize {
         match slot {
             Slot::Branch(_) => &mut self.branches,
             Slot::Plane(_) => &mut self.planes,
@@ -99,7 +99,7 @@ impl Words {
             (0..6).map(|face| (self.slots[face], face as u32, [0; 2], 0)).collect();
         while let Some((word, face, at, bits)) = pending.pop() {
             let slot = Slot::decode(word);
-            *counts.of(slot) += 1;
+            *counts.count_mut(slot) += 1;
             if let Slot::Branch(payload) = slot {
                 let branch = Branch::decode(payload);
                 let (side, taken) = (1_u32 << branch.bits, bits + branch.bits);
@@ -139,7 +139,7 @@ impl Words {
         let (mut at, mut path) = (cell.face as usize, descent::path(cell));
         loop {
             let slot = Slot::decode(self.slots[at]);
-            *counts.of(slot) += 1;
+            *counts.count_mut(slot) += 1;
             let node = Node::below(slot, self.kind.branches(), &self.slots[..]);
             match node.and_then(|node| descent::child(&self.slots[..], node, path, d.to_array())) {
                 Some(next) => (at, path) = next,

@@ -11,7 +11,7 @@ impl Bits {
     }
 
     /// The set of `numbers`, which are below `size`.
-    pub fn of(size: usize, numbers: &[u32]) -> Self {
+    pub fn from_numbers(size: usize, numbers: &[u32]) -> Self {
         let mut bits = Self::new(size);
         numbers.iter().for_each(|i| bits.insert(*i as usize));
         bits

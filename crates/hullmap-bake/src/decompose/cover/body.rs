@@ -6,9 +6,8 @@
 use glam::DVec3;
 
 use crate::hull::{
-    polygon,
+    polygon, quickhull,
     rank::{Simplex, spanning_simplex},
-    solid,
 };
 
 /// Thickness of flat trial bodies, relative to the diagonal.
@@ -82,7 +81,7 @@ impl Body {
     }
 
     fn add_faces(&mut self, points: &[DVec3], simplex: [usize; 4]) {
-        let facets = solid::hull(points, simplex);
+        let facets = quickhull::hull(points, simplex);
         let mut used = vec![false; points.len()];
         for facet in &facets {
             let at = |i: usize| points[facet[i] as usize];

@@ -14,7 +14,7 @@ pub fn choose(sets: &[&Bits], cost: &[f64], size: usize, steps: usize) -> Vec<us
     for (s, list) in lists.iter().enumerate() {
         list.iter().for_each(|i| holders[*i as usize].push(s as u32));
     }
-    let mut search = Search {
+    let mut search = SetCoverSearch {
         lists: &lists,
         is_in: vec![false; sets.len()],
         count: vec![0; size],
@@ -77,7 +77,7 @@ pub fn choose(sets: &[&Bits], cost: &[f64], size: usize, steps: usize) -> Vec<us
     best
 }
 
-struct Search<'a> {
+struct SetCoverSearch<'a> {
     lists: &'a [Vec<u32>],
     is_in: Vec<bool>,
     /// Number of chosen sets that cover each number.
@@ -88,7 +88,7 @@ struct Search<'a> {
     uncovered: usize,
 }
 
-impl Search<'_> {
+impl SetCoverSearch<'_> {
     fn gain(&self, set: usize) -> u64 {
         self.lists[set].iter().filter(|i| self.count[**i as usize] == 0).map(|i| self.weight[*i as usize]).sum()
     }

@@ -69,7 +69,7 @@ impl<'a> Field<'a> {
                 for x in first[0]..=last[0] {
                     let centre = self.low + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) * self.step;
                     if normal.dot(centre - *a).abs() <= reach {
-                        let at = self.at([x, y, z]);
+                        let at = self.cell_index([x, y, z]);
                         self.labels[at] = MIXED;
                     }
                 }
@@ -82,12 +82,12 @@ impl<'a> Field<'a> {
         for z in 0..self.size[2] {
             for y in 0..self.size[1] {
                 for x in 0..self.size[0] {
-                    if self.labels[self.at([x, y, z])] != UNKNOWN {
+                    if self.labels[self.cell_index([x, y, z])] != UNKNOWN {
                         continue;
                     }
                     let centre = self.low + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) * self.step;
                     let label = if self.solid.is_inside(centre) { INSIDE } else { OUTSIDE };
-                    let at = self.at([x, y, z]);
+                    let at = self.cell_index([x, y, z]);
                     self.labels[at] = label;
                     stack.push([x, y, z]);
                     while let Some(cell) = stack.pop() {
@@ -98,7 +98,7 @@ impl<'a> Field<'a> {
                                 }
                                 let mut next = cell;
                                 next[axis] = other;
-                                let at = self.at(next);
+                                let at = self.cell_index(next);
                                 if self.labels[at] == UNKNOWN {
                                     self.labels[at] = label;
                                     stack.push(next);
@@ -116,7 +116,7 @@ impl<'a> Field<'a> {
         [0, 1, 2].map(|axis| (q[axis].max(0.0) as usize).min(self.size[axis] - 1))
     }
 
-    fn at(&self, [x, y, z]: [usize; 3]) -> usize {
+    fn cell_index(&self, [x, y, z]: [usize; 3]) -> usize {
         (z * self.size[1] + y) * self.size[0] + x
     }
 
@@ -208,7 +208,7 @@ impl<'a> Field<'a> {
         }
         let q = (p - self.low) / self.step;
         let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
-        if is_in_grid { self.labels[self.at(self.cell(p))] } else { OUTSIDE }
+        if is_in_grid { self.labels[self.cell_index(self.cell(p))] } else { OUTSIDE }
     }
 
     /// The solid.

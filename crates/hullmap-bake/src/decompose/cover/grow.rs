@@ -19,8 +19,8 @@ use super::body::{Body, THICKNESS, separation};
 use super::cells::{self, Cell};
 use super::field::Field;
 
-/// Data shared by all growths: the cells, their neighbours, and the solid.
-pub struct Ground<'a> {
+/// The cells of a cover and their neighbours, with the solid: shared by all growths.
+pub struct CellGraph<'a> {
     /// The cells.
     pub cells: &'a [Cell],
     /// For each cell, the cells whose boxes are within the limit of its box, along each axis.
@@ -59,7 +59,7 @@ const MAX_REPAIRS: usize = 12;
 /// Number of points after which those inside the hull are dropped.
 const CROWD: usize = 96;
 
-impl<'a> Ground<'a> {
+impl<'a> CellGraph<'a> {
     /// Finds the neighbours of all cells.
     pub fn new(cells: &'a [Cell], field: &'a Field<'a>, limit: f64, diagonal: f64) -> Self {
         let mut order: Vec<u32> = (0..cells.len() as u32).collect();
@@ -221,7 +221,7 @@ impl<'a> Ground<'a> {
 
 /// A part while it grows.
 struct Growth<'a> {
-    ground: &'a Ground<'a>,
+    graph: &'a CellGraph<'a>,
     members: Vec<u32>,
     rejected: Vec<u32>,
     points: Vec<DVec3>,
@@ -239,9 +239,9 @@ struct Growth<'a> {
 }
 
 impl<'a> Growth<'a> {
-    fn new(ground: &'a Ground<'a>) -> Self {
+    fn new(graph: &'a CellGraph<'a>) -> Self {
         Self {
-            ground,
+            graph,
             members: Vec::new(),
             rejected: Vec::new(),
             points: Vec::new(),
@@ -257,7 +257,7 @@ impl<'a> Growth<'a> {
 
     /// The hull of all points. Points inside are dropped.
     fn tighten(&mut self) {
-        self.shell = self.ground.body(&self.points);
+        self.shell = self.graph.body(&self.points);
         self.points.clone_from(&self.shell.points);
         self.crowd = CROWD.max(2 * self.points.len());
     }
@@ -277,7 +277,7 @@ impl<'a> Growth<'a> {
     /// Adds points of cells, and extends the box.
     fn collect(&mut self, cells: &[u32]) {
         for cell in cells {
-            let cell = &self.ground.cells[*cell as usize];
+            let cell = &self.graph.cells[*cell as usize];
             self.points.extend_from_slice(&cell.few);
             (self.low, self.high) = (self.low.min(cell.low), self.high.max(cell.high));
         }
@@ -286,7 +286,7 @@ impl<'a> Growth<'a> {
     /// Finds a plane between all points, which lie in a box, and a forbidden point. Returns whether
     /// there is one.
     fn separate(&mut self, i: usize, f: DVec3, low: DVec3, high: DVec3) -> bool {
-        let margin = self.ground.margin();
+        let margin = self.graph.margin();
         // A side of the box.
         let (below, above) = (low - f, f - high);
         if below.max(above).max_element() > 2.0 * margin {
@@ -313,8 +313,8 @@ impl<'a> Growth<'a> {
     /// Adds a cell, unless the hull would contain a forbidden point.
     fn join(&mut self, cell: u32, forbidden: &[DVec3]) -> bool {
         self.apart.resize(forbidden.len());
-        let ground = self.ground;
-        let new = &ground.cells[cell as usize];
+        let graph = self.graph;
+        let new = &graph.cells[cell as usize];
         let (low, high) = (self.low.min(new.low), self.high.max(new.high));
         let count = self.points.len();
         self.points.extend(new.few.iter().filter(|p| !self.shell.holds(**p, 0.0)));
@@ -379,7 +379,7 @@ struct Planes {
 }
 
 /// Number of planes that are tested at once.
-const LANES: usize = 8;
+const AT_ONCE: usize = 8;
 
 impl Planes {
     fn resize(&mut self, count: usize) {
@@ -406,16 +406,16 @@ impl Planes {
         let is_below =
             |i: usize| self.x[i] * centre.x + self.y[i] * centre.y + self.z[i] * centre.z + radius < self.offset[i];
         let count = self.offset.len();
-        let whole = count - count % LANES;
-        for first in (0..whole).step_by(LANES) {
-            let (x, y) = (&self.x[first..first + LANES], &self.y[first..first + LANES]);
-            let (z, offset) = (&self.z[first..first + LANES], &self.offset[first..first + LANES]);
-            let mut least = [0.0; LANES];
-            for k in 0..LANES {
+        let whole = count - count % AT_ONCE;
+        for first in (0..whole).step_by(AT_ONCE) {
+            let (x, y) = (&self.x[first..first + AT_ONCE], &self.y[first..first + AT_ONCE]);
+            let (z, offset) = (&self.z[first..first + AT_ONCE], &self.offset[first..first + AT_ONCE]);
+            let mut least = [0.0; AT_ONCE];
+            for k in 0..AT_ONCE {
                 least[k] = offset[k] - (x[k] * centre.x + y[k] * centre.y + z[k] * centre.z + radius);
             }
             if least.iter().any(|room| !(*room > 0.0)) {
-                found.extend((first..first + LANES).filter(|i| !is_below(*i)).map(|i| i as u32));
+                found.extend((first..first + AT_ONCE).filter(|i| !is_below(*i)).map(|i| i as u32));
             }
         }
         found.extend((whole..count).filter(|i| !is_below(*i)).map(|i| i as u32));

@@ -52,7 +52,7 @@ use body::{Body, THICKNESS};
 use cells::Cutting;
 pub use deadline::Deadline;
 use field::Field;
-use grow::{Candidate, Ground};
+use grow::{Candidate, CellGraph};
 use wrap::Bounds;
 
 use crate::{PointSet, hull::Hull, parts::solid::Solid, progress::Stage, simplify};
@@ -106,7 +106,7 @@ const FORBIDDEN: f64 = 3000.0;
 const MAX_SPLITS: usize = 6;
 
 /// Distance by which a refuted point is moved into its part, relative to the diagonal.
-const INTO: f64 = 1e-5;
+const INWARD_SHIFT: f64 = 1e-5;
 
 /// Directions of the sweeps, none along an axis, so that few cells are at the same height.
 const SWEEPS: [[f64; 3]; 5] =
@@ -126,7 +126,7 @@ const REGROWN: f64 = 0.8;
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
-pub struct Search<'a> {
+pub struct CoverLimits<'a> {
     /// Maximum protrusion of a part, above 0.
     pub limit: f64,
     /// Maximum number of vertices of a part.
@@ -137,7 +137,7 @@ pub struct Search<'a> {
     pub stage: Stage<'a>,
 }
 
-impl Search<'_> {
+impl CoverLimits<'_> {
     fn bounds(&self, diagonal: f64) -> Bounds<'_> {
         let Self { limit, max_vertices, deadline, stage } = *self;
         Bounds { limit, max_vertices, diagonal, deadline, stage }
@@ -155,7 +155,7 @@ impl Search<'_> {
 /// part is one thickened polygon of the surface. When the deadline passes, the parts chosen so far
 /// are returned, and the bound of those that are not proven is infinite; `None` if they do not
 /// contain the surface yet.
-pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull, f64)>> {
+pub fn search(mesh: &PointSet, solid: &Solid, what: &CoverLimits) -> Option<Vec<(Hull, f64)>> {
     let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
     let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
     let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
@@ -171,10 +171,10 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
     // Points that are too far for one attempt are too far for the next, which has a lower limit.
     let mut known: Vec<DVec3> = Vec::new();
     for (index, reserve) in RESERVES.into_iter().enumerate() {
-        let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
+        let graph = CellGraph::new(&cells, &field, what.limit * reserve, diagonal);
         let is_last = index + 1 == RESERVES.len();
-        let what = &Search { stage: what.stage.from_to(ATTEMPTS[index], ATTEMPTS[index + 1]), ..*what };
-        let Some(attempt) = cover(&ground, &triangles, what, is_last, &mut known) else { break };
+        let what = &CoverLimits { stage: what.stage.from_to(ATTEMPTS[index], ATTEMPTS[index + 1]), ..*what };
+        let Some(attempt) = cover(&graph, &triangles, what, is_last, &mut known) else { break };
         let accepted = ((ACCEPTED * attempt.hoped as f64) as usize).max(attempt.hoped + 1);
         if attempt.is_probe {
             continue;
@@ -183,7 +183,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
             failed.push((attempt.least(), reserve, attempt));
             continue;
         }
-        let found = attempt.finished(&ground, what);
+        let found = attempt.finished(&graph, what);
         let is_good = found.len() <= accepted;
         if best.as_ref().is_none_or(|best| found.len() < best.len()) {
             best = Some(found);
@@ -196,8 +196,8 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
     failed.sort_by_key(|(least, ..)| *least);
     for (least, reserve, attempt) in failed {
         if best.as_ref().is_none_or(|best| least < best.len() && !what.is_over()) {
-            let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
-            let found = attempt.finished(&ground, what);
+            let graph = CellGraph::new(&cells, &field, what.limit * reserve, diagonal);
+            let found = attempt.finished(&graph, what);
             if best.as_ref().is_none_or(|best| found.len() < best.len()) {
                 best = Some(found);
             }
@@ -230,13 +230,13 @@ impl Attempt {
     }
 
     /// Proven hulls: a part whose proof failed is split.
-    fn finished(self, ground: &Ground, what: &Search) -> Vec<(Hull, f64)> {
-        let bounds = what.bounds(ground.diagonal);
+    fn finished(self, graph: &CellGraph, what: &CoverLimits) -> Vec<(Hull, f64)> {
+        let bounds = what.bounds(graph.diagonal);
         let finished: Vec<Vec<(Hull, f64)>> = self
             .parts
             .into_par_iter()
             .map(|(members, outcome)| {
-                outcome.map_or_else(|_| split(ground, members, &bounds, self.forbidden.clone()), |part| vec![part])
+                outcome.map_or_else(|_| split(graph, members, &bounds, self.forbidden.clone()), |part| vec![part])
             })
             .collect();
         finished.concat()
@@ -248,16 +248,16 @@ impl Attempt {
 ///
 /// Forbidden points that are `known` are used, and those that are found are added to them.
 fn cover(
-    ground: &Ground,
+    graph: &CellGraph,
     triangles: &[[DVec3; 3]],
-    what: &Search,
+    what: &CoverLimits,
     is_last: bool,
     known: &mut Vec<DVec3>,
 ) -> Option<Attempt> {
-    let cells = ground.cells;
-    let mut forbidden = forbidden(triangles, ground);
+    let cells = graph.cells;
+    let mut forbidden = forbidden(triangles, graph);
     let start = forbidden.len();
-    forbid(&mut forbidden, known, ground);
+    forbid(&mut forbidden, known, graph);
     let mut pool: Vec<Candidate> = Vec::new();
     for (phase, sweeps) in [&SWEEPS[..PROBED], &SWEEPS[PROBED..]].into_iter().enumerate() {
         if phase > 0 && what.is_over() {
@@ -265,20 +265,20 @@ fn cover(
         }
         let count = forbidden.len();
         let stage = what.stage.from_to(SWEPT[phase], SWEPT[phase + 1]);
-        let what = &Search { stage, ..*what };
+        let what = &CoverLimits { stage, ..*what };
         let swept: Vec<Swept> = sweeps
             .par_iter()
-            .map(|direction| sweep(ground, DVec3::from_array(*direction), forbidden.clone(), what))
+            .map(|direction| sweep(graph, DVec3::from_array(*direction), forbidden.clone(), what))
             .collect();
         if phase == 0 && !swept.iter().any(|swept| swept.is_complete) {
             return None;
         }
         for Swept { found, forbidden: points, .. } in swept {
-            forbid(&mut forbidden, points.get(count..).unwrap_or_default(), ground);
+            forbid(&mut forbidden, points.get(count..).unwrap_or_default(), graph);
             found.into_iter().for_each(|candidate| add(&mut pool, candidate));
         }
         if phase == 0 && !is_last && !what.is_over() {
-            let attempt = probe(ground, &pool, what);
+            let attempt = probe(graph, &pool, what);
             if attempt.fails() as f64 > HOPELESS * attempt.parts.len() as f64 && !what.is_over() {
                 known.clear();
                 known.extend_from_slice(forbidden.get(start..).unwrap_or_default());
@@ -286,18 +286,18 @@ fn cover(
             }
         }
     }
-    let mut chosen = choose(ground, &pool);
+    let mut chosen = choose(graph, &pool);
     for round in 0..MAX_ROUNDS {
         if what.is_over() || cells.len() > MAX_REGROWN {
             break;
         }
         let [from, to] = [round, round + 1].map(|k| SWEPT[2] + (REGROWN - SWEPT[2]) * k as f64 / MAX_ROUNDS as f64);
         let stage = what.stage.from_to(from, to);
-        for (candidate, points) in regrow(ground, &pool, &chosen, &forbidden, &Search { stage, ..*what }) {
-            forbid(&mut forbidden, &points, ground);
+        for (candidate, points) in regrow(graph, &pool, &chosen, &forbidden, &CoverLimits { stage, ..*what }) {
+            forbid(&mut forbidden, &points, graph);
             add(&mut pool, candidate);
         }
-        let better = choose(ground, &pool);
+        let better = choose(graph, &pool);
         let is_done = better.len() >= chosen.len() && round > 0;
         if better.len() <= chosen.len() {
             chosen = better;
@@ -306,22 +306,22 @@ fn cover(
             break;
         }
     }
-    let what = &Search { stage: what.stage.from_to(REGROWN, 1.0), ..*what };
-    let attempt = prove(ground, pool, chosen, forbidden, what, is_last);
+    let what = &CoverLimits { stage: what.stage.from_to(REGROWN, 1.0), ..*what };
+    let attempt = prove(graph, pool, chosen, forbidden, what, is_last);
     known.clear();
     known.extend_from_slice(attempt.forbidden.get(start..).unwrap_or_default());
     Some(attempt)
 }
 
 /// The largest of the parts that a few sweeps found, and their proofs.
-fn probe(ground: &Ground, pool: &[Candidate], what: &Search) -> Attempt {
-    let chosen = choose(ground, pool);
-    let mut parts = shrink(ground, pool, &chosen);
+fn probe(graph: &CellGraph, pool: &[Candidate], what: &CoverLimits) -> Attempt {
+    let chosen = choose(graph, pool);
+    let mut parts = shrink(graph, pool, &chosen);
     parts.sort_by_key(|part| std::cmp::Reverse(part.members.len()));
     parts.truncate(PROBES);
-    let bounds = what.bounds(ground.diagonal);
+    let bounds = what.bounds(graph.diagonal);
     let proven = |part: Candidate| {
-        let outcome = finish(ground, &part.points, &bounds);
+        let outcome = finish(graph, &part.points, &bounds);
         (part.members, outcome)
     };
     Attempt {
@@ -333,8 +333,8 @@ fn probe(ground: &Ground, pool: &[Candidate], what: &Search) -> Attempt {
 }
 
 /// Adds forbidden points, unless others are close.
-fn forbid(forbidden: &mut Vec<DVec3>, points: &[DVec3], ground: &Ground) {
-    let step = CLOSE * ground.limit;
+fn forbid(forbidden: &mut Vec<DVec3>, points: &[DVec3], graph: &CellGraph) {
+    let step = CLOSE * graph.limit;
     let key = |p: &DVec3| (*p / step).floor().to_array().map(|x| x as i64);
     let mut taken: BTreeSet<[i64; 3]> = forbidden.iter().map(key).collect();
     forbidden.extend(points.iter().filter(|p| taken.insert(key(p))));
@@ -342,26 +342,26 @@ fn forbid(forbidden: &mut Vec<DVec3>, points: &[DVec3], ground: &Ground) {
 
 /// Proven hulls of the chosen parts, or of others where a proof fails.
 fn prove(
-    ground: &Ground,
+    graph: &CellGraph,
     mut pool: Vec<Candidate>,
     mut chosen: Vec<usize>,
     mut forbidden: Vec<DVec3>,
-    what: &Search,
+    what: &CoverLimits,
     is_last: bool,
 ) -> Attempt {
-    let diagonal = ground.diagonal;
+    let diagonal = graph.diagonal;
     let bounds = what.bounds(diagonal);
     let hoped = chosen.len();
     let mut known: BTreeMap<Vec<u32>, Outcome> = BTreeMap::new();
     let mut repair = 0;
     loop {
-        let parts = shrink(ground, &pool, &chosen);
+        let parts = shrink(graph, &pool, &chosen);
         let steps = what.stage.steps(parts.len());
         let outcomes: Vec<Outcome> = parts
             .par_iter()
             .map(|part| {
                 let outcome = known.get(&part.members).cloned();
-                let outcome = outcome.unwrap_or_else(|| finish(ground, &part.points, &bounds));
+                let outcome = outcome.unwrap_or_else(|| finish(graph, &part.points, &bounds));
                 steps.take();
                 outcome
             })
@@ -377,11 +377,11 @@ fn prove(
         let failed =
             || outcomes.iter().zip(&members).filter_map(|(outcome, members)| Some((outcome.as_ref().err()?, members)));
         let points: Vec<DVec3> =
-            failed().filter_map(|(point, members)| Some(into(ground, members, (*point)?))).collect();
+            failed().filter_map(|(point, members)| Some(moved_inward(graph, members, (*point)?))).collect();
         let mut lost: Vec<Vec<u32>> = Vec::new();
         pool.retain(|candidate| {
             let body = Body::new(&candidate.points, diagonal * THICKNESS);
-            let is_kept = !points.iter().any(|p| body.holds(*p, ground.coarse()));
+            let is_kept = !points.iter().any(|p| body.holds(*p, graph.coarse()));
             if !is_kept {
                 lost.push(candidate.members.clone());
             }
@@ -389,27 +389,27 @@ fn prove(
         });
         // A part with too many vertices is halved.
         for (_, members) in failed().filter(|(point, _)| point.is_none()) {
-            let all = Bits::of(ground.cells.len(), members);
+            let all = Bits::from_numbers(graph.cells.len(), members);
             pool.retain(|candidate| candidate.members.len() <= 1 || !all.is_within(&candidate.covers));
-            pool.extend(halves(ground, members).map(|half| ground.part(half)));
+            pool.extend(halves(graph, members).map(|half| graph.part(half)));
         }
         forbidden.extend(points);
         let grown: Vec<Vec<Candidate>> =
-            lost.par_iter().map(|members| within(ground, members, &mut forbidden.clone())).collect();
+            lost.par_iter().map(|members| grow_within(graph, members, &mut forbidden.clone())).collect();
         grown.into_iter().flatten().for_each(|candidate| add(&mut pool, candidate));
         // Every cell stays covered.
-        let mut covered = Bits::new(ground.cells.len());
+        let mut covered = Bits::new(graph.cells.len());
         pool.iter().for_each(|candidate| covered.join(&candidate.covers));
-        let missing = (0..ground.cells.len()).filter(|cell| !covered.has(*cell));
-        pool.extend(missing.map(|cell| ground.part(vec![cell as u32])));
-        chosen = choose(ground, &pool);
+        let missing = (0..graph.cells.len()).filter(|cell| !covered.has(*cell));
+        pool.extend(missing.map(|cell| graph.part(vec![cell as u32])));
+        chosen = choose(graph, &pool);
     }
 }
 
 /// A point that refutes a part, moved into it if it is at its border.
-fn into(ground: &Ground, members: &[u32], point: DVec3) -> DVec3 {
-    let middle = members.iter().map(|cell| ground.cells[*cell as usize].centre).sum::<DVec3>() / members.len() as f64;
-    point + (middle - point).normalize_or_zero() * (INTO * ground.diagonal)
+fn moved_inward(graph: &CellGraph, members: &[u32], point: DVec3) -> DVec3 {
+    let middle = members.iter().map(|cell| graph.cells[*cell as usize].centre).sum::<DVec3>() / members.len() as f64;
+    point + (middle - point).normalize_or_zero() * (INWARD_SHIFT * graph.diagonal)
 }
 
 /// A proven hull with its protrusion; otherwise a point that is too far, or `None` if the hull has
@@ -418,60 +418,62 @@ type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
 /// Builds and proves the hull of points of the surface. It has at most the allowed number of
 /// vertices. After the deadline, nothing is proven.
-fn finish(ground: &Ground, points: &[DVec3], bounds: &Bounds) -> Outcome {
-    let body = Body::new(points, ground.diagonal * THICKNESS);
+fn finish(graph: &CellGraph, points: &[DVec3], bounds: &Bounds) -> Outcome {
+    let body = Body::new(points, graph.diagonal * THICKNESS);
     let mut least = None;
     if !bounds.is_over() {
-        match wrap::wrap(ground.field, &body, bounds) {
+        match wrap::wrap(graph.field, &body, bounds) {
             // A point of the part itself.
             Err(Some(point)) => return Err(Some(point)),
             Err(None) => {}
             Ok(wrapped) => least = Some(wrapped),
         }
     }
-    let Some(tight) = wrap::tight(&body.points, ground.diagonal, flat(bounds)) else { return least.ok_or(None) };
+    let Some(tight) = wrap::tight(&body.points, graph.diagonal, flat_half_thickness(bounds)) else {
+        return least.ok_or(None);
+    };
     if let Some(wrapped) = least.filter(|(wrapped, _)| wrapped.vertices.len() < tight.vertices.len()) {
         return Ok(wrapped);
     }
     if tight.vertices.len() <= bounds.max_vertices {
-        return proven(ground, tight, bounds);
+        return proven(graph, tight, bounds);
     }
     // The point that refutes a simplified hull may lie outside the part.
     let simplified = simplify::simplify(&tight, simplify::Limit::Vertices(bounds.max_vertices));
     match simplified {
-        Ok(Some(simplified)) => proven(ground, simplified.hull, bounds).map_err(|_| None),
+        Ok(Some(simplified)) => proven(graph, simplified.hull, bounds).map_err(|_| None),
         _ => Err(None),
     }
 }
 
 /// A hull and its proof.
-fn proven(ground: &Ground, hull: Hull, bounds: &Bounds) -> Outcome {
+fn proven(graph: &CellGraph, hull: Hull, bounds: &Bounds) -> Outcome {
     if bounds.is_over() {
         return Ok((hull, f64::INFINITY));
     }
-    wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).map(|bound| (hull, bound)).map_err(Some)
+    wrap::prove(graph.field, &hull, bounds, wrap::MEASUREMENTS).map(|bound| (hull, bound)).map_err(Some)
 }
 
 /// Half the thickness of a flat part.
-fn flat(bounds: &Bounds) -> f64 {
+fn flat_half_thickness(bounds: &Bounds) -> f64 {
     (0.25 * bounds.limit).min(1e-4 * bounds.diagonal)
 }
 
 /// Proven parts that replace a part that could not be proven: together they contain its cells.
-fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<(Hull, f64)> {
-    let size = ground.cells.len();
+fn split(graph: &CellGraph, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<(Hull, f64)> {
+    let size = graph.cells.len();
     // A cell in the part's hull may be in none of its pieces.
-    let all: Vec<u32> = ground.part(members).covers.iter().map(|i| i as u32).collect();
+    let all: Vec<u32> = graph.part(members).covers.iter().map(|i| i as u32).collect();
     let mut parts = Vec::new();
     let mut stack = vec![(all, 0)];
     while let Some((members, depth)) = stack.pop() {
-        match finish(ground, &ground.part(members.clone()).points, bounds) {
+        match finish(graph, &graph.part(members.clone()).points, bounds) {
             Ok(part) => parts.push(part),
             Err(Some(point)) if members.len() > 1 && depth < MAX_SPLITS => {
-                forbidden.push(into(ground, &members, point));
-                let pieces = within(ground, &members, &mut forbidden);
+                forbidden.push(moved_inward(graph, &members, point));
+                let pieces = grow_within(graph, &members, &mut forbidden);
                 if pieces.len() > 1 {
-                    let mut left = Bits::of(size, &members);
+                    let mut left = Bits::from_numbers(size, &members);
                     for piece in pieces {
                         // Each cell goes to one piece.
                         let own: Vec<u32> = piece.covers.iter().filter(|i| left.has(*i)).map(|i| i as u32).collect();
@@ -481,15 +483,15 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
                         }
                     }
                 } else {
-                    stack.extend(halves(ground, &members).map(|half| (half, depth + 1)));
+                    stack.extend(halves(graph, &members).map(|half| (half, depth + 1)));
                 }
             }
-            Err(_) if members.len() > 1 => stack.extend(halves(ground, &members).map(|half| (half, depth))),
+            Err(_) if members.len() > 1 => stack.extend(halves(graph, &members).map(|half| (half, depth))),
             Err(_) => {
                 for cell in members {
                     let polygons: Vec<&[DVec3]> =
-                        ground.cells[cell as usize].polygons.iter().map(Vec::as_slice).collect();
-                    parts.extend(of_polygons(ground, polygons, bounds));
+                        graph.cells[cell as usize].polygons.iter().map(Vec::as_slice).collect();
+                    parts.extend(of_polygons(graph, polygons, bounds));
                 }
             }
         }
@@ -499,18 +501,18 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
 
 /// Proven parts of a cell that cannot be one part: of halves of its polygons, of halves of those,
 /// and so on. A single polygon protrudes nowhere.
-fn of_polygons(ground: &Ground, polygons: Vec<&[DVec3]>, bounds: &Bounds) -> Vec<(Hull, f64)> {
+fn of_polygons(graph: &CellGraph, polygons: Vec<&[DVec3]>, bounds: &Bounds) -> Vec<(Hull, f64)> {
     let mut parts = Vec::new();
     let mut stack = vec![polygons];
     while let Some(polygons) = stack.pop() {
         if let [polygon] = polygons.as_slice() {
-            for hull in wrap::of_polygon(polygon, ground.diagonal, flat(bounds), bounds.max_vertices) {
-                let bound = wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+            for hull in wrap::of_polygon(polygon, graph.diagonal, flat_half_thickness(bounds), bounds.max_vertices) {
+                let bound = wrap::prove(graph.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
                 parts.push((hull, bound));
             }
             continue;
         }
-        match finish(ground, &polygons.concat(), bounds) {
+        match finish(graph, &polygons.concat(), bounds) {
             Ok(part) => parts.push(part),
             Err(_) => {
                 let centre = |polygon: &[DVec3]| polygon.iter().sum::<DVec3>() / polygon.len() as f64;
@@ -527,42 +529,42 @@ fn of_polygons(ground: &Ground, polygons: Vec<&[DVec3]>, bounds: &Bounds) -> Vec
 }
 
 /// Two halves of some cells, by their order along the longest side of their box.
-fn halves(ground: &Ground, members: &[u32]) -> [Vec<u32>; 2] {
-    let centres: Vec<DVec3> = members.iter().map(|cell| ground.cells[*cell as usize].centre).collect();
+fn halves(graph: &CellGraph, members: &[u32]) -> [Vec<u32>; 2] {
+    let centres: Vec<DVec3> = members.iter().map(|cell| graph.cells[*cell as usize].centre).collect();
     let (low, high) = body::bounds(&centres);
     let axis = body::longest(high - low);
     let mut order: Vec<u32> = members.to_vec();
-    let at = |cell: u32| ground.cells[cell as usize].centre[axis];
+    let at = |cell: u32| graph.cells[cell as usize].centre[axis];
     order.sort_by(|a, b| at(*a).total_cmp(&at(*b)).then(a.cmp(b)));
     let second = order.split_off(order.len() / 2);
     [order, second]
 }
 
 /// Parts that are grown from the cells of `members` alone, and cover all of them.
-fn within(ground: &Ground, members: &[u32], forbidden: &mut Vec<DVec3>) -> Vec<Candidate> {
-    let all = Bits::of(ground.cells.len(), members);
-    let mut covered = Bits::new(ground.cells.len());
+fn grow_within(graph: &CellGraph, members: &[u32], forbidden: &mut Vec<DVec3>) -> Vec<Candidate> {
+    let all = Bits::from_numbers(graph.cells.len(), members);
+    let mut covered = Bits::new(graph.cells.len());
     let mut found = Vec::new();
     for seed in members {
         if covered.has(*seed as usize) {
             continue;
         }
-        let centre = ground.cells[*seed as usize].centre;
+        let centre = graph.cells[*seed as usize].centre;
         let key = |i: u32| {
-            let far = if covered.has(i as usize) { 4.0 * ground.diagonal } else { 0.0 };
-            all.has(i as usize).then(|| ground.cells[i as usize].centre.distance(centre) + far)
+            let far = if covered.has(i as usize) { 4.0 * graph.diagonal } else { 0.0 };
+            all.has(i as usize).then(|| graph.cells[i as usize].centre.distance(centre) + far)
         };
-        let candidate = ground.grow(&[*seed], &key, None, forbidden).unwrap_or_else(|| ground.part(vec![*seed]));
+        let candidate = graph.grow(&[*seed], &key, None, forbidden).unwrap_or_else(|| graph.part(vec![*seed]));
         covered.join(&candidate.covers);
         found.push(candidate);
     }
     found
 }
 
-fn choose(ground: &Ground, pool: &[Candidate]) -> Vec<usize> {
+fn choose(graph: &CellGraph, pool: &[Candidate]) -> Vec<usize> {
     let sets: Vec<&Bits> = pool.iter().map(|candidate| &candidate.covers).collect();
     let cost: Vec<f64> = pool.iter().map(|candidate| candidate.points.len() as f64).collect();
-    choose::choose(&sets, &cost, ground.cells.len(), COVER_STEPS)
+    choose::choose(&sets, &cost, graph.cells.len(), COVER_STEPS)
 }
 
 /// Adds a candidate, unless another covers the same cells.
@@ -573,14 +575,14 @@ fn add(pool: &mut Vec<Candidate>, candidate: Candidate) {
 }
 
 /// Points that are too far from the solid, in front of the surface.
-fn forbidden(triangles: &[[DVec3; 3]], ground: &Ground) -> Vec<DVec3> {
-    let all: Vec<DVec3> = ground.cells.iter().flat_map(|cell| cell.points.iter().copied()).collect();
-    let hull = Body::new(&all, ground.diagonal * THICKNESS);
+fn forbidden(triangles: &[[DVec3; 3]], graph: &CellGraph) -> Vec<DVec3> {
+    let all: Vec<DVec3> = graph.cells.iter().flat_map(|cell| cell.points.iter().copied()).collect();
+    let hull = Body::new(&all, graph.diagonal * THICKNESS);
     let area: f64 = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() * 0.5).sum();
-    let spacing = ground.limit.max((area / FORBIDDEN).sqrt());
+    let spacing = graph.limit.max((area / FORBIDDEN).sqrt());
     let mut found = Vec::new();
     let mut owed = 0.5;
-    let step = ground.limit * 1.02;
+    let step = graph.limit * 1.02;
     for [a, b, c] in triangles {
         let cross = (*b - *a).cross(*c - *a);
         let normal = cross.normalize_or_zero();
@@ -602,8 +604,8 @@ fn forbidden(triangles: &[[DVec3; 3]], ground: &Ground) -> Vec<DVec3> {
             }
         }
     }
-    let field = ground.field;
-    found.into_par_iter().filter(|p| field.is_beyond(*p, ground.limit)).collect()
+    let field = graph.field;
+    found.into_par_iter().filter(|p| field.is_beyond(*p, graph.limit)).collect()
 }
 
 /// Result of a sweep.
@@ -617,8 +619,8 @@ struct Swept {
 }
 
 /// A cover, part after part in one direction.
-fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>, what: &Search) -> Swept {
-    let cells = ground.cells;
+fn sweep(graph: &CellGraph, direction: DVec3, mut forbidden: Vec<DVec3>, what: &CoverLimits) -> Swept {
+    let cells = graph.cells;
     let mut order: Vec<u32> = (0..cells.len() as u32).collect();
     let height = |i: u32| cells[i as usize].centre.dot(direction);
     order.sort_by(|a, b| height(*a).total_cmp(&height(*b)).then(a.cmp(b)));
@@ -634,10 +636,10 @@ fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>, what: &Se
         }
         let centre = cells[seed as usize].centre;
         let key = |i: u32| {
-            let far = if covered.has(i as usize) { 4.0 * ground.diagonal } else { 0.0 };
+            let far = if covered.has(i as usize) { 4.0 * graph.diagonal } else { 0.0 };
             Some(cells[i as usize].centre.distance(centre) + far)
         };
-        let candidate = ground.grow(&[seed], &key, None, &mut forbidden).unwrap_or_else(|| ground.part(vec![seed]));
+        let candidate = graph.grow(&[seed], &key, None, &mut forbidden).unwrap_or_else(|| graph.part(vec![seed]));
         covered.join(&candidate.covers);
         found.push(candidate);
     }
@@ -647,13 +649,13 @@ fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>, what: &Se
 /// Parts that may replace two chosen neighbours: each starts with the cells that only one of them
 /// covers, and grows first into those that only the other one covers.
 fn regrow(
-    ground: &Ground,
+    graph: &CellGraph,
     pool: &[Candidate],
     chosen: &[usize],
     forbidden: &[DVec3],
-    what: &Search,
+    what: &CoverLimits,
 ) -> Vec<(Candidate, Vec<DVec3>)> {
-    let cells = ground.cells;
+    let cells = graph.cells;
     let mut count = vec![0_u32; cells.len()];
     for part in chosen {
         pool[*part].covers.iter().for_each(|i| count[i] += 1);
@@ -666,7 +668,7 @@ fn regrow(
     for (p, cells_of_p) in own.iter().enumerate() {
         let near: Bits = {
             let mut bits = Bits::new(cells.len());
-            cells_of_p.iter().flat_map(|i| &ground.near[*i as usize]).for_each(|i| bits.insert(*i as usize));
+            cells_of_p.iter().flat_map(|i| &graph.near[*i as usize]).for_each(|i| bits.insert(*i as usize));
             bits
         };
         for (q, part) in chosen.iter().enumerate() {
@@ -688,12 +690,12 @@ fn regrow(
             own[*p].iter().for_each(|i| wanted.insert(*i as usize));
             let middle = start.iter().map(|i| cells[*i as usize].centre).sum::<DVec3>() / start.len() as f64;
             let key = |i: u32| {
-                let far = if wanted.has(i as usize) { 0.0 } else { 4.0 * ground.diagonal };
+                let far = if wanted.has(i as usize) { 0.0 } else { 4.0 * graph.diagonal };
                 Some(cells[i as usize].centre.distance(middle) + far)
             };
             let mut points = forbidden.to_vec();
             let known = points.len();
-            let grown = ground.grow(start, &key, Some(&wanted), &mut points)?;
+            let grown = graph.grow(start, &key, Some(&wanted), &mut points)?;
             Some((grown, points.split_off(known)))
         })
         .collect()
@@ -701,21 +703,21 @@ fn regrow(
 
 /// The cells of the chosen parts, as few as possible: a cell that several parts contain is left to
 /// one of them.
-fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Candidate> {
-    let mut count = vec![0_u32; ground.cells.len()];
+fn shrink(graph: &CellGraph, pool: &[Candidate], chosen: &[usize]) -> Vec<Candidate> {
+    let mut count = vec![0_u32; graph.cells.len()];
     for part in chosen {
         pool[*part].covers.iter().for_each(|i| count[i] += 1);
     }
     let mut kept: Vec<Candidate> = Vec::new();
-    let mut taken = Bits::new(ground.cells.len());
+    let mut taken = Bits::new(graph.cells.len());
     for part in chosen {
         let own: Vec<u32> = pool[*part].covers.iter().filter(|i| count[*i] == 1).map(|i| i as u32).collect();
-        let core = ground.part(own);
+        let core = graph.part(own);
         taken.join(&core.covers);
         kept.push(core);
     }
-    let mut left: Vec<usize> = (0..ground.cells.len()).filter(|i| !taken.has(*i)).collect();
-    left.sort_by(|a, b| ground.cells[*b].area.total_cmp(&ground.cells[*a].area).then(a.cmp(b)));
+    let mut left: Vec<usize> = (0..graph.cells.len()).filter(|i| !taken.has(*i)).collect();
+    left.sort_by(|a, b| graph.cells[*b].area.total_cmp(&graph.cells[*a].area).then(a.cmp(b)));
     // Twice as many each time, because each time costs a hull of all points.
     let mut count = 1;
     while !left.is_empty() {
@@ -727,7 +729,7 @@ fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Candidat
             }
         }
         for (part, cells) in kept.iter_mut().zip(&added).filter(|(_, cells)| !cells.is_empty()) {
-            *part = ground.with(part, cells);
+            *part = graph.with(part, cells);
         }
         left.retain(|cell| !kept.iter().any(|part| part.covers.has(*cell)));
         count *= 2;

@@ -19,8 +19,8 @@ fn point_set(mesh: &Mesh) -> PointSet {
 fn checked(mesh: &PointSet, share: f64) -> Vec<(Hull, f64)> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let found =
-        search(mesh, &solid, &Search { limit, max_vertices: 64, deadline: None, stage: Stage::default() }).unwrap();
+    let found = search(mesh, &solid, &CoverLimits { limit, max_vertices: 64, deadline: None, stage: Stage::default() })
+        .unwrap();
     let hulls: Vec<&Hull> = found.iter().map(|(hull, _)| hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
@@ -119,7 +119,7 @@ fn a_search_without_time_ends_with_the_hull() {
     let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
-    let what = Search { limit, max_vertices: 64, deadline: Some(Deadline::after(0.0)), stage: Stage::default() };
+    let what = CoverLimits { limit, max_vertices: 64, deadline: Some(Deadline::after(0.0)), stage: Stage::default() };
     assert!(search(&mesh, &solid, &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
     assert!(found.len() == 1 && found[0].vertices.len() <= 12, "{} {}", found.len(), found[0].vertices.len());
@@ -189,8 +189,9 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found = search(&mesh, &solid, &Search { limit, max_vertices: 64, deadline: None, stage: Stage::default() })
-            .unwrap();
+        let found =
+            search(&mesh, &solid, &CoverLimits { limit, max_vertices: 64, deadline: None, stage: Stage::default() })
+                .unwrap();
         let bound = uncovered(&mesh, &found.iter().map(|(hull, _)| hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
         assert!(found.iter().all(|(_, bound)| *bound <= limit), "seed {seed}");

@@ -17,9 +17,8 @@ use super::deadline::Deadline;
 use super::field::Field;
 use super::sample::face_points;
 use crate::hull::{
-    self, Hull,
+    self, Hull, quickhull,
     rank::{Simplex, spanning_simplex},
-    solid,
 };
 use crate::parts::{branch::Accuracy, protrusion::protrusion_beside};
 use crate::progress::Stage;
@@ -169,7 +168,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
     if !(depth > 20.0 * room) {
         return Err(None);
     }
-    let cap = bounds.max_vertices.min(body.points.len().saturating_sub(1));
+    let max_vertices = bounds.max_vertices.min(body.points.len().saturating_sub(1));
     let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
     let mut planes = faces.largest();
     for _ in 0..MAX_STEPS {
@@ -187,8 +186,8 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
             None => {
                 let (left, fewer) = faces.fewer(planes.clone(), vertices);
                 let hull = faces.rounded(&fewer).ok_or(None)?;
-                if hull.vertices.len() > cap {
-                    return simplified(field, &hull, bounds, cap);
+                if hull.vertices.len() > max_vertices {
+                    return simplified(field, &hull, bounds, max_vertices);
                 }
                 match prove(field, &hull, bounds, MEASUREMENTS) {
                     Ok(bound) => return Ok((hull, bound)),
@@ -214,12 +213,12 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
     Err(None)
 }
 
-/// A hull with at most `cap` vertices around a hull that has a few more.
-fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, cap: usize) -> Result<(Hull, f64), Option<DVec3>> {
-    if hull.vertices.len() as f64 > MANY * cap as f64 || cap < simplify::MIN_VERTICES {
+/// A hull with at most `max_vertices` vertices around a hull that has a few more.
+fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, max_vertices: usize) -> Result<(Hull, f64), Option<DVec3>> {
+    if hull.vertices.len() as f64 > MANY * max_vertices as f64 || max_vertices < simplify::MIN_VERTICES {
         return Err(None);
     }
-    let simplified = simplify::simplify(hull, simplify::Limit::Vertices(cap));
+    let simplified = simplify::simplify(hull, simplify::Limit::Vertices(max_vertices));
     let Ok(Some(simplified)) = simplified else { return Err(None) };
     match prove(field, &simplified.hull, bounds, MEASUREMENTS) {
         Ok(bound) => Ok((simplified.hull, bound)),
@@ -313,7 +312,7 @@ impl Faces<'_> {
         let Simplex::Tetrahedron(simplex) = spanning_simplex(&distinct) else { return None };
         let reach = 2.0 * self.bounds.diagonal + self.body.diagonal();
         let mut vertices: Vec<DVec3> = Vec::new();
-        for facet in solid::hull(&distinct, simplex) {
+        for facet in quickhull::hull(&distinct, simplex) {
             let at = |i: usize| distinct[facet[i] as usize];
             let area: DVec3 = (1..facet.len() - 1).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
             let offset = area.dot(at(0));

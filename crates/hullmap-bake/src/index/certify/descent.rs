@@ -387,7 +387,7 @@ fn hand_out(grid: &Grid, pieces: &[Piece], runs: &mut [Run], run_of: &[u32]) {
                 let run = &mut runs[run_of[row * columns + column] as usize];
                 if run.last != index {
                     run.last = index;
-                    run.pieces.extend(within(run.cell.square, *piece));
+                    run.pieces.extend(clipped_to(run.cell.square, *piece));
                 }
             }
         }
@@ -395,7 +395,7 @@ fn hand_out(grid: &Grid, pieces: &[Piece], runs: &mut [Run], run_of: &[u32]) {
 }
 
 /// The part of a piece within a square.
-fn within([low, high]: [[f64; 2]; 2], piece: Piece) -> Option<Piece> {
+fn clipped_to([low, high]: [[f64; 2]; 2], piece: Piece) -> Option<Piece> {
     let piece = piece.clip(|p| p[0] - low[0])?.clip(|p| high[0] - p[0])?;
     piece.clip(|p| p[1] - low[1])?.clip(|p| high[1] - p[1])
 }

@@ -118,7 +118,7 @@ fn renamed(pack: &Path, recorded_place: &Path, beside: &[&Job]) -> Option<Orphan
 }
 
 fn project_of(pack: &Path, below: &Path, start: &Path) -> Option<Project> {
-    Project::of(&PackPlace { path: pack.to_owned(), below: below.to_owned() }, start)
+    Project::of_pack(&PackPlace { path: pack.to_owned(), below: below.to_owned() }, start)
 }
 
 impl Orphan {

@@ -33,7 +33,7 @@ use crate::pack_file::{
 };
 use crate::packs::{PackPlace, find_packs, is_pack};
 use crate::selection::Selection;
-use crate::source::{Folders, Recorded, Search, find_source};
+use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
 use crate::terminal::{self, Output};
 use body::Body;
@@ -329,18 +329,18 @@ impl Export<'_> {
             return None;
         }
         let split = pack.options().replacen("split none", "split object", 1);
-        let recorded = Recorded { options: &split, ..Recorded::of(pack) };
+        let recorded = Recorded { options: &split, ..Recorded::from_pack(pack) };
         let note = |why: &str| {
             let pack = place.path.display();
             terminal::note(format_args!("{pack}: {why}, so names refer to the mesh by its file; see --name"));
             None
         };
         match find_source(place, recorded, None, &Limits::DEFAULT, &self.folders) {
-            Ok(Search::Found(source)) => match source.point_sets.as_slice() {
+            Ok(SourceSearch::Found(source)) => match source.point_sets.as_slice() {
                 [mesh] => Some(mesh.name.clone()),
                 meshes => note(&format!("its hulls stand for {} meshes of the source", meshes.len())),
             },
-            Ok(Search::Absent(_)) => note("its source was not found"),
+            Ok(SourceSearch::Absent(_)) => note("its source was not found"),
             Err(_) => note("its source has changed"),
         }
     }

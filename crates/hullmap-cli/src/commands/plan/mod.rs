@@ -54,7 +54,7 @@ fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> Result<(Option<Task>, 
     let limits = args.meshes.limits.limits();
     let found = batch.par_iter().map(|job| match &job.name.clash {
         Some(clash) => Err(Failure::usage(clash.clone())),
-        None => Ingredients::of(job, &limits, Path::new(".")),
+        None => Ingredients::new(job, &limits, Path::new(".")),
     });
     let found: Vec<_> = found.collect();
     let (mut meshes, mut exit) = (Vec::with_capacity(batch.len()), Exit::Done);

@@ -15,7 +15,7 @@ use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
-use crate::source::{Folders, Recorded, Search, Source, find_source};
+use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
 /// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it. `folders`
@@ -32,9 +32,9 @@ pub fn analyse_pack(
     let open_time = start.elapsed();
     let mut faults = Vec::new();
     let mut absent = "the source cannot be used, so".to_owned();
-    let source = match find_source(place, Recorded::of(&pack), given, &args.limits.limits(), folders) {
-        Ok(Search::Found(source)) => Some(*source),
-        Ok(Search::Absent(why)) => {
+    let source = match find_source(place, Recorded::from_pack(&pack), given, &args.limits.limits(), folders) {
+        Ok(SourceSearch::Found(source)) => Some(*source),
+        Ok(SourceSearch::Absent(why)) => {
             absent = why.map_or_else(|| "the source was not found, so".to_owned(), |why| format!("{why};"));
             None
         }

@@ -9,7 +9,7 @@ use super::super::parry::math::Vector;
 use super::super::parry::query::{ShapeCastHit, ShapeCastOptions, ShapeCastStatus};
 use super::BakedHull;
 use super::nearest::contact_of;
-use super::pair::{Local, Pair, Placement, on_pair};
+use super::pair::{HullPair, Local, Placement, on_pair};
 
 /// A hit before this time counts as a contact at the start: its normal decides whether the shapes
 /// move apart. In the unit of the motion, as in parry.
@@ -18,7 +18,7 @@ const AT_START: f64 = 1e-4;
 /// The first hit of a pair that moves at the relative velocity `velocity12`, which is in the frame
 /// of parry's first shape. The outer `None` is for invalid numbers, the inner one for a miss.
 pub(super) fn cast(
-    (pair, placement): &(Pair<'_>, Placement),
+    (pair, placement): &(HullPair<'_>, Placement),
     velocity12: Vector,
     options: &ShapeCastOptions,
 ) -> Option<Option<ShapeCastHit>> {
@@ -75,7 +75,7 @@ pub(super) fn cast(
 /// A hit at the start, described by the contact of the shapes there. `None` if the shapes move
 /// apart and the options ignore such hits.
 fn start(
-    pair: &Pair<'_>,
+    pair: &HullPair<'_>,
     placement: &Placement,
     velocity: DVec3,
     target: f64,

@@ -17,7 +17,7 @@ use super::super::parry::query::{ContactManifold, TrackedContact};
 use super::super::parry::shape::{PackedFeatureId, Shape};
 use super::super::polygon::{edge_id, face_id, vertex_id};
 use super::BakedHull;
-use super::pair::{Pair, Placement, on_pair, pair, plane};
+use super::pair::{HullPair, Placement, on_pair, pair, plane};
 
 /// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry. Of 340 bodies on a
 /// cuboid, 318 came to rest with 1°, 320 with 0.5°, 304 with 2°, and 304 without the test.
@@ -39,7 +39,7 @@ pub(super) type PartOf<'u> = (&'u dyn Union, usize, hullmap::Pose);
 /// Empty ones cost a few more support calls. `parts` are the compounds of parry's two shapes, if
 /// they are parts.
 pub(super) fn update<M, C: Default + Copy>(
-    (pair, placement): &(Pair<'_>, Placement),
+    (pair, placement): &(HullPair<'_>, Placement),
     prediction: Real,
     (kept, cache): (&mut Manifold, &mut Cache),
     parts: [Option<PartOf<'_>>; 2],

@@ -7,8 +7,8 @@ use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, Persis
 use super::super::parry::shape::{Shape, ShapeType};
 use super::contacts::{hardly_moved, solve, update, update_plane};
 use super::pair::{pair, plane};
+use super::part_dispatcher::PartDispatcher;
 use super::patches::Body;
-use super::welder::Welder;
 use super::workspace::Memory;
 use super::{BakedHull, HullDispatcher};
 
@@ -27,24 +27,18 @@ where
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
         if let Some(found) = pair(pos12, shape1, shape2) {
-            manifolds.resize_with(1, ContactManifold::new);
-            let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
-            if !hardly_moved(pos12, manifold)
-                && let Some(memory) = Memory::of(workspace)
-            {
+            return update_one(pos12, manifolds, workspace, |memory, manifold| {
                 update(&found, prediction, (&mut memory.manifold, &mut memory.cache), [None, None], manifold);
-            }
-            return Ok(());
+            });
         }
         if let Some(found) = plane(pos12, shape1, shape2) {
-            manifolds.resize_with(1, ContactManifold::new);
-            let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
-            if !hardly_moved(pos12, manifold)
-                && let Some(memory) = Memory::of(workspace)
-            {
+            return update_one(pos12, manifolds, workspace, |memory, manifold| {
                 update_plane(&found, prediction, &mut memory.manifold, manifold);
-            }
-            return Ok(());
+            });
+        }
+        let split = Split { pos12, shapes: [shape1, shape2], prediction };
+        if !split.has_parts() {
+            return DefaultQueryDispatcher.contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
         }
         let body = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
             (None, Some(hull)) => Some(Body { hull, is_second: true }),
@@ -52,94 +46,7 @@ where
             _ => None,
         };
         let before = body.as_ref().map(|body| body.points(manifolds)).unwrap_or_default();
-        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
-        let welder = Welder::new(shape1, shape2);
-        if let (Some(composite1), Some(composite2)) = (composite1, composite2) {
-            default::contact_manifolds_composite_shape_composite_shape(
-                &welder, pos12, composite1, composite2, prediction, manifolds, workspace,
-            );
-            return Ok(());
-        }
-        match (shape1.shape_type(), shape2.shape_type()) {
-            (ShapeType::TriMesh, _) | (_, ShapeType::TriMesh) => default::contact_manifolds_trimesh_shape_shapes(
-                self, pos12, shape1, shape2, prediction, manifolds, workspace,
-            ),
-            (ShapeType::HeightField, _) | (_, ShapeType::HeightField)
-                if composite1.is_none() && composite2.is_none() =>
-            {
-                default::contact_manifolds_heightfield_shape_shapes(
-                    self, pos12, shape1, shape2, prediction, manifolds, workspace,
-                );
-            }
-            (ShapeType::HeightField, _) => {
-                let (Some(field), Some(composite)) = (shape1.as_heightfield(), composite2) else {
-                    return Err(Unsupported);
-                };
-                default::contact_manifolds_heightfield_composite_shape(
-                    self,
-                    pos12,
-                    &pos12.inverse(),
-                    field,
-                    composite,
-                    prediction,
-                    manifolds,
-                    workspace,
-                    false,
-                );
-            }
-            (_, ShapeType::HeightField) => {
-                let (Some(field), Some(composite)) = (shape2.as_heightfield(), composite1) else {
-                    return Err(Unsupported);
-                };
-                default::contact_manifolds_heightfield_composite_shape(
-                    self,
-                    &pos12.inverse(),
-                    pos12,
-                    field,
-                    composite,
-                    prediction,
-                    manifolds,
-                    workspace,
-                    true,
-                );
-            }
-            (ShapeType::Voxels, ShapeType::Voxels | ShapeType::Ball) | (ShapeType::Ball, ShapeType::Voxels) => {
-                return DefaultQueryDispatcher
-                    .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
-            }
-            (ShapeType::Voxels, _) | (_, ShapeType::Voxels) => {
-                if composite1.is_some() || composite2.is_some() {
-                    default::contact_manifolds_voxels_composite_shape_shapes(
-                        self, pos12, shape1, shape2, prediction, manifolds, workspace,
-                    );
-                } else {
-                    default::contact_manifolds_voxels_shape_shapes(
-                        self, pos12, shape1, shape2, prediction, manifolds, workspace,
-                    );
-                }
-            }
-            _ => {
-                if let Some(composite1) = composite1 {
-                    default::contact_manifolds_composite_shape_shape(
-                        &welder, pos12, composite1, shape2, prediction, manifolds, workspace, false,
-                    );
-                } else if let Some(composite2) = composite2 {
-                    default::contact_manifolds_composite_shape_shape(
-                        &welder,
-                        &pos12.inverse(),
-                        composite2,
-                        shape1,
-                        prediction,
-                        manifolds,
-                        workspace,
-                        true,
-                    );
-                } else {
-                    return DefaultQueryDispatcher
-                        .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
-                }
-            }
-        }
+        split.update_parts(manifolds, workspace)?;
         if let Some(body) = body {
             body.thin(manifolds, &before, prediction);
         }
@@ -174,5 +81,187 @@ where
             prediction,
             manifold,
         )
+    }
+}
+
+/// Updates the only manifold of a pair that hullmap solves, unless the shapes hardly moved.
+fn update_one<M, C>(
+    pos12: &Pose,
+    manifolds: &mut Vec<ContactManifold<M, C>>,
+    workspace: &mut Option<ContactManifoldsWorkspace>,
+    update: impl FnOnce(&mut Memory, &mut ContactManifold<M, C>),
+) -> Result<(), Unsupported>
+where
+    M: Default,
+    C: Default + Copy,
+{
+    manifolds.resize_with(1, ContactManifold::new);
+    let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
+    if !hardly_moved(pos12, manifold)
+        && let Some(memory) = Memory::in_workspace(workspace)
+    {
+        update(memory, manifold);
+    }
+    Ok(())
+}
+
+/// Two shapes of which parry splits at least one into parts.
+struct Split<'s> {
+    pos12: &'s Pose,
+    shapes: [&'s dyn Shape; 2],
+    prediction: Real,
+}
+
+impl Split<'_> {
+    /// Whether parry splits one of the shapes, and passes the parts to a given dispatcher.
+    fn has_parts(&self) -> bool {
+        let [composite1, composite2] = self.shapes.map(|shape| shape.as_composite_shape().is_some());
+        if composite1 && composite2 {
+            return true;
+        }
+        match self.shapes.map(|shape| shape.shape_type()) {
+            [ShapeType::Voxels, ShapeType::Voxels | ShapeType::Ball] | [ShapeType::Ball, ShapeType::Voxels] => false,
+            types => {
+                let is_split = |shape| matches!(shape, ShapeType::TriMesh | ShapeType::HeightField | ShapeType::Voxels);
+                composite1 || composite2 || types.into_iter().any(is_split)
+            }
+        }
+    }
+
+    /// Updates the manifolds of all parts, by parry's function for these types of shapes.
+    fn update_parts<M, C>(
+        &self,
+        manifolds: &mut Vec<ContactManifold<M, C>>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) -> Result<(), Unsupported>
+    where
+        M: Default + Clone + Send + Sync,
+        C: Default + Copy + Send + Sync,
+    {
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
+        if let (Some(composite1), Some(composite2)) = (composite1, composite2) {
+            default::contact_manifolds_composite_shape_composite_shape(
+                &PartDispatcher::new(shape1, shape2),
+                pos12,
+                composite1,
+                composite2,
+                prediction,
+                manifolds,
+                workspace,
+            );
+            return Ok(());
+        }
+        match (shape1.shape_type(), shape2.shape_type()) {
+            (ShapeType::TriMesh, _) | (_, ShapeType::TriMesh) => default::contact_manifolds_trimesh_shape_shapes(
+                &HullDispatcher,
+                pos12,
+                shape1,
+                shape2,
+                prediction,
+                manifolds,
+                workspace,
+            ),
+            (ShapeType::HeightField, _) | (_, ShapeType::HeightField) => {
+                return self.update_height_field(manifolds, workspace);
+            }
+            (ShapeType::Voxels, _) | (_, ShapeType::Voxels) => self.update_voxels(manifolds, workspace),
+            _ => self.update_composite(manifolds, workspace),
+        }
+        Ok(())
+    }
+
+    /// A height field against a shape or a composite shape.
+    fn update_height_field<M, C>(
+        &self,
+        manifolds: &mut Vec<ContactManifold<M, C>>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) -> Result<(), Unsupported>
+    where
+        M: Default + Clone + Send + Sync,
+        C: Default + Copy + Send + Sync,
+    {
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
+        if composite1.is_none() && composite2.is_none() {
+            default::contact_manifolds_heightfield_shape_shapes(
+                &HullDispatcher,
+                pos12,
+                shape1,
+                shape2,
+                prediction,
+                manifolds,
+                workspace,
+            );
+            return Ok(());
+        }
+        let pos21 = pos12.inverse();
+        let is_first = shape1.shape_type() == ShapeType::HeightField;
+        let (field, composite, pos12, pos21) = if is_first {
+            (shape1.as_heightfield(), composite2, pos12, &pos21)
+        } else {
+            (shape2.as_heightfield(), composite1, &pos21, pos12)
+        };
+        let (Some(field), Some(composite)) = (field, composite) else { return Err(Unsupported) };
+        default::contact_manifolds_heightfield_composite_shape(
+            &HullDispatcher,
+            pos12,
+            pos21,
+            field,
+            composite,
+            prediction,
+            manifolds,
+            workspace,
+            !is_first,
+        );
+        Ok(())
+    }
+
+    /// Voxels against a shape or a composite shape.
+    fn update_voxels<M, C>(
+        &self,
+        manifolds: &mut Vec<ContactManifold<M, C>>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) where
+        M: Default + Clone + Send + Sync,
+        C: Default + Copy + Send + Sync,
+    {
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let has_composite = shape1.as_composite_shape().is_some() || shape2.as_composite_shape().is_some();
+        let update = if has_composite {
+            default::contact_manifolds_voxels_composite_shape_shapes
+        } else {
+            default::contact_manifolds_voxels_shape_shapes
+        };
+        update(&HullDispatcher, pos12, shape1, shape2, prediction, manifolds, workspace);
+    }
+
+    /// A composite shape against a shape that is none.
+    fn update_composite<M, C>(
+        &self,
+        manifolds: &mut Vec<ContactManifold<M, C>>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) where
+        M: Default + Clone + Send + Sync,
+        C: Default + Copy + Send + Sync,
+    {
+        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
+        let pos21 = pos12.inverse();
+        let is_second = composite1.is_none();
+        let (composite, shape, pos12) =
+            if is_second { (composite2, shape1, &pos21) } else { (composite1, shape2, pos12) };
+        if let Some(composite) = composite {
+            default::contact_manifolds_composite_shape_shape(
+                &PartDispatcher::new(shape1, shape2),
+                pos12,
+                composite,
+                shape,
+                prediction,
+                manifolds,
+                workspace,
+                is_second,
+            );
+        }
     }
 }

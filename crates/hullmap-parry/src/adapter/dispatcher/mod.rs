@@ -5,9 +5,9 @@ mod contacts;
 mod manifolds;
 mod nearest;
 mod pair;
-mod partner;
+mod part_dispatcher;
 mod patches;
-mod welder;
+mod primitive;
 mod workspace;
 
 use hullmap::{Cache, Settings, Status};
@@ -22,7 +22,7 @@ use super::parry::query::{
 };
 use super::parry::shape::Shape;
 use nearest::contact_of;
-use pair::{Local, Pair, on_pair, pair};
+use pair::{HullPair, Local, on_pair, pair};
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
 /// [`BakedHull`].

@@ -3,7 +3,7 @@
 use hullmap::glam::DVec3;
 use hullmap::{Cache, Settings};
 
-use super::pair::{Pair, Placement, on_pair};
+use super::pair::{HullPair, Placement, on_pair};
 
 /// Deepest or closest points of a pair, in A's frame. The normal has unit length.
 pub(super) struct Nearest {
@@ -15,7 +15,7 @@ pub(super) struct Nearest {
     pub(super) dist: f64,
 }
 
-pub(super) fn contact_of(pair: &Pair<'_>, placement: &Placement, settings: &Settings) -> Nearest {
+pub(super) fn contact_of(pair: &HullPair<'_>, placement: &Placement, settings: &Settings) -> Nearest {
     let cache = &mut Cache::new();
     let found = on_pair!(*pair, a, b => hullmap::contact(a, b, placement.b_in_a, settings, cache));
     if found.hit {

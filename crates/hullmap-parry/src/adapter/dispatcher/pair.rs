@@ -9,25 +9,25 @@ use super::super::parry;
 use super::super::parry::math::Vector;
 use super::super::parry::shape::Shape;
 use super::BakedHull;
-use super::partner::Partner;
+use super::primitive::Primitive;
 
 /// A pair with a baked hull. A is always a hull.
-pub(super) enum Pair<'s> {
+pub(super) enum HullPair<'s> {
     Hulls(&'s BakedHull, &'s BakedHull),
-    Primitive(&'s BakedHull, Partner),
+    Primitive(&'s BakedHull, Primitive),
 }
 
-/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`. [`Pair`] must be in
-/// scope.
+/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`. [`HullPair`] must be
+/// in scope.
 macro_rules! on_pair {
     ($pair:expr, $a:ident, $b:ident => $answer:expr) => {
         match &$pair {
-            Pair::Hulls($a, $b) => {
+            HullPair::Hulls($a, $b) => {
                 let ($a, $b) = (&**$a, &**$b);
                 $answer
             }
-            Pair::Primitive($a, partner) => {
-                let ($a, $b) = (&**$a, partner.shape());
+            HullPair::Primitive($a, primitive) => {
+                let ($a, $b) = (&**$a, primitive.shape());
                 $answer
             }
         }
@@ -56,11 +56,11 @@ pub(super) fn pair<'s>(
     pos12: &parry::math::Pose,
     shape1: &'s dyn Shape,
     shape2: &'s dyn Shape,
-) -> Option<(Pair<'s>, Placement)> {
+) -> Option<(HullPair<'s>, Placement)> {
     let (pair, flipped) = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
-        (Some(a), Some(b)) => (Pair::Hulls(a, b), false),
-        (Some(hull), None) => (Pair::Primitive(hull, Partner::of(shape2)?), false),
-        (None, Some(hull)) => (Pair::Primitive(hull, Partner::of(shape1)?), true),
+        (Some(a), Some(b)) => (HullPair::Hulls(a, b), false),
+        (Some(hull), None) => (HullPair::Primitive(hull, Primitive::from_shape(shape2)?), false),
+        (None, Some(hull)) => (HullPair::Primitive(hull, Primitive::from_shape(shape1)?), true),
         (None, None) => return None,
     };
     Some((pair, placement(pos12, flipped)?))

@@ -28,7 +28,7 @@ impl WorkspaceData for Memory {
 
 impl Memory {
     /// The memory in `workspace`, which is replaced if it is missing or of another type.
-    pub(super) fn of(workspace: &mut Option<ContactManifoldsWorkspace>) -> Option<&mut Self> {
+    pub(super) fn in_workspace(workspace: &mut Option<ContactManifoldsWorkspace>) -> Option<&mut Self> {
         if workspace.as_ref().is_none_or(|found| found.0.downcast_ref::<Self>().is_none()) {
             *workspace = Some(ContactManifoldsWorkspace(Box::new(Self::default())));
         }

@@ -16,8 +16,8 @@
 //!    above.
 //! 4. Stop if the bounds are close. Else insert w into the polytope and repeat from step 2.
 //!
-//! `search` has steps 2 to 4, `polytope` the surface, `flat` the cases without volume, and `room`
-//! the memory.
+//! `search` has steps 2 to 4, `polytope` the surface, `flat` the cases without volume, and
+//! `workspace` the memory.
 //!
 //! # Deviations
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start. While it is
@@ -35,22 +35,22 @@
 
 mod flat;
 mod polytope;
-mod room;
 mod search;
 mod seed;
+mod workspace;
 
 pub(in crate::solver) use self::flat::{BESIDE_ROUNDINGS, FLAT_ROUNDINGS};
-pub(in crate::solver) use self::room::Large;
-pub(crate) use self::room::Room;
 pub(in crate::solver) use self::search::{End, Expansion, Goal, TOUCHING_ROUNDINGS, Terms};
+pub(in crate::solver) use self::workspace::Large;
+pub(crate) use self::workspace::Workspace;
 
 use glam::DVec3;
 
 use self::flat::{expand_flat, settle, widest_normal};
 use self::polytope::Polytope;
-use self::room::{Big, Biggest, Medium, SIZES, Small, cleared};
 use self::search::{Aim, KEEP, Next, State, aim, continue_with, run};
 use self::seed::{Flat, seed};
+use self::workspace::{Big, Biggest, Medium, SIZES, Small, cleared};
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
 use crate::solver::cache::Cache;
 use crate::solver::minkowski::{Minkowski, Point};
@@ -72,7 +72,7 @@ const SPARE: usize = 6;
 
 /// An expansion that waits for a support point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(crate) struct EpaSearch {
     terms: Terms,
     state: State,
     aim: Aim,
@@ -91,7 +91,7 @@ pub(in crate::solver) enum Progress {
     Ended(Option<Expansion>),
 }
 
-impl Search {
+impl EpaSearch {
     fn new(terms: Terms, state: State) -> Self {
         Self { terms, state, aim: Aim::NOTHING, is_medium: false, again: false, keeps: terms.keeps_polytope() }
     }
@@ -108,10 +108,10 @@ impl Search {
         terms: Terms,
         bound: Bound,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Result<Self, Expansion> {
         let mut state = State::new(bound);
-        let small = cleared(&mut room.small, m.noise());
+        let small = cleared(&mut workspace.small, m.noise());
         let thin = THIN_ROUNDINGS * m.rounding_error();
         if !tetrahedron.is_some_and(|tetrahedron| small.start(tetrahedron, thin))
             && let Err(Flat { normal }) = start_elsewhere(m, small)
@@ -133,14 +133,14 @@ impl Search {
         m: &Minkowski<'_, A, B>,
         terms: Terms,
         cache: &Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Option<Self> {
         let points = cache.polytope()?.points().len();
         let is_medium = points + SPARE > SIZES[0];
         let state = if is_medium {
-            restore(m, cleared(&mut room.medium, m.noise()), cache)?
+            restore(m, cleared(&mut workspace.medium, m.noise()), cache)?
         } else {
-            restore(m, cleared(&mut room.small, m.noise()), cache)?
+            restore(m, cleared(&mut workspace.small, m.noise()), cache)?
         };
         Some(Self { is_medium, again: true, keeps: false, ..Self::new(terms, state) })
     }
@@ -151,28 +151,28 @@ impl Search {
         &mut self,
         m: &mut Minkowski<'_, A, B>,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Progress {
         let Self { terms, state, is_medium, keeps, .. } = self;
         if !*is_medium {
-            match aim(room.small(), state, terms, keeps.then_some(&mut *cache)) {
+            match aim(workspace.small(), state, terms, keeps.then_some(&mut *cache)) {
                 Next::Ask(aim) => return self.ask(aim),
-                Next::Ended => return self.end(m, cache, room),
+                Next::Ended => return self.end(m, cache, workspace),
                 Next::Full => {
-                    room.enlarge();
+                    workspace.enlarge();
                     (*is_medium, *keeps) = (true, terms.keeps_polytope());
                 }
             }
         }
-        match aim(room.medium(), state, terms, keeps.then_some(&mut *cache)) {
+        match aim(workspace.medium(), state, terms, keeps.then_some(&mut *cache)) {
             Next::Ask(aim) => self.ask(aim),
-            Next::Ended => self.end(m, cache, room),
+            Next::Ended => self.end(m, cache, workspace),
             // Polytopes of the last two sizes are not kept, and they are rare: they are expanded at
             // once.
             Next::Full => {
                 let expansion = match cache.scratch() {
-                    Some(scratch) => expand_in_scratch(m, room.medium(), state, terms, scratch),
-                    None => expand_on_stack(m, room.medium(), state, terms),
+                    Some(scratch) => expand_in_scratch(m, workspace.medium(), state, terms, scratch),
+                    None => expand_on_stack(m, workspace.medium(), state, terms),
                 };
                 self.settle(m, expansion, cache)
             }
@@ -193,29 +193,29 @@ impl Search {
         point: Point,
         m: &mut Minkowski<'_, A, B>,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Progress {
         let Self { terms, state, aim, .. } = self;
         let has_ended = if self.is_medium {
-            continue_with(room.medium(), state, terms, aim, point)
+            continue_with(workspace.medium(), state, terms, aim, point)
         } else {
-            continue_with(room.small(), state, terms, aim, point)
+            continue_with(workspace.small(), state, terms, aim, point)
         };
-        if has_ended { self.end(m, cache, room) } else { self.aim(m, cache, room) }
+        if has_ended { self.end(m, cache, workspace) } else { self.aim(m, cache, workspace) }
     }
 
     fn end<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
         m: &mut Minkowski<'_, A, B>,
         cache: &mut Cache,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Progress {
         let Self { terms, state, .. } = self;
         let kept_in = terms.keeps_polytope().then_some(&mut *cache);
         let expansion = if self.is_medium {
-            finish(m, room.medium(), state, terms, kept_in)
+            finish(m, workspace.medium(), state, terms, kept_in)
         } else {
-            finish(m, room.small(), state, terms, kept_in)
+            finish(m, workspace.small(), state, terms, kept_in)
         };
         self.settle(m, expansion, cache)
     }
@@ -242,15 +242,15 @@ pub(in crate::solver) fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     max_expansions: u32,
     cache: &mut Cache,
 ) -> Expansion {
-    let (mut room, terms) = (Room::default(), Terms::new(m, Goal::Decide, max_expansions));
-    let mut search = match Search::start(m, tetrahedron, terms, Bound::none(), cache, &mut room) {
+    let (mut workspace, terms) = (Workspace::default(), Terms::new(m, Goal::Decide, max_expansions));
+    let mut search = match EpaSearch::start(m, tetrahedron, terms, Bound::none(), cache, &mut workspace) {
         Ok(search) => search,
         Err(expansion) => return expansion,
     };
-    let mut progress = search.aim(m, cache, &mut room);
+    let mut progress = search.aim(m, cache, &mut workspace);
     loop {
         match progress {
-            Progress::Ask(dir) => progress = search.continue_with(m.point(dir), m, cache, &mut room),
+            Progress::Ask(dir) => progress = search.continue_with(m.point(dir), m, cache, &mut workspace),
             Progress::Ended(Some(expansion)) => return expansion,
             // Only an expansion from the cache's polytope ends this way.
             Progress::Ended(None) => return State::new(Bound::none()).out,
@@ -359,7 +359,7 @@ fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const 
     let Bound { upper, normal, .. } = state.out.bound;
     let face = state.corners.map(|corners| corners.map(|i| polytope.point(i)));
     if let Some(face) = &face {
-        state.out.bound = Bound::at(upper, normal, face.each_ref());
+        state.out.bound = Bound::on_face(upper, normal, face.each_ref());
     }
     let mut expansion = state.out;
     if expansion.end == End::Converged {

@@ -9,7 +9,7 @@
 //!    (`walk_horizon`). The walk goes around each face in order, so it meets the edges of the
 //!    border in order as well.
 //! 2. The border is the horizon. Each of its edges must start where the previous one ends.
-//! 3. Reuse the slots of the visible faces for the new faces (`assign_slots`).
+//! 3. Reuse the places of the visible faces for the new faces (`assign_places`).
 //! 4. Compute the planes of the new faces, one per edge of the horizon and four at a time, and link
 //!    the neighbours (`build_fan`).
 //!
@@ -58,9 +58,9 @@ const LANES: usize = 4;
 /// Number of offsets compared at a time.
 const OFFSET_LANES: usize = 8;
 
-/// Up to this many face slots, all are compared, whether in use or not. A loop of varying length
+/// Up to this many face places, all are compared, whether in use or not. A loop of varying length
 /// costs more.
-const FULL_SCAN_SLOTS: usize = 128;
+const FULL_SCAN_PLACES: usize = 128;
 
 /// A vertex could not be inserted: due to rounding error its horizon is not a loop, or a new face
 /// has no area.
@@ -93,7 +93,7 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     features: [[u32; 2]; V],
     point_count: usize,
     /// Squares of the offsets, with the signs of the offsets. So faces that are never selected cost
-    /// no square root. Infinite for free slots.
+    /// no square root. Infinite for free places.
     offsets: [f64; F],
     /// The normals of the faces, not of unit length, and the dot product above which a point sees
     /// the face.
@@ -113,7 +113,7 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     /// Scratch of [`insert_vertex`](Self::insert_vertex): edges that the walk has yet to cross
     /// (face, edge).
     open_edges: [(u16, u16); F],
-    /// Scratch: the faces that the new vertex sees, then the slots of the new faces.
+    /// Scratch: the faces that the new vertex sees, then the places of the new faces.
     removed: [u16; F],
     /// Scratch: the edges of the horizon, in order.
     horizon: [Horizon; V],
@@ -173,7 +173,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// Becomes a cached surface under a new pose: `points` with the corners and neighbours of
     /// `faces`.
     ///
-    /// A slot whose corners are all the same vertex is free. Returns false if the surface does not
+    /// A place whose corners are all the same vertex is free. Returns false if the surface does not
     /// fit, a point is unknown, or a face has no area.
     pub(in crate::solver) fn restore(
         &mut self,
@@ -238,7 +238,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         all_solid
     }
 
-    /// Whether the slot holds no face.
+    /// Whether the place holds no face.
     fn is_free(&self, face: usize) -> bool {
         self.corners[face][0] == self.corners[face][1]
     }
@@ -308,7 +308,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     fn find_nearest(&self) -> usize {
         // A small polytope always compares the same number of chunks, so there is no branch to
         // predict.
-        let used = if F <= FULL_SCAN_SLOTS { F } else { self.face_count.next_multiple_of(OFFSET_LANES).min(F) };
+        let used = if F <= FULL_SCAN_PLACES { F } else { self.face_count.next_multiple_of(OFFSET_LANES).min(F) };
         self.dispatch.argmin(self.offsets[..used].as_chunks::<OFFSET_LANES>().0)
     }
 
@@ -366,7 +366,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         &self.features[..self.point_count]
     }
 
-    /// Corners and neighbours of all slots. The corners of a free slot are all the same vertex.
+    /// Corners and neighbours of all places. The corners of a free place are all the same vertex.
     pub(in crate::solver) fn faces(&self) -> (&[[u16; 3]], &[[u16; 3]]) {
         (&self.corners[..self.face_count], &self.neighbours[..self.face_count])
     }
@@ -431,7 +431,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         // The nearest of the faces that stay. The processor overlaps this search with the planes of
         // the new faces.
         let nearest = self.find_nearest();
-        self.assign_slots(removed, horizon)?;
+        self.assign_places(removed, horizon)?;
         self.build_fan(w, horizon, nearest)
     }
 
@@ -489,10 +489,10 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         Ok((removed, horizon))
     }
 
-    /// Step 3: puts the slots of the new faces into `self.removed`. They are those of the removed
-    /// faces, and up to two new ones. Frees the slots that are left over.
+    /// Step 3: puts the places of the new faces into `self.removed`. They are those of the removed
+    /// faces, and up to two new ones. Frees the places that are left over.
     #[inline(always)]
-    fn assign_slots(&mut self, removed: usize, horizon: usize) -> Result<(), InsertError> {
+    fn assign_places(&mut self, removed: usize, horizon: usize) -> Result<(), InsertError> {
         let new = horizon.saturating_sub(removed);
         if removed + 2 > F || self.face_count + new > F {
             return Err(InsertError);
@@ -518,20 +518,20 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         let mut previous = self.removed[horizon - 1];
         while first < horizon {
             let lanes = LANES.min(horizon - first);
-            let mut rim = [0; LANES + 1];
-            for (lane, vertex) in rim.iter_mut().enumerate() {
+            let mut border = [0; LANES + 1];
+            for (lane, vertex) in border.iter_mut().enumerate() {
                 let k = first + lane.min(lanes);
                 *vertex = self.horizon[if k == horizon { 0 } else { k }].from;
             }
-            let [p, q, r, s, t] = [rim[0], rim[1], rim[2], rim[3], rim[4]].map(usize::from);
+            let [p, q, r, s, t] = [border[0], border[1], border[2], border[3], border[4]].map(usize::from);
             let [p, q, r, s, t] =
                 [self.position(p), self.position(q), self.position(r), self.position(s), self.position(t)];
             let from = [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]];
             let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
             let (planes, offsets, _) = planes(tips, from, to, self.slack);
             for lane in 0..lanes {
-                let slot = self.removed[first + lane];
-                let new = usize::from(slot);
+                let place = self.removed[first + lane];
+                let new = usize::from(place);
                 let next = self.removed[if first + lane + 1 == horizon { 0 } else { first + lane + 1 }];
                 let Horizon { beyond, beyond_edge, .. } = self.horizon[first + lane];
                 self.set_plane(new, [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]]);
@@ -545,10 +545,10 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 if !offset.is_finite() {
                     return Err(InsertError);
                 }
-                self.corners[new] = [rim[lane], rim[lane + 1], apex];
+                self.corners[new] = [border[lane], border[lane + 1], apex];
                 self.neighbours[new] = [beyond, next, previous];
-                self.neighbours[usize::from(beyond)][usize::from(beyond_edge)] = slot;
-                previous = slot;
+                self.neighbours[usize::from(beyond)][usize::from(beyond_edge)] = place;
+                previous = place;
             }
             first += lanes;
         }

@@ -38,7 +38,7 @@ pub(in crate::solver) enum End {
     Inside,
     /// The bounds are close enough.
     Converged,
-    /// A cap was reached.
+    /// A limit was reached.
     Limit,
     /// Rounding errors stopped all progress.
     Stalled,
@@ -204,7 +204,7 @@ pub(super) fn aim<const V: usize, const F: usize>(
     cache: Option<&mut Cache>,
 ) -> Next {
     // 2. The nearest face bounds the depth from below.
-    let nearest = Nearest::of(polytope);
+    let nearest = Nearest::new(polytope);
     state.bound_from_below(polytope, &nearest, terms);
     if let Some(end) = state.end_before_query(terms) {
         state.out.end = end;
@@ -256,7 +256,7 @@ pub(super) fn continue_with<const V: usize, const F: usize>(
 
 impl Nearest {
     #[inline(always)]
-    fn of<const V: usize, const F: usize>(polytope: &Polytope<V, F>) -> Self {
+    fn new<const V: usize, const F: usize>(polytope: &Polytope<V, F>) -> Self {
         let face = polytope.nearest_face();
         let (direction, length, offset) = polytope.plane(face);
         Self { face, direction, length, offset }

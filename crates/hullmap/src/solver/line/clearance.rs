@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use super::portal::{Portal, Search, edge_distance, turn};
+use super::portal::{LineSearch, Portal, edge_distance, turn};
 use crate::support::SupportMap;
 
 /// Maximum number of vertices of the polygon. Lines through the middle of a face need 4 to 6.
@@ -24,7 +24,7 @@ const FLAT_ERRORS: f64 = 4.0;
 /// Lower bound of the clearance, at most a little more than `enough`. Not positive if the line may
 /// miss the set.
 pub(super) fn clearance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut Search<'_, '_, A, B>,
+    search: &mut LineSearch<'_, '_, A, B>,
     portal: &Portal,
     enough: f64,
 ) -> f64 {

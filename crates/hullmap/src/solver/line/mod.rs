@@ -35,7 +35,7 @@ use glam::DVec3;
 
 use self::clearance::clearance;
 use self::clip::Clip;
-use self::portal::{Discovery, End, Pierced, Portal, Search, Sense};
+use self::portal::{Discovery, End, LineSearch, Pierced, Portal, Sense};
 use super::barycentric::blend;
 use super::bound::Bound;
 use super::minkowski::Minkowski;
@@ -56,7 +56,7 @@ const EXACT_ERRORS: f64 = 64.0;
 
 /// What to search for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Query {
+pub(super) struct LineQuery {
     /// Direction of the line, of unit length.
     pub(super) direction: DVec3,
     /// Maximum length along it.
@@ -105,7 +105,7 @@ impl Entry {
 #[inline]
 pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    query: &Query,
+    query: &LineQuery,
     axis: Option<DVec3>,
 ) -> Entry {
     let mut clip = Clip::new(m, query.direction, query.limit);
@@ -115,7 +115,7 @@ pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if clip.is_empty() {
         return Entry::miss(clip.last, 0);
     }
-    let mut search = Search::new(m, clip);
+    let mut search = LineSearch::new(m, clip);
     let mut entry = find(&mut search, query);
     // The last plane proves a miss, whatever the search found before it.
     if search.clip.is_empty() {
@@ -125,11 +125,14 @@ pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// Steps 2 to 4. The result is meaningless if the clip is empty.
-fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, '_, A, B>, query: &Query) -> Entry {
+fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &mut LineSearch<'_, '_, A, B>,
+    query: &LineQuery,
+) -> Entry {
     let Discovery::Portal(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
     let limit = query.max_iterations.min(MAX_STEPS);
     let (origin, middle) = (search.clip.origin, start.pierced());
-    let mut known = search.first_clearance(&start, &middle);
+    let known = search.first_clearance(&start, &middle);
     let error = search.error(middle.residual, known);
     // The line pierces the first triangle somewhere in the set: certainly ahead of the origin,
     // certainly behind it, or neither.
@@ -149,60 +152,95 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
     let mut entry = start;
     let end = search.refine(&mut entry, Sense::Entry, known, (query.tolerance, limit));
     match end {
-        End::Missed => return Entry::miss(search.clip.last, 0),
-        End::Passed if is_ahead => return inside(search, [&entry, &start]),
+        End::Missed => Entry::miss(search.clip.last, 0),
+        End::Passed if is_ahead => inside(search, [&entry, &start]),
         End::Passed => {
             exit = start;
-            return match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
+            match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
                 End::Passed => inside(search, [&entry, &exit]),
                 _ => leaving(search, &exit),
-            };
+            }
         }
-        End::OnSurface | End::Narrow | End::Limit => {}
+        End::OnSurface | End::Narrow | End::Limit => {
+            let pierced = entry.pierced();
+            let error = least_error(search, query, known, (&entry, &pierced));
+            // A set that may contain the origin is ahead of it only if a point of it is.
+            is_past |= search.clip.entry > origin || pierced.at - error >= origin;
+            let is_certain = error < f64::INFINITY && is_past;
+            if is_certain {
+                enclose(search, query, end, Some(error), (&entry, pierced.at), &exit)
+            } else {
+                let (entry, pierced) = safer(search, [(entry, pierced), (start, middle)]);
+                enclose(search, query, end, None, (&entry, pierced.at), &exit)
+            }
+        }
     }
-    let mut pierced = entry.pierced();
+}
+
+/// Step 4: error of the parameter at which the line pierces the entry, as small as the tolerance
+/// requires. `known` is a clearance.
+fn least_error<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &mut LineSearch<'_, '_, A, B>,
+    query: &LineQuery,
+    known: f64,
+    (entry, pierced): (&Portal, &Pierced),
+) -> f64 {
     let mut error = search.error(pierced.residual, known);
     if error > ERROR_SHARE * query.tolerance {
-        error = error.min(search.error_in(&entry, &pierced));
+        error = error.min(search.error_in(entry, pierced));
     }
     if error > ERROR_SHARE * query.tolerance {
         // A clearance with which the error is small enough.
         let enough = 2.0 * search.clip.reach * (pierced.residual + search.clip.noise) / (ERROR_SHARE * query.tolerance);
-        known = known.max(clearance(search, &entry, enough));
+        let known = known.max(clearance(search, entry, enough));
         error = error.min(search.error(pierced.residual, known));
     }
-    // A set that may contain the origin is ahead of it only if a point of it is.
-    is_past |= search.clip.entry > origin || pierced.at - error >= origin;
-    let is_certain = error < f64::INFINITY && is_past;
-    if !is_certain {
-        // The line leaves the set before this plane, if it hits it at all.
-        search.probe(DVec3::Z);
-        // If the set is flat as seen along the line, refinement may have lost the part that the
-        // line grazes.
-        let end = search.clip.upper;
-        let off = |found: &Pierced| found.residual + (found.at - end).max(0.0);
-        if off(&pierced) > off(&middle) + search.clip.noise {
-            (entry, pierced) = (start, middle);
-        }
-    }
+    error
+}
+
+/// The portal to report for a line that may miss the set: the last one, or the first one if
+/// refinement lost the part of the set that the line grazes.
+fn safer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &mut LineSearch<'_, '_, A, B>,
+    [last, first]: [(Portal, Pierced); 2],
+) -> (Portal, Pierced) {
+    // The line leaves the set before this plane, if it hits it at all.
+    search.probe(DVec3::Z);
+    // If the set is flat as seen along the line, refinement may have lost the part that the line
+    // grazes.
+    let end = search.clip.upper;
+    let off = |found: &Pierced| found.residual + (found.at - end).max(0.0);
+    if off(&last.1) > off(&first.1) + search.clip.noise { first } else { last }
+}
+
+/// The answer from the portal where the line enters the set, at parameter `at`. `error` is that of
+/// `at` if the hit is certain.
+fn enclose<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &mut LineSearch<'_, '_, A, B>,
+    query: &LineQuery,
+    end: End,
+    error: Option<f64>,
+    (entry, at): (&Portal, f64),
+    exit: &Portal,
+) -> Entry {
     if search.clip.entry < search.clip.lower {
         // The ball around the set is no plane, and it is farther out than this one.
         search.probe(DVec3::NEG_Z);
     }
     let clip = &search.clip;
     // The upper bound may be beyond the limit of the ray: then the hit may be as well.
-    let upper = if is_certain { (pierced.at + error).max(clip.lower) } else { clip.upper };
+    let upper = error.map_or(clip.upper, |error| (at + error).max(clip.lower));
     let width = upper - clip.lower;
     let exact = EXACT_ERRORS * clip.error / clip.normal.dot(clip.direction).abs();
     // NaN takes the last branch.
     let status = match end {
-        _ if !is_certain => Status::Touching,
+        _ if error.is_none() => Status::Touching,
         End::OnSurface if width <= exact => Status::Exact,
         _ if width <= query.tolerance => Status::Within,
         End::Limit => Status::IterationLimit,
         _ => Status::Stalled,
     };
-    let mut found = answer(clip, status, [clip.lower, pierced.at, upper], [&entry, &exit]);
+    let mut found = answer(clip, status, [clip.lower, at, upper], [entry, exit]);
     if found.upper == 0.0 {
         found.points = common_point(search, found.points);
     }
@@ -246,7 +284,7 @@ fn points_at(clip: &Clip, parameter: f64, [entry, ahead]: [&Portal; 2]) -> [DVec
 
 /// The origin is certainly inside, between two portals.
 fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut Search<'_, '_, A, B>,
+    search: &mut LineSearch<'_, '_, A, B>,
     portals: [&Portal; 2],
 ) -> Entry {
     let (status, normal) = (Status::Overlapping, -search.clip.direction);
@@ -257,7 +295,7 @@ fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// The common point of these two, if the line starts inside the set.
 fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut Search<'_, '_, A, B>,
+    search: &mut LineSearch<'_, '_, A, B>,
     points: [DVec3; 2],
 ) -> [DVec3; 2] {
     let (points, steps) = Bound::common_point(search.m, points, -search.clip.direction);
@@ -266,7 +304,7 @@ fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// The line leaves the set at its origin, within rounding error.
-fn leaving<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &Search<'_, '_, A, B>, exit: &Portal) -> Entry {
+fn leaving<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &LineSearch<'_, '_, A, B>, exit: &Portal) -> Entry {
     let clip = &search.clip;
     let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], [exit; 2]);
     Entry { normal: -clip.direction, ..found }

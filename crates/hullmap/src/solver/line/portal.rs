@@ -166,7 +166,7 @@ pub(super) enum End {
 }
 
 /// Search for the entry or exit of a line, with what is known so far.
-pub(super) struct Search<'m, 's, A: ?Sized, B: ?Sized> {
+pub(super) struct LineSearch<'m, 's, A: ?Sized, B: ?Sized> {
     pub(super) m: &'m mut Minkowski<'s, A, B>,
     pub(super) clip: Clip,
     across: [DVec3; 2],
@@ -174,7 +174,7 @@ pub(super) struct Search<'m, 's, A: ?Sized, B: ?Sized> {
     pub(super) steps: u32,
 }
 
-impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, A, B> {
+impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, A, B> {
     pub(super) fn new(m: &'m mut Minkowski<'s, A, B>, clip: Clip) -> Self {
         let across = clip.across();
         Self { m, clip, across, steps: 0 }

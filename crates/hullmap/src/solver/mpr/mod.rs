@@ -108,7 +108,7 @@ enum Phase {
 
 /// A search that waits for a support point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(crate) struct MprSearch {
     v0: DVec3,
     rounding: f64,
     /// Lengths below this are rounding error of a tetrahedron's height.
@@ -125,7 +125,7 @@ pub(crate) struct Search {
     bound: Option<Bound>,
 }
 
-impl Search {
+impl MprSearch {
     /// A search that has not seen a support point.
     #[inline(always)]
     pub(in crate::solver) fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -291,7 +291,7 @@ impl Search {
         let mut enough = 0.0;
         if let Until::Surface { tolerance } = self.until {
             if value < self.bound().upper {
-                self.bound = Some(Bound::at(value, n, self.portal.vertices.each_ref()));
+                self.bound = Some(Bound::on_face(value, n, self.portal.vertices.each_ref()));
             }
             enough = tolerance * value;
         }

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use hullmap::{Cache, Contact, Distance, Overlap, Pose, Settings, Status, SupportMap, contact, distance, intersects};
 use hullmap_testkit::random::RandomPoses;
 
-fn at(x: f64, y: f64, z: f64) -> Pose {
+fn pose_at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
@@ -82,7 +82,7 @@ fn depth_depends_on_the_centre_ray() {
     // B is near a long face of A but far from A's centre, so the centre ray leaves through the
     // wrong face.
     let long = PointCloud::cuboid(DVec3::new(20.0, 1.0, 1.0));
-    let c = solve_contact(&long, &cube_without_inner_ball(), at(15.0, 1.5, 0.3));
+    let c = solve_contact(&long, &cube_without_inner_ball(), pose_at(15.0, 1.5, 0.3));
     assert_near(c.depth, 0.5);
     assert!(c.normal.distance(DVec3::Y) < 1e-12, "{c:?}");
 }
@@ -119,15 +119,17 @@ fn portal_without_area() {
     ];
     for shape in &flat {
         for z in [-0.5, 0.0, 0.5] {
-            assert_eq!(solve_overlap(&solid, shape, at(0.0, 0.0, z)), Overlap::Overlapping);
-            assert_eq!(solve_overlap(shape, &solid, at(0.0, 0.0, z)), Overlap::Overlapping);
-            let (c, swapped) =
-                (solve_contact(&solid, shape, at(0.0, 0.0, z)), solve_contact(shape, &solid, at(0.0, 0.0, -z)));
+            assert_eq!(solve_overlap(&solid, shape, pose_at(0.0, 0.0, z)), Overlap::Overlapping);
+            assert_eq!(solve_overlap(shape, &solid, pose_at(0.0, 0.0, z)), Overlap::Overlapping);
+            let (c, swapped) = (
+                solve_contact(&solid, shape, pose_at(0.0, 0.0, z)),
+                solve_contact(shape, &solid, pose_at(0.0, 0.0, -z)),
+            );
             assert!(c.hit && swapped.hit);
             assert_near(c.depth, swapped.depth);
         }
-        assert_near(solve_contact(&solid, shape, at(0.0, 0.0, 0.75)).depth, 0.25);
-        assert_near(solve_distance(&solid, shape, at(0.0, 0.0, 3.0)).distance, 2.0);
+        assert_near(solve_contact(&solid, shape, pose_at(0.0, 0.0, 0.75)).depth, 0.25);
+        assert_near(solve_distance(&solid, shape, pose_at(0.0, 0.0, 3.0)).distance, 2.0);
     }
 }
 
@@ -247,7 +249,13 @@ fn endless_discovery() {
 #[test]
 fn zero_depth_gives_nan() {
     let cube = Cuboid(DVec3::ONE);
-    for pose in [at(2.0, 0.0, 0.0), at(0.0, -2.0, 0.5), at(2.0, 2.0, 0.0), at(2.0, 2.0, 2.0), at(-2.0, 2.0, 0.1)] {
+    for pose in [
+        pose_at(2.0, 0.0, 0.0),
+        pose_at(0.0, -2.0, 0.5),
+        pose_at(2.0, 2.0, 0.0),
+        pose_at(2.0, 2.0, 2.0),
+        pose_at(-2.0, 2.0, 0.1),
+    ] {
         assert_eq!(solve_overlap(&cube, &cube, pose), Overlap::Touching);
         let c = solve_contact(&cube, &cube, pose);
         assert!(c.hit && c.status == Status::Touching && c.depth == 0.0, "{c:?}");
@@ -266,11 +274,11 @@ fn ties_on_flat_faces() {
     // side.
     let cube = cube_without_inner_ball();
     for (x, y) in [(0.0, 0.0), (0.5, 0.25), (1.0, 1.0), (1.5, -1.5)] {
-        let c = solve_contact(&cube, &cube, at(x, y, 1.75));
+        let c = solve_contact(&cube, &cube, pose_at(x, y, 1.75));
         assert_near(c.depth, 0.25);
         assert!(c.normal.distance(DVec3::Z) < 1e-12, "{c:?}");
         assert!((c.point_a - c.point_b - DVec3::Z * 0.25).length() < 1e-12, "{c:?}");
-        let d = solve_distance(&cube, &cube, at(x, y, 2.25));
+        let d = solve_distance(&cube, &cube, pose_at(x, y, 2.25));
         assert_near(d.distance, 0.25);
         assert!(d.normal.distance(DVec3::Z) < 1e-12);
     }
@@ -357,14 +365,14 @@ fn hit_and_miss_flicker_at_contact() {
     let mut warm = Cache::new();
     for i in -40..=40 {
         let gap = f64::from(i) * f64::EPSILON;
-        let pose = at(2.0 + gap, 0.25, -0.5);
+        let pose = pose_at(2.0 + gap, 0.25, -0.5);
         let (cold, kept) = (solve_overlap(&cube, &cube, pose), intersects(&cube, &cube, pose, &mut warm));
         assert_eq!(cold, kept.status, "{i}");
         assert_eq!(cold, Overlap::Touching, "{i}");
     }
     for (gap, expected) in [(1e-12, Overlap::Separated), (-1e-12, Overlap::Overlapping)] {
         for _ in 0..3 {
-            assert_eq!(intersects(&cube, &cube, at(2.0 + gap, 0.25, -0.5), &mut warm).status, expected);
+            assert_eq!(intersects(&cube, &cube, pose_at(2.0 + gap, 0.25, -0.5), &mut warm).status, expected);
         }
     }
 }
@@ -375,8 +383,8 @@ fn one_ulp_gap() {
     // says so.
     let cube = Cuboid(DVec3::ONE);
     let gap = 2.0_f64.next_up();
-    assert_eq!(solve_overlap(&cube, &cube, at(gap, 0.0, 0.0)), Overlap::Touching);
-    let d = solve_distance(&cube, &cube, at(gap, 0.0, 0.0));
+    assert_eq!(solve_overlap(&cube, &cube, pose_at(gap, 0.0, 0.0)), Overlap::Touching);
+    let d = solve_distance(&cube, &cube, pose_at(gap, 0.0, 0.0));
     assert!(d.lower == 0.0 && d.upper >= gap - 2.0 && d.upper < 1e-13, "{d:?}");
 }
 
@@ -405,7 +413,7 @@ fn nan_support_points_do_not_loop_for_ever() {
     let d = distance(&Broken, &cube, Pose::IDENTITY, &Settings::default(), cache);
     assert!(!matches!(d.status, Status::Exact | Status::Within), "{d:?}");
     // The cache that the broken shape left does no harm to a valid pair.
-    assert_eq!(intersects(&cube, &cube, at(3.0, 0.0, 0.0), cache).status, Overlap::Separated);
+    assert_eq!(intersects(&cube, &cube, pose_at(3.0, 0.0, 0.0), cache).status, Overlap::Separated);
 }
 
 /// A prism, or a cone if `top` is 0, with many sides: flat caps of many points, and thin side
@@ -653,7 +661,7 @@ fn parallel_close_faces() {
         for sign in [-1.0, 1.0] {
             let gap = sign * 10.0_f64.powi(-exponent);
             for slide in [0.0, 0.3, 1.2] {
-                let pose = at(1.5 + gap, slide, 0.1);
+                let pose = pose_at(1.5 + gap, slide, 0.1);
                 let gap = pose.translation().x - 1.5;
                 let (c, d) = (solve_contact(&a, &b, pose), solve_distance(&a, &b, pose));
                 // A gap above rounding error is decided.

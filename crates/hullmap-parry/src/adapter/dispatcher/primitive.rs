@@ -1,4 +1,4 @@
-//! parry's convex primitives as hullmap's shapes: what hullmap solves against a baked hull.
+//! parry's convex primitives as hullmap's shapes, which hullmap solves against a baked hull.
 
 // One of the two precisions makes each cast a no-op.
 #![allow(clippy::unnecessary_cast)]
@@ -11,7 +11,7 @@ use super::super::convert::wide;
 use super::super::parry;
 
 /// A primitive that hullmap solves against a hull. Its frame is that of parry's shape.
-pub(super) enum Partner {
+pub(super) enum Primitive {
     Ball(Sphere),
     Capsule(Capsule),
     Cone(Turned<Cone>),
@@ -25,9 +25,9 @@ pub(super) enum Partner {
     Triangle(Triangle),
 }
 
-impl Partner {
+impl Primitive {
     /// `shape` as hullmap's shape. `None` if it is of another kind, or its sizes are not valid.
-    pub(super) fn of(shape: &dyn parry::shape::Shape) -> Option<Self> {
+    pub(super) fn from_shape(shape: &dyn parry::shape::Shape) -> Option<Self> {
         use parry::shape::TypedShape;
         Some(match shape.as_typed_shape() {
             TypedShape::Ball(ball) => Self::Ball(Sphere::new(ball.radius as f64).ok()?),

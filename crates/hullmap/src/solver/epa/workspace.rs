@@ -1,4 +1,4 @@
-//! Memory for polytopes of each size.
+//! Workspace of EPA: memory for polytopes of each size.
 
 use super::polytope::Polytope;
 
@@ -14,12 +14,12 @@ pub(super) type Biggest = Polytope<{ SIZES[3] }, { 2 * SIZES[3] }>;
 
 /// The polytopes of the first two sizes: 16 KB, of which only what a query needs is written.
 #[derive(Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct Workspace {
     pub(super) small: Option<Small>,
     pub(super) medium: Option<Medium>,
 }
 
-impl Room {
+impl Workspace {
     #[inline(always)]
     pub(super) fn small(&mut self) -> &mut Small {
         self.small.get_or_insert_with(|| Polytope::empty(0.0))

@@ -17,18 +17,18 @@ use super::super::parry::query::{
 use super::super::parry::shape::{Compound, Shape};
 use super::contacts::{PartOf, solve};
 use super::pair::pose;
-use super::partner::Partner;
+use super::primitive::Primitive;
 use super::{BakedHull, HullDispatcher};
 
 /// Relative allowance for rounding a point to parry's precision.
 const ROUNDING: f64 = 1e-6;
 
 /// `HullDispatcher` for the parts of two shapes, each of which may be a compound.
-pub(super) struct Welder<'c> {
+pub(super) struct PartDispatcher<'c> {
     compounds: [Option<Parts<'c>>; 2],
 }
 
-impl<'c> Welder<'c> {
+impl<'c> PartDispatcher<'c> {
     pub(super) fn new(shape1: &'c dyn Shape, shape2: &'c dyn Shape) -> Self {
         let parts = |shape: &'c dyn Shape| {
             shape.as_shape::<Compound>().filter(|compound| compound.shapes().len() > 1).map(Parts)
@@ -43,7 +43,7 @@ struct Parts<'c>(&'c Compound);
 
 impl Parts<'_> {
     /// The part with this index, and its pose in the frame of the compound.
-    fn of(&self, part: usize) -> Option<PartOf<'_>> {
+    fn part(&self, part: usize) -> Option<PartOf<'_>> {
         let (place, _) = self.0.shapes().get(part)?;
         Some((self, part, pose(place)?))
     }
@@ -52,8 +52,8 @@ impl Parts<'_> {
         self.0.shapes().get(part)?.1.as_shape::<BakedHull>()
     }
 
-    fn partner(&self, part: usize) -> Option<Partner> {
-        Partner::of(&*self.0.shapes().get(part)?.1)
+    fn primitive(&self, part: usize) -> Option<Primitive> {
+        Primitive::from_shape(&*self.0.shapes().get(part)?.1)
     }
 }
 
@@ -63,26 +63,26 @@ impl Union for Parts<'_> {
         let near = Aabb::from_half_extents(narrow(point), Vector::splat(real(half)));
         self.0.bvh().intersect_aabb(&near).any(|leaf| {
             let index = leaf as usize;
-            let Some((_, _, place)) = self.of(index) else { return false };
+            let Some((_, _, place)) = self.part(index) else { return false };
             if let Some(hull) = self.hull(index) {
                 return test(Neighbour { index, shape: hull, place });
             }
-            self.partner(index).is_some_and(|partner| test(Neighbour { index, shape: partner.shape(), place }))
+            self.primitive(index).is_some_and(|primitive| test(Neighbour { index, shape: primitive.shape(), place }))
         })
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
-        let (_, _, place) = self.of(part)?;
+        let (_, _, place) = self.part(part)?;
         let local = place.inverse_transform_vector(dir);
         let normal = match self.hull(part) {
             Some(hull) => hull.face_normal(hull.face_towards(local)?)?,
-            None => face_of(self.partner(part)?.shape(), local)?.0,
+            None => face_of(self.primitive(part)?.shape(), local)?.0,
         };
         Some(place.transform_vector(normal))
     }
 
     fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
-        let Some((_, _, place)) = self.of(part) else { return };
+        let Some((_, _, place)) = self.part(part) else { return };
         let mut give =
             |normal: DVec3, point: DVec3| visit(place.transform_vector(normal), place.transform_point(point));
         if let Some(hull) = self.hull(part) {
@@ -92,13 +92,13 @@ impl Union for Parts<'_> {
                     give(normal, point * scale);
                 }
             });
-        } else if let Some(partner) = self.partner(part) {
-            faces_of_shape(partner.shape(), &mut give);
+        } else if let Some(primitive) = self.primitive(part) {
+            faces_of_shape(primitive.shape(), &mut give);
         }
     }
 }
 
-impl<M, C> PersistentQueryDispatcher<M, C> for Welder<'_>
+impl<M, C> PersistentQueryDispatcher<M, C> for PartDispatcher<'_>
 where
     M: Default + Clone + Send + Sync,
     C: Default + Copy + Send + Sync,
@@ -127,8 +127,8 @@ where
     ) -> Result<(), Unsupported> {
         let [compound1, compound2] = &self.compounds;
         let parts = [
-            compound1.as_ref().and_then(|compound| compound.of(manifold.subshape1 as usize)),
-            compound2.as_ref().and_then(|compound| compound.of(manifold.subshape2 as usize)),
+            compound1.as_ref().and_then(|compound| compound.part(manifold.subshape1 as usize)),
+            compound2.as_ref().and_then(|compound| compound.part(manifold.subshape2 as usize)),
         ];
         if normal_constraints1.is_none()
             && normal_constraints2.is_none()
@@ -149,7 +149,7 @@ where
 }
 
 /// parry requires these of every dispatcher. All are those of `HullDispatcher`.
-impl QueryDispatcher for Welder<'_> {
+impl QueryDispatcher for PartDispatcher<'_> {
     fn intersection_test(
         &self,
         pos12: &Pose,

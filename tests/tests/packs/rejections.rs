@@ -23,7 +23,7 @@ use hullmap_tests::hostile::{
 };
 use shapes::{families::Family, solids};
 
-/// The message with which a file is refused.
+/// The message with which a file is rejected.
 fn message(file: &[u8]) -> String {
     let error = Pack::from_bytes(file).expect_err("the file violates a requirement").to_string();
     assert!(error.ends_with("; bake the source again"), "{error}");
@@ -32,15 +32,15 @@ fn message(file: &[u8]) -> String {
 
 /// The message after one change to a sample: `$field` is a field of the archive, `$value` its new
 /// value.
-macro_rules! refusal {
+macro_rules! rejection {
     ($file:expr, $($field:tt)+) => {
-        refusal!(@split $file, [] $($field)+)
+        rejection!(@split $file, [] $($field)+)
     };
     (@split $file:expr, [$($field:tt)*] = $value:expr) => {
         message(&changed($file, |pack| &pack.$($field)*, &$value.to_le_bytes()))
     };
     (@split $file:expr, [$($field:tt)*] $next:tt $($rest:tt)+) => {
-        refusal!(@split $file, [$($field)* $next] $($rest)+)
+        rejection!(@split $file, [$($field)* $next] $($rest)+)
     };
 }
 
@@ -54,10 +54,10 @@ fn two(names: [&str; 2], points: &[[f32; 3]]) -> Vec<u8> {
 fn sections_and_spans() {
     let cube = samples::named("cube, tree");
     let pair = samples::named("two hulls, tree");
-    assert_eq!(refusal!(&cube, spans[0].vertex = 1_u32), "hull 0: its vertices start at 1 (expected 0)");
-    assert_eq!(refusal!(&cube, spans[1].face = 5_u32), "the faces of all hulls end at 5 (expected 6)");
-    assert_eq!(refusal!(&pair, spans[2].edge = 70_u32), "hull 2: its edges start at 70 (expected at least 72)");
-    assert_eq!(refusal!(&cube, source_path[3] = 0xff_u8), "section source_path is not UTF-8 from byte 3 on");
+    assert_eq!(rejection!(&cube, spans[0].vertex = 1_u32), "hull 0: its vertices start at 1 (expected 0)");
+    assert_eq!(rejection!(&cube, spans[1].face = 5_u32), "the faces of all hulls end at 5 (expected 6)");
+    assert_eq!(rejection!(&pair, spans[2].edge = 70_u32), "hull 2: its edges start at 70 (expected at least 72)");
+    assert_eq!(rejection!(&cube, source_path[3] = 0xff_u8), "section source_path is not UTF-8 from byte 3 on");
     // Two bytes of names leave a gap of two bytes before the spans.
     let file = packs::bytes(&[point_set("ab", &[[0.0; 3]])], IndexKind::None, &SourceRecord::default()).unwrap();
     let at = offset_of(&file, |pack| &pack.spans[0]) - 1;
@@ -76,42 +76,42 @@ fn records() {
     let cube = samples::named("cube, tree");
     let five = samples::named("five hulls, no index");
     let named = two(["é", "x"], &[[0.0; 3]]);
-    assert_eq!(refusal!(&named, spans[1].name = 1_u32), "hull 0: its name is not UTF-8 from byte 0 on");
+    assert_eq!(rejection!(&named, spans[1].name = 1_u32), "hull 0: its name is not UTF-8 from byte 0 on");
     assert_eq!(
-        refusal!(&cube, hulls[0].diameter = -1.0_f64),
+        rejection!(&cube, hulls[0].diameter = -1.0_f64),
         "hull 0: its diameter is -1 (expected a finite number of at least 0)"
     );
     assert_eq!(
-        refusal!(&cube, hulls[0].centroid[1] = f64::NAN),
+        rejection!(&cube, hulls[0].centroid[1] = f64::NAN),
         "hull 0: component 1 of its centroid is NaN (expected a finite number)"
     );
-    assert_eq!(refusal!(&cube, hulls[0].rank = 4_u32), "hull 0: its rank is 4 (expected 0 to 3)");
-    assert_eq!(refusal!(&cube, hulls[0].rank = 1_u32), "hull 0: it has 8 vertices (expected 2 for rank 1)");
-    let radii = refusal!(&cube, hulls[0].inner_radius = 5.0_f64);
+    assert_eq!(rejection!(&cube, hulls[0].rank = 4_u32), "hull 0: its rank is 4 (expected 0 to 3)");
+    assert_eq!(rejection!(&cube, hulls[0].rank = 1_u32), "hull 0: it has 8 vertices (expected 2 for rank 1)");
+    let radii = rejection!(&cube, hulls[0].inner_radius = 5.0_f64);
     assert!(radii.starts_with("hull 0: its inner radius 5 is greater than its outer radius 0.86"), "{radii}");
-    assert_eq!(refusal!(&five, hulls[3].part = 2_u32), "hull 3: its part is 2 (expected 0)");
-    assert_eq!(refusal!(&five, hulls[3].part_count = 3_u32), "hull 3: its object has 3 parts (expected at most 2)");
+    assert_eq!(rejection!(&five, hulls[3].part = 2_u32), "hull 3: its part is 2 (expected 0)");
+    assert_eq!(rejection!(&five, hulls[3].part_count = 3_u32), "hull 3: its object has 3 parts (expected at most 2)");
     let parts = samples::named("parts, tree");
-    assert_eq!(refusal!(&parts, hulls[2].part = 0_u32), "hull 2: its part is 0 (expected 1)");
+    assert_eq!(rejection!(&parts, hulls[2].part = 0_u32), "hull 2: its part is 0 (expected 1)");
     assert_eq!(
-        refusal!(&parts, hulls[2].part_count = 4_u32),
+        rejection!(&parts, hulls[2].part_count = 4_u32),
         "hull 2: its object has 4 parts (expected 3, as in the part before it)"
     );
-    assert_eq!(refusal!(&parts, hulls[1].solid = 4_u32), "hull 1: its kind of solid is 4 (expected 0 to 3)");
+    assert_eq!(rejection!(&parts, hulls[1].solid = 4_u32), "hull 1: its kind of solid is 4 (expected 0 to 3)");
     assert_eq!(
-        refusal!(&parts, hulls[1].solid = 0_u32),
+        rejection!(&parts, hulls[1].solid = 0_u32),
         "hull 1: its kind of solid states that it was not measured, but its uncovered distance or its protrusion is not 0"
     );
     assert_eq!(
-        refusal!(&five, hulls[1].solid = 1_u32),
+        rejection!(&five, hulls[1].solid = 1_u32),
         "hull 1: it is not a part of an object, but states a kind of solid"
     );
     assert_eq!(
-        refusal!(&parts, hulls[3].uncovered = 0.5_f64),
+        rejection!(&parts, hulls[3].uncovered = 0.5_f64),
         "hull 3: its uncovered distance or its kind of solid differs from the part before it"
     );
     assert_eq!(
-        refusal!(&five, hulls[2].origin[1] = 1.0_f64),
+        rejection!(&five, hulls[2].origin[1] = 1.0_f64),
         "hull 2: its origin is [0.0, 1.0, 0.0] (expected [0.0, 0.0, 0.0], the origin of the hull before it)"
     );
 }
@@ -121,68 +121,68 @@ fn vertices_faces_and_neighbours() {
     let cube = samples::named("cube, tree");
     let pair = samples::named("two hulls, tree");
     assert_eq!(
-        refusal!(&cube, vertices[5][1] = 9.0_f32),
+        rejection!(&cube, vertices[5][1] = 9.0_f32),
         "hull 0: vertex 5: coordinate 1 is 9 (the bounds are 0 to 1)"
     );
     assert_eq!(
-        refusal!(&cube, source_vertices[3] = 0_u32),
+        rejection!(&cube, source_vertices[3] = 0_u32),
         "hull 0: vertex 3: source vertex 0 does not follow source vertex 2 of the vertex before it"
     );
     assert_eq!(
-        refusal!(&pair, spans[1].face = 0_u32),
+        rejection!(&pair, spans[1].face = 0_u32),
         "hull 0: it has 0 faces and 24 face vertices (rank 3 has at least 2 faces)"
     );
     assert_eq!(
-        refusal!(&cube, face_starts[2] = 6_u32),
+        rejection!(&cube, face_starts[2] = 6_u32),
         "hull 0: face 1: its vertices are entries 4..6 of 24 (runs must be contiguous, of 3 entries or more)"
     );
     assert_eq!(
-        refusal!(&cube, face_vertices[12] = 8_u32),
+        rejection!(&cube, face_vertices[12] = 8_u32),
         "hull 0: face 3: vertex index 8 is out of range (the hull has 8 vertices)"
     );
     assert_eq!(
-        refusal!(&pair, spans[1].face = 5_u32),
+        rejection!(&pair, spans[1].face = 5_u32),
         "hull 0: its 8 vertices, 5 faces and 24 face vertices (two per edge) violate Euler's formula"
     );
     assert_eq!(
-        refusal!(&cube, neighbour_starts[3] = 25_u32),
+        rejection!(&cube, neighbour_starts[3] = 25_u32),
         "hull 0: vertex 2: its neighbours are entries 6..25 of 24 (runs must be contiguous)"
     );
     assert_eq!(
-        refusal!(&cube, hulls[0].max_neighbours = 4_u32),
+        rejection!(&cube, hulls[0].max_neighbours = 4_u32),
         "hull 0: its record states at most 4 neighbours of a vertex (expected 3)"
     );
     assert_eq!(
-        refusal!(&cube, neighbours[11] = 12_u32),
+        rejection!(&cube, neighbours[11] = 12_u32),
         "hull 0: neighbour 11: vertex index 12 is out of range (the hull has 8 vertices)"
     );
     assert_eq!(
-        refusal!(&cube, neighbour_faces[7] = 6_u32),
+        rejection!(&cube, neighbour_faces[7] = 6_u32),
         "hull 0: neighbour 7: face index 6 is out of range (the hull has 6 faces)"
     );
     assert_eq!(
-        refusal!(&cube, neighbour_faces[7] = 5_u32),
+        rejection!(&cube, neighbour_faces[7] = 5_u32),
         "hull 0: face 1 and the neighbours disagree on the edge from vertex 2 to vertex 3"
     );
     assert_eq!(
-        refusal!(&cube, face_vertices[1] = 3_u32),
+        rejection!(&cube, face_vertices[1] = 3_u32),
         "hull 0: face 0 and the neighbours disagree on the edge from vertex 0 to vertex 3"
     );
     assert_eq!(
-        refusal!(&pair, spans[1].neighbour = 23_u32),
+        rejection!(&pair, spans[1].neighbour = 23_u32),
         "hull 0: its vertices have 23 neighbours (expected 24, one per face vertex)"
     );
     let prism = samples::named("prism, tree");
-    assert_eq!(refusal!(&prism, quads[0].face = 7_u32), "hull 0: quad 0: its face is 7 (expected 1)");
-    assert!(refusal!(&prism, quads[0].corners[1] = 0_u32).starts_with("hull 0: quad 0: its corners are ["));
-    assert_eq!(refusal!(&prism, quads[1].fall = f32::NAN), "hull 0: quad 1: its fall is NaN (expected 0 to 1)");
+    assert_eq!(rejection!(&prism, quads[0].face = 7_u32), "hull 0: quad 0: its face is 7 (expected 1)");
+    assert!(rejection!(&prism, quads[0].corners[1] = 0_u32).starts_with("hull 0: quad 0: its corners are ["));
+    assert_eq!(rejection!(&prism, quads[1].fall = f32::NAN), "hull 0: quad 1: its fall is NaN (expected 0 to 1)");
     let prisms = two(["a", "b"], &solids::extrusion(&solids::regular_polygon(7, 1.0), -1.0, 1.0).vertices);
-    assert_eq!(refusal!(&prisms, spans[1].quad = 1_u32), "hull 0: face 8 has more than four corners and no quad");
+    assert_eq!(rejection!(&prisms, spans[1].quad = 1_u32), "hull 0: face 8 has more than four corners and no quad");
     assert_eq!(
-        refusal!(&prisms, spans[1].quad = 3_u32),
+        rejection!(&prisms, spans[1].quad = 3_u32),
         "hull 0: quad 2: its face is 1 (expected no more faces with more than four corners)"
     );
-    assert_eq!(refusal!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
+    assert_eq!(rejection!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 
 /// A lean pack has a version of its own, and nothing of what it leaves out.
@@ -194,15 +194,15 @@ fn lean_packs() {
     let faces: Vec<usize> = pack.hulls().map(|hull| hull.face_count()).collect();
     assert_eq!(faces, [0, 6, 0]);
     assert_eq!(
-        refusal!(&lean, hulls[0].max_neighbours = 3_u32),
+        rejection!(&lean, hulls[0].max_neighbours = 3_u32),
         "hull 0: its record states at most 3 neighbours of a vertex (expected 0)"
     );
     assert_eq!(
-        refusal!(&lean, face_vertices[12] = 8_u32),
+        rejection!(&lean, face_vertices[12] = 8_u32),
         "hull 1: face 3: vertex index 8 is out of range (the hull has 8 vertices)"
     );
     assert_eq!(
-        refusal!(&lean, spans[1].face = 1_u32),
+        rejection!(&lean, spans[1].face = 1_u32),
         "hull 0: it has 1 faces (a lean pack has none of a hull of 36 vertices, more than 32)"
     );
     let of_version = |file: &[u8], version: u32| {
@@ -222,42 +222,42 @@ fn outer_hulls_and_indices() {
     let cube = samples::named("cube, tree");
     let pair = samples::named("two hulls, tree");
     assert_eq!(
-        refusal!(&rocks, spans[1].outer = 3_u32),
+        rejection!(&rocks, spans[1].outer = 3_u32),
         "hull 0: its outer hull has 3 vertices (expected 0, or 4 to 64)"
     );
     assert_eq!(
-        refusal!(&rocks, outer_vertices[2][0] = f32::INFINITY),
+        rejection!(&rocks, outer_vertices[2][0] = f32::INFINITY),
         "hull 0: vertex 2 of its outer hull: coordinate 0 is inf (expected a finite number)"
     );
     assert_eq!(
-        refusal!(&cube, hulls[0].index_kind = 9_u32),
+        rejection!(&cube, hulls[0].index_kind = 9_u32),
         "hull 0: index kind 9 is unknown (known kinds are 0 to 3)"
     );
     assert_eq!(
-        refusal!(&cube, hulls[0].leaf_blocks = 3_u32),
+        rejection!(&cube, hulls[0].leaf_blocks = 3_u32),
         "hull 0: a leaf of its index has 3 blocks (expected 1, 2 or 4)"
     );
     assert_eq!(
-        refusal!(&cube, hulls[0].resolution = 2_u32),
+        rejection!(&cube, hulls[0].resolution = 2_u32),
         "hull 0: index kind 0 has resolution 2 (a cube map, kind 1, requires at least 1; all other kinds require 0)"
     );
-    assert_eq!(refusal!(&pair, spans[1].block = 0_u32), "hull 0: it has no blocks (expected at least 1)");
+    assert_eq!(rejection!(&pair, spans[1].block = 0_u32), "hull 0: it has no blocks (expected at least 1)");
     let tree = samples::named("sphere, tree");
-    let index = refusal!(&tree, slots[5] = (1_u32 << 30 | 9_999));
+    let index = rejection!(&tree, slots[5] = (1_u32 << 30 | 9_999));
     assert!(
         index.starts_with("hull 0: slot 5 of the direction index refers to 1 blocks from block 9999 on"),
         "{index}"
     );
     assert_eq!(
-        refusal!(&cube, hulls[0].max_nodes = 7_u32),
+        rejection!(&cube, hulls[0].max_nodes = 7_u32),
         "hull 0: its record states a worst case of 7 nodes and 8 dot products (expected 0 and 8)"
     );
     assert_eq!(
-        refusal!(&cube, blocks[0].vertex[6] = 8_u32),
+        rejection!(&cube, blocks[0].vertex[6] = 8_u32),
         "hull 0: block 0, lane 6: vertex index 8 is out of range (the hull has 8 vertices)"
     );
     assert_eq!(
-        refusal!(&cube, blocks[0].y[6] = -0.5_f32),
+        rejection!(&cube, blocks[0].y[6] = -0.5_f32),
         "hull 0: block 0, lane 6: coordinate 1 is -0.5 (the bounds are 0 to 1)"
     );
 }
@@ -329,21 +329,21 @@ fn bounding_volume_hierarchies() {
     let message =
         |text: String| text.strip_prefix("bounding volume hierarchy: ").expect("the message names the tree").to_owned();
     let leaf = five_leaf(&five);
-    assert_eq!(message(refusal!(&five, nodes[0].target = 0_u32)), "node 0: its first child is 0 (expected 1)");
+    assert_eq!(message(rejection!(&five, nodes[0].target = 0_u32)), "node 0: its first child is 0 (expected 1)");
     assert_eq!(
-        message(refusal!(&five, nodes[0].hull_count = 6_u32)),
+        message(rejection!(&five, nodes[0].hull_count = 6_u32)),
         "node 0 states 6 hulls (its children have [2, 3])"
     );
     assert_eq!(
-        message(refusal!(&five, nodes[leaf].target = 5_u32)),
+        message(rejection!(&five, nodes[leaf].target = 5_u32)),
         format!("node {leaf}: hull index 5 is out of range (the pack has 5 hulls)")
     );
     assert_eq!(
-        message(refusal!(&five, nodes[0].hull_count = 1_u32)),
+        message(rejection!(&five, nodes[0].hull_count = 1_u32)),
         "node 0 is the leaf of hull 1, whose record states leaf 4"
     );
     assert_eq!(
-        message(refusal!(&five, nodes[0].bounds_min[0] = 0.5_f32)),
+        message(rejection!(&five, nodes[0].bounds_min[0] = 0.5_f32)),
         "node 0: its box is not the union of the boxes of its children"
     );
 }

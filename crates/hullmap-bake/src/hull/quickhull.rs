@@ -2,8 +2,8 @@
 //!
 //! 1. Start with a tetrahedron. Assign every other point to one face that it lies strictly above.
 //! 2. Take a face that has points, and make its farthest point a vertex. The faces that this point
-//!    lies strictly above form a disc, bounded by the horizon (`rim`). Replace them by a fan from
-//!    the horizon to the new vertex, and assign the disc's points to the fan's faces.
+//!    lies strictly above form a disc, bounded by the horizon. Replace them by a fan from the
+//!    horizon to the new vertex, and assign the disc's points to the fan's faces.
 //! 3. When no face has points, merge exactly coplanar faces into facets. A vertex at which fewer
 //!    than three facets meet is not a vertex of the hull. Remove such points, and build again from
 //!    the rest.
@@ -16,11 +16,10 @@
 //! Barber makes facets thick enough to cover rounding error. Here, exact predicates decide which
 //! points are above a face. The faces removed in step 2 therefore always form a disc, no face is
 //! degenerate, and no point is lost, however flat or thin the set is.
-
 //!
 //! # Memory
-//! Slots of deleted faces are reused, so there are hardly more than 2n faces, of 72 bytes each. The
-//! facets of a solid depend neither on the order of insertion nor on the slots.
+//! Places of deleted faces are reused, so there are hardly more than 2n faces, of 72 bytes each.
+//! The facets of a solid depend neither on the order of insertion nor on the places.
 
 use glam::DVec3;
 
@@ -111,16 +110,16 @@ struct Builder<'a> {
     /// any axis.
     size: DVec3,
     faces: Vec<Face>,
-    /// Slots of deleted faces.
+    /// Places of deleted faces.
     free: Vec<u32>,
     /// For each point, the next point of the same face.
     next_point: Vec<u32>,
-    /// For each rim vertex, the new face that starts there. Scratch space of one insertion.
+    /// For each horizon vertex, the new face that starts there. Scratch space of one insertion.
     fan_at: Vec<u32>,
     /// The visible faces, the edges around them (from, to, face outside), and the faces that
     /// replace them. Scratch space of one insertion.
     disc: Vec<u32>,
-    rim: Vec<(u32, u32, u32)>,
+    horizon: Vec<(u32, u32, u32)>,
     fan: Vec<u32>,
 }
 
@@ -137,7 +136,7 @@ impl<'a> Builder<'a> {
             next_point: vec![NONE; n],
             fan_at: vec![NONE; n],
             disc: Vec::new(),
-            rim: Vec::new(),
+            horizon: Vec::new(),
             fan: Vec::new(),
         }
     }
@@ -170,7 +169,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Puts a face into a free slot, or appends it.
+    /// Puts a face into a free place, or appends it.
     fn push_face(&mut self, vertices: [u32; 3], across: [u32; 3]) -> u32 {
         let [a, b, c] = vertices.map(|i| self.point(i));
         let normal = (b - a).cross(c - a);
@@ -178,9 +177,9 @@ impl<'a> Builder<'a> {
         let (points, farthest, height, alive) = (NONE, NONE, f32::NEG_INFINITY, true);
         let face = Face { vertices, across, normal, error, points, farthest, height, alive };
         match self.free.pop() {
-            Some(slot) => {
-                self.faces[slot as usize] = face;
-                slot
+            Some(place) => {
+                self.faces[place as usize] = face;
+                place
             }
             None => {
                 self.faces.push(face);
@@ -191,7 +190,7 @@ impl<'a> Builder<'a> {
 
     /// Whether point `p` lies strictly above the face, and its approximate height times twice the
     /// area of the face. The height is exactly 0 only in the plane.
-    fn above(&self, face: u32, p: u32) -> (bool, f64) {
+    fn height_above(&self, face: u32, p: u32) -> (bool, f64) {
         let face = &self.faces[face as usize];
         let p = self.point(p);
         let [a, b, c] = face.vertices;
@@ -212,7 +211,7 @@ impl<'a> Builder<'a> {
     /// Assigns `p` to the first of `faces` that it lies above. A point above no face is inside.
     fn give(&mut self, p: u32, faces: &[u32]) {
         for &face in faces {
-            let (above, height) = self.above(face, p);
+            let (above, height) = self.height_above(face, p);
             if above {
                 let face = &mut self.faces[face as usize];
                 self.next_point[p as usize] = face.points;
@@ -230,16 +229,16 @@ impl<'a> Builder<'a> {
     fn insert(&mut self, face: u32) {
         let apex = self.faces[face as usize].farthest;
         self.find_visible(face, apex);
-        let (disc, rim) = (std::mem::take(&mut self.disc), std::mem::take(&mut self.rim));
+        let (disc, horizon) = (std::mem::take(&mut self.disc), std::mem::take(&mut self.horizon));
         let mut fan = std::mem::take(&mut self.fan);
         fan.clear();
-        for &(a, b, outside) in &rim {
+        for &(a, b, outside) in &horizon {
             let new = self.push_face([a, b, apex], [outside, NONE, NONE]);
             fan.push(new);
             self.fan_at[a as usize] = new;
             let outside = &mut self.faces[outside as usize];
             let edge = (0..3).find(|&i| outside.vertices[i] == b && outside.vertices[(i + 1) % 3] == a);
-            outside.across[edge.expect("a rim edge belongs to the face outside it")] = new;
+            outside.across[edge.expect("a horizon edge belongs to the face outside it")] = new;
         }
         for &new in &fan {
             let next = self.fan_at[self.faces[new as usize].vertices[1] as usize];
@@ -257,14 +256,14 @@ impl<'a> Builder<'a> {
             }
         }
         self.free.extend_from_slice(&disc);
-        (self.disc, self.rim, self.fan) = (disc, rim, fan);
+        (self.disc, self.horizon, self.fan) = (disc, horizon, fan);
     }
 
     /// Deletes the faces that `apex` lies strictly above, and lists them and the horizon around
-    /// them. Their slots are not free yet, because their points remain to be assigned.
+    /// them. Their places are not free yet, because their points remain to be assigned.
     fn find_visible(&mut self, face: u32, apex: u32) {
         self.disc.clear();
-        self.rim.clear();
+        self.horizon.clear();
         self.disc.push(face);
         self.faces[face as usize].alive = false;
         let mut read = 0;
@@ -276,11 +275,11 @@ impl<'a> Builder<'a> {
                 if !self.faces[other as usize].alive {
                     continue;
                 }
-                if self.above(other, apex).0 {
+                if self.height_above(other, apex).0 {
                     self.faces[other as usize].alive = false;
                     self.disc.push(other);
                 } else {
-                    self.rim.push((vertices[i], vertices[(i + 1) % 3], other));
+                    self.horizon.push((vertices[i], vertices[(i + 1) % 3], other));
                 }
             }
         }
@@ -322,7 +321,7 @@ impl<'a> Builder<'a> {
     /// Whether all vertices of `other` lie exactly in the plane of `face`.
     fn coplanar(&self, face: u32, other: u32) -> bool {
         let own = self.faces[face as usize].vertices;
-        self.faces[other as usize].vertices.iter().all(|v| own.contains(v) || self.above(face, *v).1 == 0.0)
+        self.faces[other as usize].vertices.iter().all(|v| own.contains(v) || self.height_above(face, *v).1 == 0.0)
     }
 
     /// The polygon around a group of coplanar faces: the edges whose other side is outside the
