@@ -7,8 +7,8 @@
 use glam::DVec3;
 use hullmap_bake::{
     PointSet, SolidKind,
+    fit::{Fit, Solid},
     hull::Hull,
-    parts::{Fit, Solid},
 };
 use rayon::prelude::*;
 use shapes::rng::SplitMix64;
@@ -125,7 +125,7 @@ fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use hullmap_bake::{hull, parts::fits};
+    use hullmap_bake::{fit::fits, hull};
     use shapes::concave;
 
     use super::*;

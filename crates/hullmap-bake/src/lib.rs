@@ -4,7 +4,7 @@
 //! | module | from | to |
 //! |---|---|---|
 //! | [`decompose`] | concave mesh | points of its convex parts |
-//! | [`parts`] | mesh and convex parts | bounds on what they leave out and how far they protrude |
+//! | [`fit`] | mesh and convex parts | bounds on what they leave out and how far they protrude |
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | properties stored in the pack |
 //! | [`outer`] | hull | outer hull: a coarse polytope that contains the hull |
@@ -25,6 +25,7 @@ pub mod bvh;
 pub mod decompose;
 pub mod diameter;
 mod error;
+pub mod fit;
 pub mod gauss_map;
 pub mod hull;
 pub mod index;
@@ -33,16 +34,16 @@ pub mod mass;
 pub mod number;
 pub mod outer;
 pub mod pack;
-pub mod parts;
+
 mod point_set;
 pub mod progress;
 pub mod simplify;
 
 pub use error::BakeError;
+pub use fit::Fit;
 pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
 pub use pack::{write_lean_pack, write_owned_pack, write_pack};
-pub use parts::Fit;
 pub use point_set::{MAX_POINTS, PointSet};
 use progress::Stage;
 

@@ -21,7 +21,7 @@ pub struct PointSet {
     /// source's coordinates.
     pub origin: [f64; 3],
     /// Triangles of the mesh, as indices of positions; empty for a point cloud. Only
-    /// [`decompose`](crate::decompose) and [`parts`](crate::parts) read them.
+    /// [`decompose`](crate::decompose) and [`parts`](crate::fit) read them.
     pub triangles: Vec<[u32; 3]>,
     /// The mesh that this set stands for as a collision part, in the same frame; `None` for a set
     /// that stands for itself. The parts of one mesh share it.

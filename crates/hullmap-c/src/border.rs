@@ -1,4 +1,5 @@
-//! Border to C: pointers become values, answers are copied out, and panics become result codes.
+//! The boundary to C: turns pointers into values, copies answers out, and turns panics into result
+//! codes.
 //!
 //! A pointer from C can be checked for NULL and alignment, not for what it points to. So each
 //! function here is unsafe, and its contract is the part of the header's rules that the caller in C

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::parts::{Fit, fits};
+use hullmap_bake::fit::{Fit, fits};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 

@@ -1,5 +1,5 @@
-//! Queries of one pair of hulls or packs in many poses: the solver's answers, with the names of the
-//! command's JSON.
+//! Queries one pair of hulls or packs in many poses, and names the fields of the answers as the
+//! command's JSON does.
 
 use glam::DVec3;
 use hullmap::{Compound, CompoundCache, Contact, Overlap, Pose, Settings, Status, compound};

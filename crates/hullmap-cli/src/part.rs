@@ -1,4 +1,4 @@
-//! The points of each hull of a pack: point sets of the source, or convex parts of them.
+//! Finds the points of each hull of a pack: the point sets of the source, or their convex parts.
 
 use std::borrow::Cow;
 

@@ -1,8 +1,8 @@
 //! Descent through a direction index: from a direction's cell, node by node, to its leaf.
 //!
-//! This is the only code that follows the words of an index by a direction. The runtime, the report
-//! and tests call it. Every read is bounds-checked, so that words that were not checked lead to
-//! some slot, or to 0.
+//! This is the only code that follows the words of an index by a direction in f64. The runtime, the
+//! report and tests call it. Every read is bounds-checked, so that words that were not checked lead
+//! to some slot, or to 0.
 //!
 //! | function | step of a direction |
 //! |---|---|

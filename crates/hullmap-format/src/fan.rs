@@ -1,4 +1,4 @@
-//! Direction → slot of a fan.
+//! Finds the slot of a fan to which a direction belongs.
 //!
 //! A fan divides the directions around an axis into equal steps of an angle. The angle is measured
 //! along the outline of a square around the axis. Its sides have length 2, so a quarter turn is 2

@@ -1,4 +1,4 @@
-//! Placement: source coordinates rotated, scaled, recentred, and rounded to `f32` once.
+//! Rotates, scales and recentres source coordinates, and rounds them to `f32` once.
 
 use crate::fault::Fault;
 use crate::mesh::Positions;

@@ -1,5 +1,5 @@
-//! Pairs of shapes, of which one call queries all: two shapes under many poses, or many pairs of
-//! any shapes.
+//! Pairs of shapes that a single call queries: two shapes under many poses, or many pairs of any
+//! shapes.
 
 use std::sync::{Mutex, OnceLock};
 

@@ -1,4 +1,4 @@
-//! Queries over arrays: one function of Python's for each query.
+//! The Python functions that run a query over arrays, one for each query.
 
 use hullmap::compound::{self, CompoundAnswer};
 use hullmap::glam::DVec3;

@@ -1,4 +1,4 @@
-//! The action cache, and actions in progress.
+//! Looks up actions in the cache, runs them, and resumes or repeats those whose stream breaks.
 //!
 //! An action's answer is a stream of its states. If the stream breaks, `WaitExecution` continues
 //! it; if the server has forgotten the action, it is requested again, and its result may be in the

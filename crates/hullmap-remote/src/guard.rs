@@ -1,4 +1,4 @@
-//! Guard of the channel to a server: removes the header of answers that makes tonic panic.
+//! Guard of the channel to a server: removes the response header that makes tonic panic.
 //!
 //! tonic panics if `grpc-status-details-bin` is not Base64, and any server can send that. No caller
 //! needs the header, so it is removed before tonic reads it: from headers, and from the trailers

@@ -37,14 +37,10 @@ pub struct SupportAnswer {
     pub vertex: u32,
     /// Its position, exactly.
     pub point: Vec3,
-    /// Whether its dot product falls short of the maximum by at most [`SUPPORT_SHORTFALL`] times
+    /// Whether its dot product falls short of the maximum by at most [`SUPPORT_SHORTFALL`](crate::SUPPORT_SHORTFALL) times
     /// the outer radius. False for directions that are zero or not finite, and in damaged packs.
     pub is_certain: bool,
 }
-
-/// Maximum regret of a support vertex from the GPU, relative to the length of the direction and the
-/// radius of the ball around the hull: see docs/intervals.md, section 13.
-pub const SUPPORT_SHORTFALL: f64 = 1.0 / (1 << 18) as f64;
 
 /// A direction as the kernel reads it. Its length is 1 within rounding error.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

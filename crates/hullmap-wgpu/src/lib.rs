@@ -11,6 +11,7 @@
 //! - `device.rs`: the device, the pack in its memory, buffers and dispatches.
 //! - `schedule.rs`: which thread solves which pair.
 //! - `records.rs`: what the kernels read and write.
+//! - `rounding.rs`: the bound on their rounding errors.
 //! - `kernels/`: the kernels. [`twin`] is the same code in Rust, for tests.
 //!
 //! # Limits
@@ -23,12 +24,14 @@ mod batch;
 mod device;
 mod error;
 mod records;
+mod rounding;
 mod schedule;
 pub mod twin;
 
-pub use batch::{Backend, Batch, SUPPORT_SHORTFALL, SupportAnswer, SupportQuery};
+pub use batch::{Backend, Batch, SupportAnswer, SupportQuery};
 pub use device::{Device, DevicePack};
 pub use error::Error;
 pub use records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, StateRecord, Status, Tables};
+pub use rounding::SUPPORT_SHORTFALL;
 pub use schedule::{Order, Schedule};
 pub use twin::{MAX_STEPS, Query};

@@ -1,7 +1,7 @@
 //! Records that the kernels read and write, and their preparation on the processor.
 //!
 //! A pair is prepared in f64: the centre v₀ of the Minkowski difference, the rotation, and a bound
-//! on every rounding error of the kernel. Only then are the numbers rounded to f32. So shapes far
+//! on every rounding error of the kernel (`rounding`). Only then are the numbers rounded to f32. So shapes far
 //! from the origins of their frames lose no digits, and the kernels need no lengths other than
 //! those of the shapes. All lengths of a pair are multiplied by a power of two that brings them to
 //! about 1. That is exact, and nothing can overflow.
@@ -14,21 +14,7 @@ use hullmap::{Hull, Pack, Pose, SupportMap};
 use hullmap_format::sections::Sections;
 
 use crate::error::Error;
-
-/// Bound on the relative error of one operation in f32, whichever way it is rounded: 2⁻²³.
-pub(crate) const EPSILON: f64 = 1.0 / (1 << 23) as f64;
-
-/// Coefficients of [`PairRecord::rounding`], in units of [`EPSILON`]: see docs/intervals.md,
-/// section 13.
-mod rounding_units {
-    /// For the sum of the outer radii.
-    pub(super) const RADII: f64 = 54.0;
-    /// For the length of the centre v₀.
-    pub(super) const CENTER: f64 = 20.0;
-    /// For the lengths that only f64 rounds, in units of `f64::EPSILON`. The largest coefficient in
-    /// `hullmap::solver`.
-    pub(super) const DOUBLE: f64 = 68.0;
-}
+use crate::rounding::rounding_error;
 
 /// Lengths of a pair must be within this range, so that the scale and its inverse are f32.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
@@ -231,8 +217,7 @@ impl PairRecord {
             return None;
         }
         let double = center_a.length() + center_b.length() + translation.length() + reach;
-        let rounding = EPSILON * (rounding_units::RADII * radii + rounding_units::CENTER * center.length())
-            + f64::EPSILON * rounding_units::DOUBLE * double;
+        let rounding = rounding_error(radii, center.length(), double);
         let scale = power_of_two_below(1.0 / reach);
         let row = |axis: usize| {
             let [x, y, z] = rotation.row(axis).as_vec3().to_array();
@@ -469,7 +454,7 @@ mod tests {
     fn roundings_are_to_the_safe_side() {
         for x in [0.1, 1.0 / 3.0, 1e-20, 12345.678901, 1.0] {
             assert!(f64::from(round_up(x)) >= x && f64::from(round_down(x)) <= x);
-            assert!(f64::from(round_up(x)) <= x * (1.0 + 2.0 * EPSILON));
+            assert!(f64::from(round_up(x)) <= x * (1.0 + 2.0 * crate::rounding::EPSILON));
             let power = power_of_two_below(x);
             assert!(power <= x && x < 2.0 * power && power.log2().fract() == 0.0);
         }

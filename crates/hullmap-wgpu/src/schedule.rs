@@ -1,4 +1,4 @@
-//! Schedule: which thread solves which pair. No answer depends on it.
+//! Assigns pairs to threads of the GPU. No answer depends on the order.
 
 use crate::records::{AnswerRecord, PairRecord};
 

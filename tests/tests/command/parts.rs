@@ -6,7 +6,7 @@ use std::fs;
 use glam::{DVec3, Vec3};
 use hullmap::{Cache, Compound, CompoundCache, Pack, Pose, Settings, compound};
 use hullmap_bake::{
-    BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, parts::fits, write_pack,
+    BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
 use hullmap_format::{archive::ArchivedHullRecord, header::source_hash};
 use hullmap_testkit::packs::reseal;

@@ -43,8 +43,8 @@ use rayon::prelude::*;
 
 use crate::{
     BakeError, PointSet,
+    fit::{Accuracy, protrusion, solid::Solid, uncovered_triangles},
     hull::{self, Hull},
-    parts::{Accuracy, protrusion, solid::Solid, uncovered_triangles},
     progress::Stage,
 };
 

@@ -1,4 +1,4 @@
-//! The options of a bake: a layer with the defaults for all that it does not give.
+//! The options of a bake: a layer whose gaps are filled with the defaults.
 
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;

@@ -21,7 +21,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use hullmap::{Hull, SolidKind};
-use hullmap_bake::parts::{Solid, uncovered};
+use hullmap_bake::fit::{Solid, uncovered};
 use hullmap_bake::{PointSet, hull};
 use rayon::prelude::*;
 
@@ -354,7 +354,7 @@ fn search(
 mod tests {
     use super::*;
     use hullmap::Pack;
-    use hullmap_bake::parts::fits;
+    use hullmap_bake::fit::fits;
     use hullmap_bake::{BakedHull, IndexKind, SourceRecord, bake_hull, write_pack};
 
     /// An L of two boxes as one watertight prism.

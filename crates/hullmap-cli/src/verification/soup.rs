@@ -13,7 +13,7 @@
 use std::collections::HashSet;
 
 use glam::DVec3;
-use hullmap_bake::parts::{Solid, SolidKind};
+use hullmap_bake::fit::{Solid, SolidKind};
 use rayon::prelude::*;
 
 /// Corners of a triangle.

@@ -1,4 +1,4 @@
-//! A baked hull as meshes that debug renderers can draw. They draw nothing for custom shapes.
+//! Converts a baked hull to meshes for debug renderers, which draw nothing for custom shapes.
 
 use super::BakedHull;
 use super::convert::narrow;

@@ -1,4 +1,4 @@
-//! Answer of a contact query, and that of shapes which an axis separates.
+//! Answer of a contact query, and how it is made for shapes that an axis separates.
 
 use glam::DVec3;
 

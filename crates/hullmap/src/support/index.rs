@@ -7,6 +7,9 @@
 //!    an index, all blocks form one leaf.
 //! 3. The support vertex is the leaf's candidate with the maximum dot product (`best_candidate`).
 //!
+//! [`Index::support`] chooses the path: up to four blocks are scanned at once, without a look-up;
+//! otherwise [`Index::leaf`] matches the kind of the index, in this place alone.
+//!
 //! Every index from the file is followed with a bounds check and under a step cap, although
 //! `hullmap_format::check` has already proved that they cannot fail in an opened pack. The checks
 //! cost nothing measurable, and keep this file free of unsafe code and of endless loops for packs
@@ -28,7 +31,7 @@ use rkyv::rend::u32_le;
 use super::best_candidate::{self, best, best_of_blocks, exactly};
 use super::candidate::Candidate;
 use super::direction::Direction;
-use super::lookup::{Lookup, LookupKind};
+use super::paused_lookup::{Lookup, LookupKind};
 use super::simd::{self, Dispatch, Kernel, Portable, Simd};
 
 /// Maximum number of blocks of a leaf that are fetched ahead. The processor itself fetches what

@@ -11,12 +11,12 @@ pub(crate) mod candidate;
 pub(crate) mod direction;
 pub(crate) mod hint;
 pub(crate) mod index;
-mod lookup;
+mod paused_lookup;
 pub(crate) mod simd;
 mod support_map;
 
 pub use bounds::Bounds;
 #[doc(hidden)]
-pub use lookup::Lookup;
+pub use paused_lookup::Lookup;
 pub use simd::Instructions;
 pub use support_map::{SupportMap, SupportPoint};

@@ -1,7 +1,7 @@
 //! Support mapping: the only interface between the solver and a shape.
 
 use super::bounds::Bounds;
-use super::lookup::Lookup;
+use super::paused_lookup::Lookup;
 use crate::facets::view::Facets;
 use crate::pose::Pose;
 use glam::DVec3;

@@ -20,10 +20,10 @@ const PLACEHOLDERS: [&str; 10] = [
     "hullmap.toml",
     "DIR/hullmap.toml",
     // Files that the recipes in CONTRIBUTING.md add.
-    "crates/hullmap-import/src/FORMAT.rs",
-    "tools/shapes/src/FORMAT.rs",
-    "crates/hullmap/src/shapes/SHAPE.rs",
-    "crates/hullmap-cli/src/commands/COMMAND.rs",
+    "crates/hullmap-import/src/YOUR_FORMAT.rs",
+    "tools/shapes/src/YOUR_FORMAT.rs",
+    "crates/hullmap/src/shapes/YOUR_SHAPE.rs",
+    "crates/hullmap-cli/src/commands/YOUR_COMMAND.rs",
 ];
 
 /// Text between back quotes, outside of fenced blocks. It may span lines.

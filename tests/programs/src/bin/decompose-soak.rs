@@ -22,8 +22,8 @@ use glam::DVec3;
 use hullmap_bake::{
     PointSet,
     decompose::{Cover, Length, decompose},
+    fit::{Solid, fits},
     hull::{self, Hull},
-    parts::{Solid, fits},
 };
 use hullmap_tests::{processor::timed, sampler::refutation};
 use shapes::rng::SplitMix64;

@@ -19,8 +19,8 @@ use std::{collections::BTreeMap, path::PathBuf, process::ExitCode};
 use clap::Parser;
 use hullmap_bake::{
     decompose::{Cover, Length, decompose},
+    fit::{Solid, fits},
     hull::{self, Hull},
-    parts::{Solid, fits},
 };
 use hullmap_import::{ImportOptions, Limits, import, read};
 use hullmap_tests::{processor::timed, sampler::refutation};

@@ -1,5 +1,5 @@
-//! Tests whether points are farther from the solid than a limit. A grid of voxels states for most
-//! points whether they are inside.
+//! Tests whether points are farther from the solid than a limit. A grid of voxels settles most
+//! points at once.
 //!
 //! # Steps
 //! 1. Label voxels that a triangle may enter as mixed.
@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
-use crate::parts::{protrusion::Peaks, solid::Solid, triangle};
+use crate::fit::{protrusion::Peaks, solid::Solid, triangle};
 
 /// Number of voxels along the longest side of the box.
 const VOXELS: usize = 48;
@@ -146,7 +146,7 @@ impl<'a> Field<'a> {
     /// Points of triangles that are farther than `limit` from the solid, at most `count`, sought by
     /// at most `measurements` distances.
     ///
-    /// This is branch and bound, as in [`protrusion`](mod@crate::parts::protrusion). The pieces of
+    /// This is branch and bound, as in [`protrusion`](mod@crate::fit::protrusion). The pieces of
     /// a triangle whose middle is found are not searched, so that points are far apart.
     pub fn points_beyond(&self, triangles: &[[DVec3; 3]], limit: f64, count: usize, measurements: usize) -> Vec<DVec3> {
         let mut queue = BinaryHeap::new();

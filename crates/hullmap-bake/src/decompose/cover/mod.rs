@@ -25,7 +25,7 @@
 //! - Cells are clipped triangles, and together they are the whole surface. A hull of all corners of
 //!   a cell contains the cell. Hulls are rounded outward, and tests check that they contain all
 //!   corners.
-//! - Each hull's protrusion is bounded by [`protrusion`](mod@crate::parts::protrusion). It measures
+//! - Each hull's protrusion is bounded by [`protrusion`](mod@crate::fit::protrusion). It measures
 //!   the f32 vertices that are stored.
 //!
 //! # Complexity
@@ -55,7 +55,7 @@ use field::Field;
 use grow::{Candidate, CellGraph};
 use wrap::Bounds;
 
-use crate::{PointSet, hull::Hull, parts::solid::Solid, progress::Stage, simplify};
+use crate::{PointSet, fit::solid::Solid, hull::Hull, progress::Stage, simplify};
 
 /// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells fit
 /// together better and take longer.

@@ -2,7 +2,7 @@ use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::*;
 use crate::decompose::{Cover, Length, decompose};
-use crate::parts::uncovered::uncovered;
+use crate::fit::coverage::uncovered;
 
 fn point_set(mesh: &Mesh) -> PointSet {
     PointSet {
@@ -97,8 +97,8 @@ fn any_number_of_parts_is_reached() {
     let horseshoe = point_set(&concave::horseshoe(12));
     let protrusion = |mesh: &PointSet, hulls: &[Hull]| {
         let solid = Solid::new(mesh);
-        let accuracy = crate::parts::Accuracy::tight(solid.diagonal());
-        let bound = |hull| crate::parts::protrusion(&solid, hull, &accuracy).bound;
+        let accuracy = crate::fit::Accuracy::tight(solid.diagonal());
+        let bound = |hull| crate::fit::protrusion(&solid, hull, &accuracy).bound;
         hulls.iter().map(bound).fold(0.0, f64::max)
     };
     for mesh in [&horseshoe, &blocks()] {

@@ -1,5 +1,5 @@
-//! Hulls of few vertices around a part. They are made of few planes of the part's faces: those that
-//! keep every point that is too far from the solid outside.
+//! Hulls of few vertices around a part. Each is bounded by a few planes of the part's faces: enough
+//! to exclude every point that is too far from the solid.
 //!
 //! # Steps
 //! 1. Start with the planes of the largest faces.
@@ -16,11 +16,11 @@ use super::body::{Body, Plane};
 use super::deadline::Deadline;
 use super::field::Field;
 use super::sample::face_points;
+use crate::fit::{branch::Accuracy, protrusion::protrusion_beside};
 use crate::hull::{
     self, Hull, quickhull,
     rank::{Simplex, spanning_simplex},
 };
-use crate::parts::{branch::Accuracy, protrusion::protrusion_beside};
 use crate::progress::Stage;
 use crate::{NO_SOURCE_VERTEX, PointSet, simplify};
 

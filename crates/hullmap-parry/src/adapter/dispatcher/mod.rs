@@ -1,12 +1,12 @@
 //! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull.
 
 mod cast;
-mod contacts;
-mod manifolds;
+mod manifold;
 mod nearest;
 mod pair;
 mod part_dispatcher;
 mod patches;
+mod persistent;
 mod primitive;
 mod workspace;
 
@@ -30,7 +30,8 @@ use pair::{HullPair, Local, on_pair, pair};
 /// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment or
 /// triangle, and against parry's rounded versions of these. parry splits compounds, triangle
 /// meshes, height fields and voxels into their parts, and hullmap solves the parts. All other pairs
-/// go to parry's [`DefaultQueryDispatcher`]. So do half-spaces, for which parry has a closed form.
+/// go to parry's [`DefaultQueryDispatcher`]. So do half-spaces, for which parry has a closed form,
+/// except in contact manifolds.
 /// hullmap solves shape casts without rotation; parry solves those with rotation.
 ///
 /// In Rapier, set it once:

@@ -15,7 +15,7 @@ use super::super::parry::query::{
     ShapeCastHit, ShapeCastOptions, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use super::super::parry::shape::{Compound, Shape};
-use super::contacts::{PartOf, solve};
+use super::manifold::{PartOf, solve};
 use super::pair::pose;
 use super::primitive::Primitive;
 use super::{BakedHull, HullDispatcher};

@@ -7,7 +7,7 @@
 //! | [`winding`] | the winding number of its closed surface |
 //! | [`closing`] | cones that close the holes of a mesh |
 //! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
-//! | [`uncovered`](mod@uncovered) | how far the surface lies outside all parts |
+//! | [`coverage`] | proof of coverage: how far the surface lies outside all parts, at most |
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | [`branch`] | branch and bound, which both use |
 //! | [`sides`] | regions that are inside although triangles cut them |
@@ -18,21 +18,21 @@
 
 pub mod branch;
 pub mod closing;
-mod fit;
+pub mod coverage;
+mod fits;
 pub mod planes;
 pub mod protrusion;
 pub mod sides;
 pub mod solid;
 pub mod triangle;
 mod triangle_tree;
-pub mod uncovered;
 pub mod winding;
 
 pub use branch::Accuracy;
-pub use fit::{Fit, fits};
+pub use coverage::{Uncovered, uncovered, uncovered_triangles};
+pub use fits::{Fit, fits};
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
-pub use uncovered::{Uncovered, uncovered, uncovered_triangles};
 
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,4 @@
-//! Tests whether a region that triangles of the mesh cut is inside the solid, for instance where
+//! Tests whether a region cut by triangles of the mesh lies inside the solid, for instance where
 //! shells overlap.
 //!
 //! # Steps

@@ -270,7 +270,7 @@ mod tests {
     use shapes::rng::SplitMix64;
 
     use super::*;
-    use crate::parts::triangle;
+    use crate::fit::triangle;
 
     /// Small triangles in a cube, and some that are equal or lie in one plane.
     fn triangles(count: usize, rng: &mut SplitMix64) -> Vec<Triangle> {

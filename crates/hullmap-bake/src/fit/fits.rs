@@ -1,4 +1,5 @@
-//! Fit of all parts of a mesh, as a pack records it.
+//! Proves how well parts fit their mesh: the bounds on uncovered surface and protrusion that a pack
+//! records.
 
 use hullmap_format::SolidKind;
 use rayon::prelude::*;
@@ -29,7 +30,7 @@ pub struct Fit {
 /// Protrusions are proven to be within `limit`, if one is given and it holds.
 ///
 /// ```
-/// use hullmap_bake::{PointSet, SolidKind, hull, parts::fits};
+/// use hullmap_bake::{PointSet, SolidKind, fit::fits, hull};
 ///
 /// let tetrahedron = PointSet {
 ///     positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

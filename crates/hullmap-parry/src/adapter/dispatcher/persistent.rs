@@ -1,11 +1,12 @@
-//! The manifold function for a pair of shapes, chosen as in parry, with this dispatcher for parts.
+//! Implements parry's `contact_manifolds`: hullmap solves the pairs that it knows, parry the rest,
+//! and parts of composite shapes come back to this dispatcher.
 
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
-use super::contacts::{hardly_moved, solve, update, update_plane};
+use super::manifold::{hardly_moved, solve, update, update_plane};
 use super::pair::{pair, plane};
 use super::part_dispatcher::PartDispatcher;
 use super::patches::Body;

@@ -1,4 +1,4 @@
-//! Contact manifolds by hullmap, written to those of parry.
+//! The contact manifold of one pair: computed by hullmap, and written to parry's.
 //!
 //! # Steps
 //! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
