@@ -37,8 +37,9 @@ pub struct SupportAnswer {
     pub vertex: u32,
     /// Its position, exactly.
     pub point: Vec3,
-    /// Whether its dot product falls short of the maximum by at most [`SUPPORT_SHORTFALL`](crate::SUPPORT_SHORTFALL) times
-    /// the outer radius. False for directions that are zero or not finite, and in damaged packs.
+    /// Whether its dot product falls short of the maximum by at most
+    /// [`SUPPORT_SHORTFALL`](crate::SUPPORT_SHORTFALL) times the outer radius. False for directions
+    /// that are zero or not finite, and in damaged packs.
     pub is_certain: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Proof of coverage: an upper bound on the distance of any point of a mesh's surface from the nearest
-//! part.
+//! Proof of coverage: an upper bound on the distance of any point of a mesh's surface from the
+//! nearest part.
 //!
 //! # Steps
 //! 1. Measure each vertex against the parts near it. A triangle whose corners lie in one part is

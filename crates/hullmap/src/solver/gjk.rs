@@ -37,8 +37,8 @@ const MAX_CORRECTIONS: usize = 3;
 
 /// A simplex of up to four vertices, in fixed places.
 ///
-/// Vertices never move between places: reading data back in other pieces than it was just written in
-/// would stall the processor.
+/// Vertices never move between places: reading data back in other pieces than it was just written
+/// in would stall the processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     /// Coordinates of the points of the Minkowski difference: all x, all y, all z.
@@ -195,8 +195,8 @@ impl Simplex {
         (nearest.point, kept, clearance)
     }
 
-    /// The closest point, provided that it needs the vertex `s` in place `newest`, and the places of
-    /// the vertices that span it. `None` if the origin is inside.
+    /// The closest point, provided that it needs the vertex `s` in place `newest`, and the places
+    /// of the vertices that span it. `None` if the origin is inside.
     #[inline(always)]
     fn closest_point_with(&self, newest: usize, s: DVec3) -> Option<(DVec3, u8)> {
         let others = self.used & !(1 << newest);
