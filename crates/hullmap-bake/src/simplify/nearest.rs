@@ -12,6 +12,8 @@
 //! in three-dimensional space", 1988.
 //!
 //! # Deviations
+//! - It is a search of its own, not the solver's: the bytes of packs depend on how it rounds, and
+//!   the baker does not depend on the runtime.
 //! - Support vertices are found by hill climbing over the edges, starting at the previous support
 //!   vertex. Climbing may stop at a plateau caused by rounding error. The answer is then still a
 //!   point of the hull, and is nearest except in the last digits. [`Nearest::certain`] searches all
