@@ -3,8 +3,8 @@
 //! A pair is prepared in f64: the centre v₀ of the Minkowski difference, the rotation, and a bound
 //! on every rounding error of the kernel (`rounding`). Only then are the numbers rounded to f32. So
 //! shapes far from the origins of their frames lose no digits, and the kernels need no lengths
-//! other than the lengths of the shapes. All lengths of a pair are multiplied by a power of two that
-//! brings them to about 1. That is exact, and nothing can overflow.
+//! other than the lengths of the shapes. All lengths of a pair are multiplied by a power of two
+//! that brings them to about 1. That is exact, and nothing can overflow.
 
 use std::borrow::Cow;
 
