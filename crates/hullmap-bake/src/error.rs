@@ -3,9 +3,9 @@
 use hullmap_format::walk::IndexError;
 
 use crate::hull::certify::CertificateError;
-use crate::index::certify::Unproven;
+use crate::index::certify::proof::Unproven;
 use crate::point_set::MAX_POINTS;
-use crate::simplify::MIN_VERTICES;
+use crate::simplify::limit::MIN_VERTICES;
 
 /// Why a hull could not be baked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -29,7 +29,7 @@ use crate::{
 
 pub mod collapse;
 pub mod half_spaces;
-mod limit;
+pub(crate) mod limit;
 pub mod nearest;
 pub mod polygon;
 mod rounding;

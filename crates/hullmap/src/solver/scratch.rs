@@ -1,6 +1,6 @@
 //! Scratch: memory for large polytopes, for threads with a small stack.
 
-use super::epa::Large;
+use super::epa::workspace::Large;
 
 /// Memory for the large polytopes of deep contacts. With it, every query runs on a stack of
 /// [`STACK_SIZE`](Self::STACK_SIZE).

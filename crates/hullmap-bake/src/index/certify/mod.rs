@@ -43,7 +43,7 @@
 mod arcs;
 mod certifier;
 mod descent;
-mod proof;
+pub(crate) mod proof;
 mod region;
 
 use hullmap_format::{

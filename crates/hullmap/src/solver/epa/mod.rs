@@ -37,11 +37,10 @@ mod flat;
 mod polytope;
 mod search;
 mod seed;
-mod workspace;
+pub(in crate::solver) mod workspace;
 
 pub(in crate::solver) use self::flat::{BESIDE_ROUNDINGS, FLAT_ROUNDINGS};
 pub(in crate::solver) use self::search::{End, Expansion, Goal, TOUCHING_ROUNDINGS, Terms};
-pub(in crate::solver) use self::workspace::Large;
 pub(crate) use self::workspace::Workspace;
 
 use glam::DVec3;
@@ -50,7 +49,7 @@ use self::flat::{expand_flat, settle, widest_normal};
 use self::polytope::Polytope;
 use self::search::{Aim, KEEP, Next, State, aim, continue_with, run};
 use self::seed::{Flat, seed};
-use self::workspace::{Big, Biggest, Medium, SIZES, Small, cleared};
+use self::workspace::{Big, Biggest, Large, Medium, SIZES, Small, cleared};
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
 use crate::solver::cache::Cache;
 use crate::solver::minkowski::{Minkowski, Point};

@@ -66,6 +66,11 @@ fn circles_of_rust_files_are_found() {
     let files = [a("use crate::b::B; pub struct A;"), ("src/b.rs", "use crate::c::C; pub struct B;")];
     let found = circles(&[root, files[0], files[1], ("src/c.rs", "fn c() { crate::a::A; } pub struct C;")]);
     assert!(found.len() == 1 && found[0].contains("a circle of 3 files"), "{found:?}");
+    // A module beside it, which re-exports the item and uses it.
+    let parent = ("src/a/mod.rs", "mod c; pub use c::C; use crate::b::B; pub struct A(B);");
+    let files = [parent, ("src/a/c.rs", "pub struct C;"), ("src/b.rs", "use crate::a::C; pub struct B(C);")];
+    let found = circles(&[("src/lib.rs", "mod a; mod b;"), files[0], files[1], files[2]]);
+    assert!(found.len() == 1 && found[0].contains("a circle of 2 files"), "{found:?}");
 }
 
 #[test]

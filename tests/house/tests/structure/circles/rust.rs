@@ -1,5 +1,6 @@
 //! Which Rust file uses which: the paths in its code, resolved through `use` and re-exports to the
-//! file that defines the item. Methods have no path.
+//! file that defines the item. A module that is named for its re-export counts, too. Methods have
+//! no path.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::successors;
@@ -61,6 +62,11 @@ pub fn add_edges(sources: &Sources, graph: &mut Graph) {
                 |found: usize| successors(Some(found), |at| modules.all[*at].parent).any(|above| above == at);
             if let Some(found) = modules.resolve(at, path, 0).filter(|found| !is_public || !is_child(*found)) {
                 graph.add(&module.file, &modules.all[found].file, &path.join("::"));
+                // A module that re-exports the item is used, too, unless it is a parent.
+                let through = modules.named(at, path).filter(|through| !modules.contains(*through, at));
+                if let Some(through) = through {
+                    graph.add(&module.file, &modules.all[through].file, &path.join("::"));
+                }
             }
         }
     }
@@ -189,6 +195,23 @@ impl Modules<'_> {
         let last = path.pop_if(|last| last == "self" || last == "*");
         let name = name.or(last.filter(|last| last == "*")).or(path.last().cloned());
         self.all[at].imports.push(Import { name: name.unwrap_or_default(), path, is_public });
+    }
+
+    /// The module in which `path` says that the item is, seen from the module `at`.
+    fn named(&self, at: usize, path: &[String]) -> Option<usize> {
+        let (first, rest) = path.split_first().filter(|(_, rest)| !rest.is_empty())?;
+        let next = match first.as_str() {
+            "crate" => successors(Some(at), |at| self.all[*at].parent).last(),
+            "self" => Some(at),
+            "super" => self.all[at].parent,
+            _ => self.all[at].children.get(first).copied(),
+        }?;
+        self.named(next, rest).or(Some(next))
+    }
+
+    /// Whether `inner` is the module `outer` or inside of it.
+    fn contains(&self, outer: usize, inner: usize) -> bool {
+        successors(Some(inner), |at| self.all[*at].parent).any(|above| above == outer)
     }
 
     /// The module that defines what `path` names, seen from the module `at`. `None` for a module,
