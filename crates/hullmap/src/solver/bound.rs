@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::barycentric::{blend, on_triangle};
+use super::barycentric::{blend, on_segment, on_triangle};
 use super::gjk::{Simplex, closest_within};
 use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
@@ -18,6 +18,13 @@ pub(super) const FOOT_ROUNDINGS: f64 = 2.0;
 
 /// Maximum number of steps of the search for witness points. Most need 1 to 4.
 const MAX_STEPS: u32 = 100;
+
+/// Maximum number of points on the other side of the origin that a common point is mended with.
+const MAX_SIDES: usize = 3;
+
+/// Distance of such a point from the origin, in multiples of the distance of the point that it
+/// mends.
+const OTHER_SIDE: f64 = 8.0;
 
 /// The minimum support value so far, with its normal and its witness points.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +67,10 @@ impl Bound {
 
     /// A common point of two overlapping shapes, one on each. For slivers the two may be apart; GJK
     /// then starts from elsewhere. Also returns the number of steps.
+    ///
+    /// GJK may stall short of the origin, on a simplex that is too thin. It then looks for a point
+    /// of the difference that is farther on the other side. The error of that point counts less in
+    /// the point of the segment between both that is closest to the origin.
     pub(super) fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &mut Minkowski<'_, A, B>,
         [point_a, point_b]: [DVec3; 2],
@@ -67,7 +78,21 @@ impl Bound {
     ) -> ([DVec3; 2], u32) {
         // The origin is its own foot.
         let mut found = Self { upper: 0.0, normal, point_a, point_b };
-        let steps = found.settle(m, &[], FOOT_ROUNDINGS * m.noise());
+        let enough = FOOT_ROUNDINGS * m.noise();
+        let mut steps = found.settle(m, &[], enough);
+        for _ in 0..MAX_SIDES {
+            let near = found.point_a - found.point_b;
+            let length = near.length();
+            // NaN ends the search.
+            if !(length > enough) {
+                break;
+            }
+            let mut far = Self { upper: OTHER_SIDE * length, normal: near * -length.recip(), ..found };
+            steps += far.search(m, &[], enough);
+            let weights = on_segment(near, far.point_a - far.point_b).weights;
+            found.point_a = blend(&weights, [found.point_a, far.point_a]);
+            found.point_b = blend(&weights, [found.point_b, far.point_b]);
+        }
         ([found.point_a, found.point_b], steps)
     }
 
