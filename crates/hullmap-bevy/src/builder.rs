@@ -88,7 +88,7 @@ fn build_inserted<C: EngineCollider>(
     }
 }
 
-/// Builds the colliders whose pack has arrived or changed, and those that were changed.
+/// Builds the colliders whose pack has arrived or changed, and colliders that were changed.
 fn build_changed<C: EngineCollider>(
     mut events: MessageReader<AssetEvent<PackAsset>>,
     colliders: Query<(Entity, Ref<BakedCollider>, Option<&BuiltFrom<C>>)>,

@@ -51,7 +51,7 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
     }
 }
 
-/// The pool of so many threads. Fails if the system has no threads left.
+/// The pool with this number of threads. Fails if the system has no threads left.
 pub fn pool(Threads(count): Threads) -> PyResult<Arc<ThreadPool>> {
     let count = count.unwrap_or(0);
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);

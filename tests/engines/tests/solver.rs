@@ -140,7 +140,7 @@ fn check_pair(pack_a: &Pack, pack_b: &Pack, rng: &mut SplitMix64, tally: &mut Ta
 /// contact, distance and intersection.
 const WARM_SHARES: [f64; 3] = [0.5, 0.65, 0.9];
 
-/// Each frame moves B by 1 % of the diameter and 1°. The answers equal those of a cold start, at a
+/// Each frame moves B by 1 % of the diameter and 1°. The answers equal a cold start's, at a
 /// fraction of its cost. Contacts are counted against the general path: the separating axis test of
 /// small hulls takes few support calls from any start.
 #[test]

@@ -157,7 +157,7 @@ impl Solid {
         self.surface.bounds
     }
 
-    /// All triangles that bound or may bound the solid: the mesh's, then those that close it.
+    /// All triangles that bound or may bound the solid: the mesh's, then the closing ones.
     pub fn triangles(&self) -> &[Triangle] {
         &self.surface.triangles
     }

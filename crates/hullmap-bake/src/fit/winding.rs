@@ -28,7 +28,7 @@ pub(super) const RAYS: usize = 12;
 
 /// A closed surface of triangles.
 pub struct ClosedSurface {
-    /// Triangles of the mesh, then those that close it.
+    /// Triangles of the mesh, then the triangles that close it.
     pub(super) triangles: Vec<Triangle>,
     /// Whether the triangle counts for the winding number: others repeat a triangle, or have no
     /// area.
@@ -54,7 +54,7 @@ pub(super) enum Doubt {
 }
 
 impl ClosedSurface {
-    /// All triangles: those of the mesh, then those that close it.
+    /// All triangles: the mesh's, then the triangles that close it.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }

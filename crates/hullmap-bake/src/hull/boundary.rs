@@ -7,7 +7,7 @@ use glam::DVec3;
 pub struct Hull {
     /// Dimension: 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: u32,
-    /// Positions of the vertices in source order, followed by those that are not source vertices.
+    /// Positions of the vertices in source order, then of the vertices that the source lacks.
     /// Negative zeros are replaced by positive ones.
     pub vertices: Vec<[f32; 3]>,
     /// For each vertex, the first source vertex with that position;

@@ -11,5 +11,5 @@ pub enum Limit {
     Distance(f64),
 }
 
-/// Minimum number of vertices that may be requested: those of a tetrahedron.
+/// Minimum number of vertices that may be requested: a tetrahedron's.
 pub const MIN_VERTICES: usize = 4;

@@ -1,4 +1,4 @@
-//! What a `hullmap.toml` says: options for all meshes, and for those that globs match.
+//! The rules of a `hullmap.toml`: options for all meshes, and for meshes that globs match.
 
 use std::path::{Path, PathBuf};
 

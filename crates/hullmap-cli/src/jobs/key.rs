@@ -33,7 +33,7 @@ pub struct Ingredients {
 
 impl Ingredients {
     /// Reads the sources of a job; `project` is the folder where `bake` was started. Fails if they
-    /// cannot be read, exceed the limits, or are not those that were planned.
+    /// cannot be read, exceed the limits, or differ from the planned files.
     pub fn new(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
         Self::of_source(job, &read(job, limits)?, project)
     }

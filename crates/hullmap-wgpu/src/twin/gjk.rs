@@ -47,7 +47,7 @@ pub(super) fn gjk<const FUSED: bool>(
 ) -> Ended {
     let mut search = GjkSearch::<FUSED>::new(run, pair, query, tolerance);
     search.restore(run, state);
-    // Whether the simplex is that of the last batch, and its closest point comes first.
+    // Whether the simplex belongs to the last batch, and its closest point comes first.
     let mut restored = search.size > 0;
     if !restored {
         search.start_at_center();

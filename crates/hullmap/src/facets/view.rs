@@ -86,7 +86,7 @@ impl<'a> Facets<'a> {
         }
     }
 
-    /// The arrays; those of a box are written to `buffer`.
+    /// The arrays; a box's are written to `buffer`.
     #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "a box has 3 axes, 6 faces and 8 vertices, of 8 lanes")]
     pub(crate) fn view<'v>(&self, buffer: &'v mut Buffer) -> View<'v>

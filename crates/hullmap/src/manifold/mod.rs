@@ -593,7 +593,7 @@ fn center<A: Shape + ?Sized, B: Shape + ?Sized>((a, b, b_in_a): (&A, &B, Pose), 
 }
 
 /// Whether the smaller body tips on the chosen points: its centre is not over them, and not close
-/// to one of them, as that of a ball is.
+/// to one of them, as a ball's centre is.
 fn tips(choice: &Choice, patch: &Patch, center: DVec2, lengths: &Lengths) -> bool {
     let spots = patch.spots();
     let is_close = |i: &usize| spots[*i].at.distance(center) <= BALANCED * lengths.reach;

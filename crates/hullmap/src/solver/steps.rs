@@ -43,7 +43,7 @@ pub(crate) trait SteppedQuery<A: ?Sized, B: ?Sized>: Sized {
     ) -> Step<Self::Answer>;
 
     /// The next step, with the support point in the direction requested by the last one. The other
-    /// arguments are those of [`start`](Self::start).
+    /// arguments are the same as of [`start`](Self::start).
     fn continue_with(
         &mut self,
         point: Point,
@@ -103,7 +103,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery<A, B>> 
     }
 
     /// Continues until the query's next read from memory. Returns the answer as soon as it is
-    /// known. The arguments are those of [`start`](Self::start).
+    /// known. The arguments are the same as of [`start`](Self::start).
     #[inline(always)]
     pub(crate) fn resume(
         &mut self,

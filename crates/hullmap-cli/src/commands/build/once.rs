@@ -1,4 +1,4 @@
-//! One build: finds the jobs, bakes those that are not up to date, and prints the results.
+//! One build: finds the jobs, bakes the packs that are not up to date, and prints the results.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

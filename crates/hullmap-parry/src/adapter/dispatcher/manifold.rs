@@ -71,7 +71,7 @@ pub(super) fn update_plane<M, C: Default + Copy>(
     write(kept, placement, out);
 }
 
-/// Updates the manifold of two parts, or of a part and a shape, of which `parts` are the compounds.
+/// Updates the manifold of two parts, or of a part and a shape. `parts` are their compounds.
 /// Returns false if hullmap does not solve the pair.
 pub(super) fn solve<M, C: Default + Copy>(
     pos12: &Pose,

@@ -237,7 +237,7 @@ impl Split<'_> {
         update(&HullDispatcher, pos12, shape1, shape2, prediction, manifolds, workspace);
     }
 
-    /// A composite shape against a shape that is none.
+    /// A composite shape against a shape that is not composite.
     fn update_composite<M, C>(
         &self,
         manifolds: &mut Vec<ContactManifold<M, C>>,

@@ -93,7 +93,7 @@ pub(super) struct Arc {
 /// The support values of a pair. `P` blocks of points, `N` blocks of faces.
 #[derive(Debug)]
 pub(super) struct FirstPass<const P: usize, const N: usize> {
-    /// The vertices of B in the difference, in A's frame, and those of A, in B's frame.
+    /// The vertices of B in the difference, in A's frame, and the vertices of A, in B's frame.
     pub(super) points: [[PointBlock; P]; 2],
     /// The support values at the faces of A and of B.
     values: [[Lanes; N]; 2],
@@ -374,7 +374,7 @@ mod tests {
     use crate::support::simd::Instructions;
     use crate::vector::unit;
 
-    /// Faces and arcs that were ruled out, and those that were not.
+    /// Faces and arcs that were ruled out, and the others.
     #[derive(Debug, Default)]
     struct Seen {
         faces: [u32; 2],

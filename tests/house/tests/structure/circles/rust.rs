@@ -37,7 +37,7 @@ struct Import {
 struct Modules<'s> {
     sources: &'s Sources,
     all: Vec<Module>,
-    /// Files of child modules, those of tests too. The other files are roots of crates.
+    /// Files of child modules, tests included. The other files are roots of crates.
     named: BTreeSet<PathBuf>,
 }
 
