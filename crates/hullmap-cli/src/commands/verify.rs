@@ -148,7 +148,7 @@ fn pack_table(results: &[HullVerification]) -> Table {
             count((hull_count > 0).then_some(hull_count)),
             count(sum(&|result| result.vertices)),
             index_word(hulls).to_owned(),
-            or_dash(regret, |regret| format!("{regret:.1e}")),
+            or_dash(regret, short),
             count(sum(&|result| result.mismatches)),
             count(max(&|result| result.max_nodes).map(|nodes| nodes as usize)),
             count(max(&|result| result.max_dots).map(|dots| dots as usize)),
@@ -194,7 +194,7 @@ fn hull_table(results: &[HullVerification]) -> Table {
             count(result.vertices),
             small_count(result.rank),
             index_word(std::slice::from_ref(result)).to_owned(),
-            or_dash(result.max_regret, |regret| format!("{regret:.1e}")),
+            or_dash(result.max_regret, short),
             count(result.mismatches),
             small_count(result.max_nodes),
             small_count(result.max_dots),
@@ -321,8 +321,14 @@ mod tests {
             ..HullVerification::default()
         };
         let unread = HullVerification { file: "c".to_owned(), ..HullVerification::default() };
-        let results =
-            [hull("a", 1e-9, true), hull("a", 8e-9, true), hull("b", 0.5, false), hull("b", 0.0, true), unread];
+        let results = [
+            hull("a", 1e-9, true),
+            hull("a", 8e-9, true),
+            hull("b", 0.5, false),
+            hull("b", 0.0, true),
+            unread,
+            hull("d", 0.0, true),
+        ];
         let mut bytes = Vec::new();
         pack_table(&results).write(&mut Output::new(&mut bytes)).unwrap();
         let text = String::from_utf8(bytes).unwrap();
@@ -331,9 +337,11 @@ mod tests {
             .skip(1)
             .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect())
             .collect();
-        assert_eq!(rows[0], ["a", "2", "2 000", "proven", "8.0e-9", "0", "2", "8", "source", "exact"]);
+        assert_eq!(rows[0], ["a", "2", "2 000", "proven", "8e-9", "0", "2", "8", "source", "exact"]);
         assert_eq!((rows[1][0], rows[1][5], rows[1][9]), ("b", "1", "FAILED"));
         assert_eq!(rows[2], ["c", "-", "-", "-", "-", "-", "-", "-", "-", "FAILED"]);
-        assert_eq!(rows.len(), 3);
+        // Nobody writes 0.0e0.
+        assert_eq!(rows[3][..6], ["d", "1", "1 000", "proven", "0", "0"]);
+        assert_eq!(rows.len(), 4);
     }
 }
