@@ -22,7 +22,7 @@ use hullmap_bake::{
     fit::{Solid, fits},
     hull::{self, Hull},
 };
-use hullmap_import::{ImportOptions, Limits, import, read};
+use hullmap_programs::meshes_of;
 use hullmap_tests::{processor::timed, sampler::refutation};
 
 /// Convex decomposition of the meshes of a folder.
@@ -60,26 +60,13 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let text = arguments.coacd.map(|path| std::fs::read_to_string(path).expect("the file of CoACD can be read"));
     let coacd: BTreeMap<String, Figures> = text.iter().flat_map(|text| text.lines()).filter_map(figures).collect();
-    let folder = std::fs::read_dir(&arguments.folder).expect("the folder can be read");
-    let mut paths: Vec<PathBuf> = folder.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
-    paths.sort();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
     let mut is_refuted = false;
     let (mut ours, mut theirs) = (Figures::default(), Figures::default());
     println!("mesh | triangles | E % | parts | vertices | protrusion / E | uncovered | seconds");
-    for path in paths {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if !name.contains(&arguments.only) {
-            continue;
-        }
-        let source = read(&name, &path, &Limits::DEFAULT).expect("the mesh can be read");
-        let imported = import(&name, &name, &path, &source, &ImportOptions::DEFAULT, &Limits::DEFAULT);
-        let mut imported = imported.expect("the mesh can be imported");
-        imported.give_triangles();
-        let mesh = &imported.point_sets[0];
+    for (name, mesh) in &meshes_of(&arguments.folder, &arguments.only) {
         let diagonal = Solid::new(mesh).diagonal();
-        let peer = coacd.get(&name);
+        let peer = coacd.get(name);
         let share = peer.map_or(0.02, |peer| peer.protrusion.max(LEAST));
         let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
         let (sets, seconds) = one.install(|| timed(|| decompose(mesh, &cover)));

@@ -1,0 +1,27 @@
+//! What several of the programs need.
+
+use std::path::{Path, PathBuf};
+
+use hullmap_bake::PointSet;
+use hullmap_import::{ImportOptions, Limits, import, read};
+
+/// The OBJ meshes of a folder whose names contain `only`, with their names, sorted by path.
+///
+/// # Panics
+/// If the folder or a mesh cannot be read.
+pub fn meshes_of(folder: &Path, only: &str) -> Vec<(String, PointSet)> {
+    let entries = std::fs::read_dir(folder).expect("the folder can be read");
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
+    paths.sort();
+    let named = paths.into_iter().map(|path| (path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), path));
+    named.filter(|(name, _)| name.contains(only)).map(|(name, path)| (name.clone(), imported(&name, &path))).collect()
+}
+
+fn imported(name: &str, path: &Path) -> PointSet {
+    let source = read(name, path, &Limits::DEFAULT).expect("the mesh can be read");
+    let imported = import(name, name, path, &source, &ImportOptions::DEFAULT, &Limits::DEFAULT);
+    let mut imported = imported.expect("the mesh can be imported");
+    imported.give_triangles();
+    imported.point_sets.swap_remove(0)
+}
