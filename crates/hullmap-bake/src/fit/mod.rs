@@ -9,6 +9,7 @@
 //! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
 //! | [`coverage`] | proof of coverage: how far the surface lies outside all parts, at most |
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
+//! | `looseness` | estimates: overlap of the parts, mean protrusion, distance from the hull |
 //! | [`branch`] | branch and bound, which both use |
 //! | [`sides`] | regions that are inside although triangles cut them |
 //! | `triangle_tree` | bounding volume hierarchy of a mesh's triangles |
@@ -20,6 +21,7 @@ pub mod branch;
 pub mod closing;
 pub mod coverage;
 mod fits;
+mod looseness;
 pub mod planes;
 pub mod protrusion;
 pub mod sides;
@@ -31,6 +33,7 @@ pub mod winding;
 pub use branch::Accuracy;
 pub use coverage::{Uncovered, uncovered, uncovered_triangles};
 pub use fits::{Fit, fits};
+pub use looseness::{Looseness, looseness};
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
 

@@ -25,17 +25,35 @@ impl HalfSpace {
     }
 }
 
+/// Sine of the angle between a face's edges below which its normal is not trusted. At this angle the
+/// normal is off by about 1e-10.
+const SLIVER: f64 = 1e-6;
+
+/// The half-space of a face of the hull of `points`, and the face's area; `None` if it has no area.
+/// The half-space contains the corners.
+pub fn of_face(corners: &[DVec3], points: &[DVec3]) -> Option<(HalfSpace, f64)> {
+    let first = *corners.first()?;
+    let (mut area, mut products) = (DVec3::ZERO, 0.0);
+    for edge in corners.windows(2) {
+        let [a, b] = [edge[0] - first, edge[1] - first];
+        area += a.cross(b);
+        products += a.length() * b.length();
+    }
+    let normal = area.try_normalize()?;
+    // The normal of a sliver is rounding error. A plane that touches the hull from outside is right
+    // all the same.
+    let touched = if area.length() < SLIVER * products { points } else { corners };
+    let offset = touched.iter().map(|p| normal.dot(*p)).fold(f64::NEG_INFINITY, f64::max);
+    Some((HalfSpace { normal, offset }, 0.5 * area.length()))
+}
+
 /// One half-space per face of a solid hull, each containing the whole face. Faces without area are
 /// left out.
 pub fn half_spaces(hull: &Hull) -> Vec<HalfSpace> {
     let positions = hull.positions();
-    let at = |v: &u32| positions[*v as usize];
     let of_face = |face: &Vec<u32>| {
-        let first = at(face.first()?);
-        let area: DVec3 = face.windows(2).map(|edge| (at(&edge[0]) - first).cross(at(&edge[1]) - first)).sum();
-        let normal = area.try_normalize()?;
-        let offset = face.iter().map(|v| normal.dot(at(v))).fold(f64::NEG_INFINITY, f64::max);
-        Some(HalfSpace { normal, offset })
+        let corners: Vec<DVec3> = face.iter().map(|v| positions[*v as usize]).collect();
+        Some(of_face(&corners, &positions)?.0)
     };
     hull.faces.iter().filter_map(of_face).collect()
 }

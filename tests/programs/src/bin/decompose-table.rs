@@ -1,28 +1,30 @@
-//! Prints parts, vertices, proven bounds and time of the convex decomposition of concave meshes,
-//! beside CoACD's.
+//! Prints how well convex decompositions fit concave meshes, beside those of another tool.
 //!
 //! ```text
-//! cargo run --release -p hullmap-programs --bin concave-meshes -- FOLDER
-//! cargo run --release -p hullmap-programs --bin decompose-table -- FOLDER --coacd coacd.tsv
+//! cargo run --release -p hullmap-programs --bin concave-meshes -- --meshes FOLDER --write MESHES
+//! python benches/peers/run_coacd.py MESHES PEER
+//! cargo run --release -p hullmap-programs --bin decompose-table -- MESHES --peer PEER
 //! ```
 //!
-//! Each line of the file of CoACD's figures has these columns, separated by tabs: name of the mesh,
-//! parts, vertices of all parts, protrusion, seconds of processor time. The protrusion is the limit
-//! that is requested here, but at least 5e-4 of the diagonal. Without the file it is 2 %.
+//! PEER holds the other tool's parts of each mesh, as the objects of an OBJ file of the mesh's name,
+//! and `seconds.tsv` with the processor time of each mesh. Ours has at most as many parts. Without
+//! it, the limit is a maximum error. A cell has our figure and the other's; lengths are in percent
+//! of the diagonal. Both are measured by the same code.
 //!
-//! One thread decomposes. Seconds are its processor time, where the system states it. The parts are
-//! measured afterwards. With `--samples`, random points try to refute the bounds
-//! ([`hullmap_tests::sampler`]); one that does ends the program with status 1.
+//! One thread decomposes. Seconds are its processor time, where the system states it. With
+//! `--samples`, random points try to refute the bounds of our parts ([`hullmap_tests::sampler`]);
+//! one that does ends the program with status 1.
 
 use std::{collections::BTreeMap, path::PathBuf, process::ExitCode};
 
 use clap::Parser;
 use hullmap_bake::{
+    PointSet,
     decompose::{Cover, Length, decompose},
-    fit::{Solid, fits},
+    fit::{Fit, Solid, fits, looseness},
     hull::{self, Hull},
 };
-use hullmap_programs::meshes_of;
+use hullmap_programs::{meshes_of, objects_of};
 use hullmap_tests::{processor::timed, sampler::refutation};
 
 /// Convex decomposition of the meshes of a folder.
@@ -30,9 +32,12 @@ use hullmap_tests::{processor::timed, sampler::refutation};
 struct Arguments {
     /// Folder of OBJ files
     folder: PathBuf,
-    /// Figures of CoACD
+    /// Folder of the parts of another tool
     #[arg(long)]
-    coacd: Option<PathBuf>,
+    peer: Option<PathBuf>,
+    /// Maximum error in percent of the diagonal, where there is no peer
+    #[arg(long, default_value_t = 2.0)]
+    max_error: f64,
     /// Number of points that try to refute the claims about each mesh
     #[arg(long, default_value_t = 0)]
     samples: usize,
@@ -44,79 +49,91 @@ struct Arguments {
 /// Seed of the samples.
 const SEED: u64 = 1;
 
-/// Smallest limit, relative to the diagonal.
-const LEAST: f64 = 5e-4;
-
-/// Figures of a decomposition.
-#[derive(Clone, Copy, Default)]
-struct Figures {
-    parts: f64,
-    vertices: f64,
-    protrusion: f64,
-    seconds: f64,
-}
+/// What is measured of a decomposition.
+const MEASURES: [&str; 8] =
+    ["parts", "vertices", "worst %", "mean %", "overlap %", "outside hull %", "uncovered %", "seconds"];
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let text = arguments.coacd.map(|path| std::fs::read_to_string(path).expect("the file of CoACD can be read"));
-    let coacd: BTreeMap<String, Figures> = text.iter().flat_map(|text| text.lines()).filter_map(figures).collect();
+    let seconds = arguments.peer.as_ref().map(|folder| seconds_of(folder)).unwrap_or_default();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
     let mut is_refuted = false;
-    let (mut ours, mut theirs) = (Figures::default(), Figures::default());
-    println!("mesh | triangles | E % | parts | vertices | protrusion / E | uncovered | seconds");
+    let (mut sums, mut wins, mut meshes) = ([[0.0; 2]; MEASURES.len()], [0; MEASURES.len()], 0);
+    println!("mesh | triangles | {}", MEASURES.join(" | "));
     for (name, mesh) in &meshes_of(&arguments.folder, &arguments.only) {
-        let diagonal = Solid::new(mesh).diagonal();
-        let peer = coacd.get(name);
-        let share = peer.map_or(0.02, |peer| peer.protrusion.max(LEAST));
-        let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
-        let (sets, seconds) = one.install(|| timed(|| decompose(mesh, &cover)));
-        let sets = sets.expect("the mesh can be decomposed");
-        let sets = sets.unwrap_or_else(|| vec![mesh.clone()]);
-        let hulls: Vec<Hull> = sets.iter().map(|set| hull::build(set).expect("a part has a hull")).collect();
-        let limit = share * diagonal;
-        let fits = fits(mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).expect("the parts are measured");
-        let protrusion = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
-        let vertices: usize = hulls.iter().map(|hull| hull.vertices.len()).sum();
-        let largest = hulls.iter().map(|hull| hull.vertices.len()).max().unwrap_or(0);
-        let figures = Figures { parts: hulls.len() as f64, vertices: vertices as f64, protrusion, seconds };
-        let beside =
-            |ours: String, theirs: Option<String>| theirs.map_or(ours.clone(), |theirs| format!("{ours} / {theirs}"));
-        println!(
-            "{name} | {} | {:.3} | {} | {} (max {largest}) | {:.3} | {:.1e} | {}",
-            mesh.triangles.len(),
-            100.0 * share,
-            beside(figures.parts.to_string(), peer.map(|peer| peer.parts.to_string())),
-            beside(figures.vertices.to_string(), peer.map(|peer| peer.vertices.to_string())),
-            protrusion / limit,
-            fits[0].uncovered / diagonal,
-            beside(format!("{seconds:.2}"), peer.map(|peer| format!("{:.1}", peer.seconds))),
-        );
-        if let Some(why) = refutation(mesh, &hulls, &fits, arguments.samples, SEED) {
+        let peer =
+            arguments.peer.as_ref().map(|folder| folder.join(format!("{name}.obj"))).filter(|path| path.exists());
+        let peer = peer.map(|path| hulls(&objects_of(name, &path)));
+        let cover = match &peer {
+            Some(peer) => Cover { max_parts: Some(peer.len() as u32), ..Cover::default() },
+            None => Cover { max_error: Length::Relative(0.01 * arguments.max_error), ..Cover::default() },
+        };
+        let (sets, taken) = one.install(|| timed(|| decompose(mesh, &cover)));
+        let ours = hulls(&sets.expect("the mesh can be decomposed").unwrap_or_else(|| vec![mesh.clone()]));
+        let fits = fits(mesh, &ours.iter().collect::<Vec<_>>(), None).expect("the parts are measured");
+        let mut figures = vec![measured(mesh, &ours, &fits, taken)];
+        if let Some(peer) = &peer {
+            let fits = hullmap_bake::fit::fits(mesh, &peer.iter().collect::<Vec<_>>(), None);
+            let taken = seconds.get(name).copied().unwrap_or(f64::NAN);
+            figures.push(measured(mesh, peer, &fits.expect("the parts are measured"), taken));
+            meshes += 1;
+            for (k, sum) in sums.iter_mut().enumerate() {
+                (sum[0], sum[1]) = (sum[0] + figures[0][k], sum[1] + figures[1][k]);
+                // To the third digit.
+                wins[k] += usize::from(figures[0][k] <= figures[1][k] * 1.001 + 1e-4);
+            }
+        }
+        let cell = |k: usize| figures.iter().map(|figures| shown(figures[k])).collect::<Vec<_>>().join(" / ");
+        let cells: Vec<String> = (0..MEASURES.len()).map(cell).collect();
+        println!("{name} | {} | {}", mesh.triangles.len(), cells.join(" | "));
+        if let Some(why) = refutation(mesh, &ours, &fits, arguments.samples, SEED) {
             println!("{name}: refuted by a sample of seed {SEED}: {why}");
             is_refuted = true;
         }
-        if let Some(peer) = peer {
-            add(&mut ours, &figures);
-            add(&mut theirs, peer);
-        }
     }
-    println!(
-        "sum: {} / {} parts, {} / {} vertices, {:.1} / {:.1} s",
-        ours.parts, theirs.parts, ours.vertices, theirs.vertices, ours.seconds, theirs.seconds
-    );
+    for (k, name) in MEASURES.iter().enumerate().filter(|_| meshes > 0) {
+        println!(
+            "{name}: {} / {} in sum, at most the peer's for {} of {meshes}",
+            shown(sums[k][0]),
+            shown(sums[k][1]),
+            wins[k]
+        );
+    }
     if is_refuted { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-fn add(sum: &mut Figures, figures: &Figures) {
-    sum.parts += figures.parts;
-    sum.vertices += figures.vertices;
-    sum.seconds += figures.seconds;
+fn shown(figure: f64) -> String {
+    if figure >= 100.0 || figure.fract() == 0.0 { format!("{figure:.0}") } else { format!("{figure:.3}") }
 }
 
-fn figures(line: &str) -> Option<(String, Figures)> {
-    let mut columns = line.split('\t');
-    let name = columns.next()?.to_owned();
-    let mut number = || columns.next()?.parse::<f64>().ok();
-    let figures = Figures { parts: number()?, vertices: number()?, protrusion: number()?, seconds: number()? };
-    Some((name, figures))
+fn hulls(sets: &[PointSet]) -> Vec<Hull> {
+    sets.iter().map(|set| hull::build(set).expect("a part has a hull")).collect()
+}
+
+/// The figures of [`MEASURES`].
+fn measured(mesh: &PointSet, parts: &[Hull], fits: &[Fit], seconds: f64) -> [f64; MEASURES.len()] {
+    let (solid, whole) = (Solid::new(mesh), hull::build(mesh).expect("the mesh has a hull"));
+    let share = 100.0 / solid.diagonal();
+    let loose = looseness(&solid, &whole, &parts.iter().collect::<Vec<_>>());
+    let vertices: usize = parts.iter().map(|hull| hull.vertices.len()).sum();
+    let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
+    [
+        parts.len() as f64,
+        vertices as f64,
+        share * worst,
+        share * loose.mean_protrusion,
+        100.0 * loose.overlap,
+        share * loose.outside_hull,
+        share * fits[0].uncovered,
+        seconds,
+    ]
+}
+
+/// Seconds by the name of the mesh.
+fn seconds_of(folder: &std::path::Path) -> BTreeMap<String, f64> {
+    let text = std::fs::read_to_string(folder.join("seconds.tsv")).expect("seconds.tsv can be read");
+    text.lines()
+        .filter_map(|line| line.split_once('\t'))
+        .filter_map(|(name, s)| Some((name.to_owned(), s.parse().ok()?)))
+        .collect()
 }

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use crate::fit::planes::{self, HalfSpace};
 use crate::hull::{
     polygon, quickhull,
     rank::{Simplex, spanning_simplex},
@@ -13,29 +14,13 @@ use crate::hull::{
 /// Thickness of flat trial bodies, relative to the diagonal.
 pub const THICKNESS: f64 = 2e-7;
 
-/// A half-space: all x with `normal` · x ≤ `offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// Unit normal, outward.
-    pub normal: DVec3,
-    /// Distance from the origin along the normal.
-    pub offset: f64,
-}
-
-impl Plane {
-    /// Height of a point above the plane.
-    pub fn height(&self, p: DVec3) -> f64 {
-        self.normal.dot(p) - self.offset
-    }
-}
-
 /// A convex body.
 #[derive(Clone, Debug, Default)]
 pub struct Body {
     /// Its extreme points.
     pub points: Vec<DVec3>,
     /// The planes of its faces.
-    pub planes: Vec<Plane>,
+    pub planes: Vec<HalfSpace>,
     /// The areas of its faces.
     pub areas: Vec<f64>,
     /// Its surface, as triangles.
@@ -45,10 +30,6 @@ pub struct Body {
     /// Maximum of the points.
     pub high: DVec3,
 }
-
-/// Sine of the angle between a facet's edges below which its normal is not trusted. At this angle
-/// the normal is off by about 1e-10.
-const SLIVER: f64 = 1e-6;
 
 impl Body {
     /// The hull of finite points. A flat one is thickened by `thickness`. Without points, the body
@@ -88,23 +69,11 @@ impl Body {
         let facets = quickhull::hull(points, simplex);
         let mut used = vec![false; points.len()];
         for facet in &facets {
-            let at = |i: usize| points[facet[i] as usize];
-            let (mut area, mut products) = (DVec3::ZERO, 0.0);
-            for i in 1..facet.len() - 1 {
-                let [a, b] = [i, i + 1].map(|i| at(i) - at(0));
-                area += a.cross(b);
-                products += a.length() * b.length();
-                self.triangles.push([at(0), at(i), at(i + 1)]);
-            }
-            let normal = area.normalize_or_zero();
-            if normal != DVec3::ZERO {
-                // The normal of a sliver is rounding error. A plane that touches the body from
-                // outside is right all the same.
-                let touched = if area.length() < SLIVER * products { 0..points.len() } else { 0..0 };
-                let all = touched.map(|i| points[i]).chain((0..facet.len()).map(at));
-                let offset = all.map(|p| normal.dot(p)).fold(f64::NEG_INFINITY, f64::max);
-                self.planes.push(Plane { normal, offset });
-                self.areas.push(0.5 * area.length());
+            let corners: Vec<DVec3> = facet.iter().map(|i| points[*i as usize]).collect();
+            self.triangles.extend(planes::fan(&corners));
+            if let Some((plane, area)) = planes::of_face(&corners, points) {
+                self.planes.push(plane);
+                self.areas.push(area);
             }
             for v in facet {
                 used[*v as usize] = true;
@@ -202,7 +171,7 @@ fn distinct(points: &[DVec3]) -> Vec<DVec3> {
 /// so close to it that rounding error decides.
 ///
 /// This is GJK. It starts in the direction `towards`, and ends as soon as a direction separates.
-pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Option<Plane> {
+pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Option<HalfSpace> {
     let mut simplex = [DVec3::ZERO; 4];
     let mut count = 0;
     let mut direction = towards;
@@ -221,7 +190,7 @@ pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Op
             }
         }
         if unit.dot(p) > reach + margin {
-            return Some(Plane { normal: unit, offset: reach });
+            return Some(HalfSpace { normal: unit, offset: reach });
         }
         if simplex[..count].contains(&support) {
             return None;
@@ -349,7 +318,7 @@ mod tests {
             let body = Body::new(&points, 1e-7);
             let is_sliver = |[a, b, c]: &&[DVec3; 3]| {
                 let (u, v) = (*b - *a, *c - *a);
-                u.cross(v).length() < SLIVER * u.length() * v.length()
+                u.cross(v).length() < 1e-6 * u.length() * v.length()
             };
             slivers += body.triangles.iter().filter(is_sliver).count();
             assert!(points.iter().all(|p| body.holds(*p, 1e-9)), "round {round}");

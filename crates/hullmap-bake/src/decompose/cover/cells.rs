@@ -17,8 +17,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::body::{Body, Plane, THICKNESS};
+use super::body::{Body, THICKNESS};
 use super::field::Field;
+use crate::fit::planes::HalfSpace;
 
 /// Maximum number of cuts that lead to a cell.
 const MAX_DEPTH: u32 = 40;
@@ -79,7 +80,7 @@ pub struct Cell {
 #[derive(Clone, Debug)]
 struct Edge {
     ends: [DVec3; 2],
-    planes: [Plane; 2],
+    planes: [HalfSpace; 2],
     sine: f64,
 }
 
@@ -134,7 +135,7 @@ impl Piece {
     }
 
     /// The polygons on both sides of a plane.
-    fn split(&self, plane: &Plane, slack: f64, stride: usize) -> [Self; 2] {
+    fn split(&self, plane: &HalfSpace, slack: f64, stride: usize) -> [Self; 2] {
         let mut sides = [Self::default(), Self::default()];
         let mut halves = [Vec::new(), Vec::new()];
         for (corners, normal) in (0..self.ends.len()).step_by(stride).map(|i| self.polygon(i)) {
@@ -226,7 +227,7 @@ fn find(root: &mut [u32], mut i: u32) -> u32 {
 }
 
 /// Both sides of a convex polygon. A side without area has fewer than three corners.
-fn clip(corners: &[DVec3], plane: &Plane, slack: f64, halves: &mut [Vec<DVec3>; 2]) {
+fn clip(corners: &[DVec3], plane: &HalfSpace, slack: f64, halves: &mut [Vec<DVec3>; 2]) {
     let [below, above] = halves;
     below.clear();
     above.clear();
@@ -431,11 +432,11 @@ fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
 }
 
 /// The plane that cuts a connected piece.
-fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
+fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
     let (low, high) = super::body::bounds(&piece.corners);
     let size = high - low;
     let diagonal = size.length();
-    let mut groups: BTreeMap<[i32; 4], (f64, Plane)> = BTreeMap::new();
+    let mut groups: BTreeMap<[i32; 4], (f64, HalfSpace)> = BTreeMap::new();
     let mut total = 0.0;
     for edge in &piece.edges {
         let weight = edge.ends[0].distance(edge.ends[1]) * edge.sine;
@@ -447,18 +448,18 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
             let n = plane.normal * sign;
             let key = [n.x * 64.0, n.y * 64.0, n.z * 64.0, n.dot(p) / diagonal * 512.0].map(|x| x.round() as i32);
             let offset = n.dot(edge.ends[0]);
-            groups.entry(key).or_insert((0.0, Plane { normal: n, offset })).0 += weight;
+            groups.entry(key).or_insert((0.0, HalfSpace { normal: n, offset })).0 += weight;
         }
     }
     // A plane at the border of the piece cuts nothing.
-    let is_inner = |plane: &Plane| {
+    let is_inner = |plane: &HalfSpace| {
         let heights = || piece.corners.iter().map(|p| plane.height(*p));
         heights().fold(f64::INFINITY, f64::min) < -1e-4 * diagonal
             && heights().fold(f64::NEG_INFINITY, f64::max) > 1e-4 * diagonal
     };
-    let mut ranked: Vec<(f64, Plane)> = groups.into_values().collect();
+    let mut ranked: Vec<(f64, HalfSpace)> = groups.into_values().collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut candidates: Vec<(f64, Plane)> =
+    let mut candidates: Vec<(f64, HalfSpace)> =
         ranked.into_iter().take(24).filter(|(_, plane)| is_inner(plane)).take(4).collect();
     if let Some((weight, plane)) = candidates.first()
         && *weight >= DECISIVE * total
@@ -467,13 +468,13 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
     }
     candidates.truncate(3);
     let middle = (low + high) * 0.5;
-    let mut first: Vec<(f64, Plane)> = Vec::new();
+    let mut first: Vec<(f64, HalfSpace)> = Vec::new();
     // Between the faces at the edge in the middle.
     let from_middle = |edge: &&Edge| edge.ends.iter().map(|p| p.distance_squared(middle)).fold(f64::INFINITY, f64::min);
     let central = piece.edges.iter().min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
     if let Some(Edge { ends, planes, .. }) = central {
         let normal = (planes[0].normal - planes[1].normal).normalize_or_zero();
-        let plane = Plane { normal, offset: normal.dot(ends[0]) };
+        let plane = HalfSpace { normal, offset: normal.dot(ends[0]) };
         if normal != DVec3::ZERO && is_inner(&plane) {
             first.push((0.0, plane));
         }
@@ -485,20 +486,20 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
     let most = axes.first().map_or(0.0, |axis| axis.0);
     for (bend, normal) in axes {
         if bend >= 0.4 * most && normal.dot(size) > 1e-3 * diagonal {
-            first.push((0.0, Plane { normal, offset: normal.dot(middle) }));
+            first.push((0.0, HalfSpace { normal, offset: normal.dot(middle) }));
         }
     }
     first.append(&mut candidates);
     let candidates = first;
     let stride = piece.ends.len().div_ceil(TRIAL_POLYGONS).max(1);
-    let cost = |plane: &Plane| -> f64 {
+    let cost = |plane: &HalfSpace| -> f64 {
         let sides = piece.split(plane, slack, stride);
         if sides.iter().any(|side| side.ends.is_empty()) {
             return f64::INFINITY;
         }
         sides.iter().map(|side| Body::new(&side.corners, thickness).volume()).sum()
     };
-    let mut best: Option<(f64, Plane)> = None;
+    let mut best: Option<(f64, HalfSpace)> = None;
     for (_, plane) in candidates {
         let cost = cost(&plane);
         if cost.is_finite() && best.is_none_or(|(least, _)| cost < BETTER * least) {
@@ -542,7 +543,7 @@ fn concave_edges(triangles: &[[DVec3; 3]], diagonal: f64) -> Vec<Edge> {
                 if !(sine > CONCAVE) || a.distance(b) <= 1e-9 * diagonal {
                     continue;
                 }
-                let plane = |n: DVec3| Plane { normal: n, offset: n.dot(a) };
+                let plane = |n: DVec3| HalfSpace { normal: n, offset: n.dot(a) };
                 edges.push(Edge { ends: [a, b], planes: [plane(n), plane(m)], sine });
             }
         }

@@ -12,11 +12,11 @@
 
 use glam::DVec3;
 
-use super::body::{Body, Plane};
+use super::body::Body;
 use super::deadline::Deadline;
 use super::field::Field;
 use super::sample::face_points;
-use crate::fit::{branch::Accuracy, protrusion::protrusion_beside};
+use crate::fit::{branch::Accuracy, planes::HalfSpace, protrusion::protrusion_beside};
 use crate::hull::{
     self, Hull, quickhull,
     rank::{Simplex, spanning_simplex},
@@ -266,15 +266,15 @@ struct Faces<'a> {
 }
 
 impl Faces<'_> {
-    fn plane(&self, face: usize) -> Plane {
+    fn plane(&self, face: usize) -> HalfSpace {
         self.body.planes[face]
     }
 
-    fn largest(&self) -> Vec<Plane> {
+    fn largest(&self) -> Vec<HalfSpace> {
         let total: f64 = self.body.areas.iter().sum();
         let mut order: Vec<usize> = (0..self.body.planes.len()).collect();
         order.sort_by(|a, b| self.body.areas[*b].total_cmp(&self.body.areas[*a]).then(a.cmp(b)));
-        let mut chosen: Vec<Plane> = Vec::new();
+        let mut chosen: Vec<HalfSpace> = Vec::new();
         for face in order {
             let plane = self.plane(face);
             if self.body.areas[face] >= LARGE * total
@@ -289,19 +289,19 @@ impl Faces<'_> {
 
     /// Adds the sides of the body's box, except those to which a plane is nearly parallel. Returns
     /// whether it added any.
-    fn close(&self, planes: &mut Vec<Plane>) -> bool {
+    fn close(&self, planes: &mut Vec<HalfSpace>) -> bool {
         let before = planes.len();
         for normal in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
             if planes.iter().all(|plane| plane.normal.dot(normal) < 0.8) {
                 let offset = self.body.points.iter().map(|p| normal.dot(*p)).fold(f64::NEG_INFINITY, f64::max);
-                planes.push(Plane { normal, offset });
+                planes.push(HalfSpace { normal, offset });
             }
         }
         planes.len() > before
     }
 
     /// The vertices of the polytope of the planes, each moved outward; `None` if it is unbounded.
-    fn vertices(&self, planes: &[Plane]) -> Option<Vec<DVec3>> {
+    fn vertices(&self, planes: &[HalfSpace]) -> Option<Vec<DVec3>> {
         let dual: Vec<DVec3> = planes
             .iter()
             .map(|plane| plane.normal / (plane.offset + self.room - plane.normal.dot(self.middle)))
@@ -330,7 +330,7 @@ impl Faces<'_> {
     }
 
     /// Of the points of the polytope that are too far from the solid, the farthest from the body.
-    fn too_far(&self, planes: &[Plane], vertices: &[DVec3]) -> Option<DVec3> {
+    fn too_far(&self, planes: &[HalfSpace], vertices: &[DVec3]) -> Option<DVec3> {
         // A point on a face counts as inside, whatever the rounding error.
         let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= 2.0 * self.room);
         if let Some(point) = self.refuted.iter().find(is_in) {
@@ -353,7 +353,7 @@ impl Faces<'_> {
     }
 
     /// Adds a plane below `point`. Returns whether there is one.
-    fn cut_off(&self, planes: &mut Vec<Plane>, point: DVec3) -> bool {
+    fn cut_off(&self, planes: &mut Vec<HalfSpace>, point: DVec3) -> bool {
         let heights: Vec<f64> = self.body.planes.iter().map(|plane| plane.height(point)).collect();
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if !(highest > 3.0 * self.room) {
@@ -375,7 +375,7 @@ impl Faces<'_> {
     }
 
     /// Drops planes that are not needed. Returns the others, and the vertices of their polytope.
-    fn fewer(&self, planes: Vec<Plane>, vertices: Vec<DVec3>) -> (Vec<Plane>, Vec<DVec3>) {
+    fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>) -> (Vec<HalfSpace>, Vec<DVec3>) {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.
         let mut at = left.len();
