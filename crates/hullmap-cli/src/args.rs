@@ -1,6 +1,6 @@
 //! The command line: subcommands and flags of `bake`.
 //!
-//! The flags that shape a pack come from the table in `options/defaults.rs`; all others are here.
+//! The flags that shape a pack come from the table in `options/table.rs`; all others are here.
 
 mod guesses;
 #[cfg(test)]
@@ -21,7 +21,7 @@ use hullmap_report::input::Up;
 use crate::glob::Glob;
 use crate::jobs::batch::BatchSize;
 use crate::jobs::shard::Shard;
-use crate::options::defaults::Section;
+use crate::options::table::Section;
 use crate::options::{OptionLayer, flag};
 use crate::terminal::Escaped;
 
