@@ -1,6 +1,6 @@
 //! The command line: subcommands and flags of `bake`.
 //!
-//! The flags that shape a pack come from the table in `options/defaults.rs`; all others are here.
+//! The flags that shape a pack come from the table in `options/table.rs`; all others are here.
 
 mod guesses;
 #[cfg(test)]
@@ -21,7 +21,7 @@ use hullmap_report::input::Up;
 use crate::glob::Glob;
 use crate::jobs::batch::BatchSize;
 use crate::jobs::shard::Shard;
-use crate::options::defaults::Section;
+use crate::options::table::Section;
 use crate::options::{OptionLayer, flag};
 use crate::terminal::Escaped;
 
@@ -264,7 +264,7 @@ pub struct RemoteArgs {
     /// Add packs that are baked here to the cache
     #[arg(long = "remote-upload", requires = "address", hide_short_help = true)]
     pub upload: bool,
-    /// Bake packs that the farm does not deliver here, with a warning
+    /// If the farm does not deliver a pack, bake it locally, with a warning
     #[arg(long = "remote-fallback", requires = "address", hide_short_help = true)]
     pub fallback: bool,
     /// Number of batches in flight
@@ -371,7 +371,7 @@ pub struct StatusArgs {
     /// Folder of the packs, which mirrors the input folders
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Name the shards of N that are not complete
+    /// With N shards, list the incomplete ones
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub shards: Option<u32>,
     /// Print one JSON object per pack, also for packs that are present
@@ -382,7 +382,8 @@ pub struct StatusArgs {
 /// Limits on source files.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct LimitArgs {
-    /// Maximum size of a source file in bytes; importing takes up to 8 times as much memory
+    /// Maximum size of a source file in bytes; importing takes up to 96 MiB of memory plus 8 times
+    /// the size of the file
     #[arg(
         long,
         value_name = "N",

@@ -9,8 +9,8 @@ use hullmap_bake::progress::Stage;
 use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError, SourceFile};
 
 use crate::baker::{BakedPack, bake_pack};
-use crate::options::defaults::{OPTIONS, Record};
 use crate::options::removed::instead_of_option;
+use crate::options::table::{OPTIONS, Record};
 use crate::options::{BuildOptions, OptionLayer};
 
 /// Why a mesh was not baked.

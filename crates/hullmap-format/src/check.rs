@@ -8,7 +8,7 @@
 //!    hulls).
 //! 3. [`contents`]: every value that a query could follow or return. One pass over the archive, at
 //!    the speed of memory. Its loops have no early exit and run over whole sections where they can,
-//!    so that the compiler vectorizes them. Only a loop that has failed is repeated to find the
+//!    so that the compiler vectorises them. Only a loop that has failed is repeated to find the
 //!    first error.
 //! 4. [`crate::repeats`]: redundant values agree. Queries are safe without this check; `bake
 //!    verify` runs it. It is safe without level 3.

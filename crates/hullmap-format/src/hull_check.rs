@@ -438,7 +438,7 @@ fn value_at(all: &[u32_le], index: usize) -> u32 {
     all.get(index).map_or(0, |value| value.to_native())
 }
 
-/// Whether all values are below `limit`. Without an early exit, so that the loop is vectorized.
+/// Whether all values are below `limit`. Without an early exit, so that the loop is vectorised.
 fn all_below(values: &[u32_le], limit: u32) -> bool {
     values.iter().fold(true, |below, value| below & (value.to_native() < limit))
 }

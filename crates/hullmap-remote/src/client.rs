@@ -11,13 +11,13 @@ use tonic::transport::Endpoint;
 use tonic::{Request, Response, Status};
 
 use crate::error::{chain, is_transient};
-use crate::guard::Guard;
+use crate::strip_header::StripHeader;
 use crate::{RemoteError, Settings};
 
 /// Time to connect.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Interval of signs of life while an action runs, and how long an answer may take.
+/// Interval of HTTP/2 keep-alive pings, and the timeout for the answer to one.
 const KEEP_ALIVE: Duration = Duration::from_secs(30);
 
 /// Wait before the second attempt; it doubles with each attempt.
@@ -43,15 +43,15 @@ const THREADS: usize = 2;
 #[derive(Debug)]
 pub struct Client {
     runtime: Runtime,
-    pub(crate) channel: Guard,
+    pub(crate) channel: StripHeader,
     pub(crate) settings: Settings,
     headers: Vec<(AsciiMetadataKey, AsciiMetadataValue)>,
-    abilities: Abilities,
+    capabilities: Capabilities,
 }
 
-/// Abilities that a server states.
+/// What a server states in its `ServerCapabilities`.
 #[derive(Clone, Copy, Debug)]
-struct Abilities {
+struct Capabilities {
     executes: bool,
     takes_results: bool,
     /// Maximum bytes of blobs in one request.
@@ -76,36 +76,37 @@ impl Client {
         // The connection spawns tasks.
         let channel = {
             let _entered = runtime.enter();
-            Guard(endpoint(&settings)?.connect_lazy())
+            StripHeader(endpoint(&settings)?.connect_lazy())
         };
-        let abilities = Abilities { executes: false, takes_results: false, batch: MAX_BATCH, blob: u64::MAX };
-        let mut client = Self { runtime, channel, settings, headers, abilities };
+        let capabilities = Capabilities { executes: false, takes_results: false, batch: MAX_BATCH, blob: u64::MAX };
+        let mut client = Self { runtime, channel, settings, headers, capabilities };
         let uses_tls = client.settings.address.uses_tls();
-        client.abilities = client.block_on(client.ask_abilities()).map_err(|error| error.at_start(uses_tls))?;
+        client.capabilities =
+            client.block_on(client.request_capabilities()).map_err(|error| error.at_start(uses_tls))?;
         Ok(client)
     }
 
     /// Whether the server runs actions.
     pub fn executes(&self) -> bool {
-        self.abilities.executes
+        self.capabilities.executes
     }
 
     /// Whether clients may add results to the action cache.
     pub fn takes_results(&self) -> bool {
-        self.abilities.takes_results
+        self.capabilities.takes_results
     }
 
     /// Maximum bytes of blobs in one request.
     pub(crate) fn max_batch(&self) -> u64 {
-        self.abilities.batch
+        self.capabilities.batch
     }
 
     /// Maximum size of a blob.
     pub(crate) fn max_blob(&self) -> u64 {
-        self.abilities.blob
+        self.capabilities.blob
     }
 
-    async fn ask_abilities(&self) -> Result<Abilities, RemoteError> {
+    async fn request_capabilities(&self) -> Result<Capabilities, RemoteError> {
         let request = api::GetCapabilitiesRequest { instance_name: self.settings.instance.clone() };
         let found = self
             .retry("capabilities", 0, || {
@@ -126,7 +127,7 @@ impl Client {
         });
         // 0 stands for no limit.
         let limit = |bytes: i64| u64::try_from(bytes).ok().filter(|&bytes| bytes > 0).unwrap_or(u64::MAX);
-        Ok(Abilities {
+        Ok(Capabilities {
             executes,
             takes_results: cache.action_cache_update_capabilities.is_some_and(|can| can.update_enabled),
             batch: limit(cache.max_batch_total_size_bytes).min(MAX_BATCH),

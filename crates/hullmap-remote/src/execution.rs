@@ -29,8 +29,8 @@ const MAX_ERROR_BYTES: usize = 1 << 12;
 /// server has forgotten it.
 const MAX_REQUESTS: u32 = 3;
 
-/// Age from which the end of a stream is not counted as a failed attempt.
-const LONG_STREAM: Duration = Duration::from_secs(20);
+/// Duration above which an attempt does not count as failed: proxies end streams that live long.
+const LONG_ATTEMPT: Duration = Duration::from_secs(20);
 
 /// Result of an action.
 #[derive(Clone, Debug, Default)]
@@ -135,21 +135,23 @@ impl Client {
 
     /// Requests an action that the server has the inputs of, and follows it to its end.
     async fn run(&self, action: &Digest, again: bool, deadline: Instant) -> Result<Outcome, RemoteError> {
-        let (mut name, mut attempt, mut forgotten) = (None, 1, 0);
+        let (mut name, mut forgotten) = (None, 0);
+        let mut failures = Failures { count: 0, limit: self.settings.attempts };
         loop {
             let follows = name.is_some();
             let start = Instant::now();
             let followed = tokio::time::timeout_at(deadline, self.follow(action, again, &mut name)).await;
+            failures.add(start.elapsed());
             let late = || Status::deadline_exceeded("the action did not end in time");
             match followed.unwrap_or_else(|_| Err(late())) {
                 Ok(Some(done)) => match finished(done)? {
                     Ok(outcome) => return Ok(outcome),
                     Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
-                    Err(status) if is_transient(&status) && attempt < self.settings.attempts => name = None,
+                    Err(status) if is_transient(&status) && failures.allow_another() => name = None,
                     Err(status) => return Err(RemoteError::from_status("action", &status)),
                 },
                 // The stream ended too early: follow it again.
-                Ok(None) if attempt < self.settings.attempts => {}
+                Ok(None) if failures.allow_another() => {}
                 Ok(None) => {
                     return Err(RemoteError::from_status("action", &Status::unavailable("the answer broke off")));
                 }
@@ -160,15 +162,10 @@ impl Client {
                     name = None;
                 }
                 Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
-                Err(status) if is_transient(&status) && attempt < self.settings.attempts => {}
+                Err(status) if is_transient(&status) && failures.allow_another() => {}
                 Err(status) => return Err(RemoteError::from_status("action", &status)),
             }
-            // Proxies end streams that live long. The deadline bounds the number of these.
-            if start.elapsed() > LONG_STREAM {
-                attempt = 1;
-            }
-            tokio::time::sleep(wait(attempt)).await;
-            attempt += 1;
+            tokio::time::sleep(wait(failures.count)).await;
         }
     }
 
@@ -213,6 +210,25 @@ impl Client {
     }
 }
 
+/// Failed attempts in a row to follow an action to its end.
+struct Failures {
+    count: u32,
+    /// Number of attempts that may fail in a row.
+    limit: u32,
+}
+
+impl Failures {
+    /// Adds an attempt that took this long. A long one starts the count anew. The deadline of the
+    /// action bounds the number of these.
+    fn add(&mut self, elapsed: Duration) {
+        self.count = if elapsed > LONG_ATTEMPT { 0 } else { self.count + 1 };
+    }
+
+    fn allow_another(&self) -> bool {
+        self.count < self.limit
+    }
+}
+
 /// Whether a status says that an input is not in the store.
 fn is_missing(status: &Status) -> bool {
     status.code() == Code::FailedPrecondition
@@ -250,4 +266,28 @@ fn outcome(result: api::ActionResult, is_cached: bool) -> Result<Outcome, Remote
     let stderr = result.stderr_raw.get(start..).unwrap_or_default();
     let stderr = String::from_utf8_lossy(stderr).into_owned();
     Ok(Outcome { files, exit_code: result.exit_code, stderr, is_cached })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The last attempt failed however long its stream had lived.
+    #[test]
+    fn end_of_a_long_stream_is_not_a_failed_last_attempt() {
+        let short = LONG_ATTEMPT / 2;
+        let long = LONG_ATTEMPT * 2;
+        let mut failures = Failures { count: 0, limit: 3 };
+        let mut add = |elapsed| {
+            failures.add(elapsed);
+            failures.allow_another()
+        };
+        assert_eq!([short, short, long].map(&mut add), [true; 3]);
+        assert_eq!([short, short, short].map(&mut add), [true, true, false]);
+        let mut only = Failures { count: 0, limit: 1 };
+        only.add(long);
+        assert!(only.allow_another());
+        only.add(short);
+        assert!(!only.allow_another());
+    }
 }

@@ -11,7 +11,7 @@
 //! | `action` | commands and trees of input files as messages |
 //! | `settings` | address, headers, limits |
 //! | `client` | connection and retries |
-//! | `guard` | removes a header that makes the transport panic |
+//! | `strip_header` | strips a response header that makes the transport panic |
 //! | `store` | the content-addressed store (CAS): which blobs are missing, upload, download |
 //! | `execution` | the action cache, and actions in progress |
 //!
@@ -26,9 +26,9 @@ mod client;
 mod digest;
 mod error;
 mod execution;
-mod guard;
 mod settings;
 mod store;
+mod strip_header;
 
 pub use action::{Action, ActionSpec, Blob, Data, InputFile};
 pub use client::Client;

@@ -15,7 +15,7 @@ use bazel_remote_apis::google::bytestream::{ReadRequest, WriteRequest};
 use tonic::{Code, Response, Status};
 
 use crate::client::MAX_MESSAGE;
-use crate::guard::Guard;
+use crate::strip_header::StripHeader;
 use crate::{Blob, Client, Data, Digest, RemoteError};
 
 /// Size of a chunk of a streamed blob in bytes.
@@ -219,7 +219,7 @@ impl Client {
         Ok(bytes)
     }
 
-    fn store(&self) -> ContentAddressableStorageClient<Guard> {
+    fn store(&self) -> ContentAddressableStorageClient<StripHeader> {
         ContentAddressableStorageClient::new(self.channel.clone())
             .max_decoding_message_size(MAX_MESSAGE)
             .max_encoding_message_size(MAX_MESSAGE)

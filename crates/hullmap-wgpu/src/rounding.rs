@@ -3,8 +3,8 @@
 /// Bound on the relative error of one operation in f32, whichever way it is rounded: 2⁻²³.
 pub(crate) const EPSILON: f64 = 1.0 / (1 << 23) as f64;
 
-/// Maximum regret of a support vertex from the GPU, relative to the length of the direction and the
-/// radius of the ball around the hull.
+/// Maximum shortfall of the dot product of a support vertex from the GPU, relative to the length of
+/// the direction and the radius of the ball around the hull.
 pub const SUPPORT_SHORTFALL: f64 = 1.0 / (1 << 18) as f64;
 
 /// Coefficients of [`rounding_error`], in units of [`EPSILON`].
@@ -13,8 +13,8 @@ mod units {
     pub(super) const RADII: f64 = 54.0;
     /// For the length of the centre v₀.
     pub(super) const CENTER: f64 = 20.0;
-    /// For the lengths that only f64 rounds, in units of `f64::EPSILON`. The largest coefficient in
-    /// `hullmap::solver`.
+    /// For the lengths that only f64 rounds, in units of `f64::EPSILON`: the largest coefficient,
+    /// `rounding_units::RADII`, of `crates/hullmap/src/solver/minkowski.rs`.
     pub(super) const DOUBLE: f64 = 68.0;
 }
 

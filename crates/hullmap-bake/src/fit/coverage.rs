@@ -4,8 +4,8 @@
 //! # Steps
 //! 1. Measure each vertex against the parts near it. A triangle whose corners lie in one part is
 //!    covered.
-//! 2. Subtract the parts from each other triangle, one after the other. What is left are convex
-//!    polygons.
+//! 2. Subtract the parts from every other triangle, one part after the other. Convex polygons are
+//!    left.
 //! 3. Branch and bound over triangles of these: a triangle is bounded by the distances of its
 //!    corners from one part.
 //!
@@ -38,18 +38,23 @@ pub struct Uncovered {
     pub at: DVec3,
 }
 
-/// Distances from a part's faces up to which a point counts as inside while parts are subtracted,
-/// and distances from the part up to which that is accepted, relative to the diagonal. What is
-/// subtracted is measured. If it lies farther outside than accepted, the next pair is tried.
+/// Pairs of tolerances for the subtraction of parts, relative to the diagonal, in the order in
+/// which they are tried. A point counts as inside a part up to the first distance from the planes
+/// of its faces. The subtracted pieces are then measured. The result is accepted if they are within
+/// the second distance of the part.
 ///
-/// Parts of f32 vertices miss parts of the surface by 1e-8 to 3e-7. With a distance of 0, all that
-/// they miss remained as pieces that reach from part to part.
+/// Parts of f32 vertices miss the surface by 1e-8 to 3e-7, in narrow gaps. With a tolerance of 0,
+/// all gaps would be left as pieces that reach from part to part.
+///
+/// The third pair is for triangles on which neither of the others is accepted: beside an acute
+/// edge, a point close to the planes of both faces can be far from the part. The first tolerance is
+/// hardly more than 0 there, and the result is accepted in any case.
 const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [3e-7, 6e-7], [1e-12, f64::INFINITY]];
 
 /// Accuracy of the bound, relative to the diagonal.
 const ACCURACY: f64 = 2e-8;
 
-/// Maximum number of cells.
+/// Number of measurements after which branch and bound splits no more cells.
 const MEASUREMENTS: usize = 100_000;
 
 /// Maximum number of pieces of one triangle. Further parts are not subtracted from a triangle that

@@ -1,4 +1,4 @@
-//! The sections of a pack, each of which is freed as soon as it is serialized.
+//! The sections of a pack, each of which is freed as soon as it is serialised.
 //!
 //! The archive has the layout of [`Pack`]: the same fields, in the same order. A pack of a million
 //! vertices takes half as much memory to write this way, because the sections and their archive are
@@ -14,7 +14,7 @@ use rkyv::{
     vec::{ArchivedVec, VecResolver},
 };
 
-/// A list that is empty after it was serialized.
+/// A list that is empty after it was serialised.
 struct Section<T>(Cell<Vec<T>>);
 
 impl<T: Archive> Archive for Section<T> {
@@ -38,7 +38,7 @@ where
     }
 }
 
-/// [`Pack`], which can be serialized once.
+/// [`Pack`], which can be serialised once.
 #[derive(Archive, Serialize)]
 pub struct Sections {
     blocks: Section<Block>,

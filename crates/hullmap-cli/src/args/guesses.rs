@@ -7,9 +7,9 @@ use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-use crate::options::defaults::{DefaultValue, OPTIONS};
 use crate::options::flag;
 use crate::options::removed::instead_of_option;
+use crate::options::table::{DefaultValue, OPTIONS};
 use crate::options::value::Syntax;
 
 /// Guessed subcommands, and what to do instead.

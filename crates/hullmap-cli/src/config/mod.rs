@@ -49,7 +49,7 @@ mod tests {
     use hullmap_bake::IndexKind;
 
     use super::*;
-    use crate::options::defaults::OPTIONS;
+    use crate::options::table::OPTIONS;
     use crate::options::{BuildOptions, OptionLayer, template};
     use hullmap_bake::simplify::Limit;
     use hullmap_import::Split;

@@ -9,8 +9,8 @@ use toml::de::{DeTable, DeValue};
 use super::rules::{Config, Rule};
 use crate::glob::Glob;
 use crate::options::OptionLayer;
-use crate::options::defaults::{OPTIONS, position};
 use crate::options::removed::instead_of_option;
+use crate::options::table::{OPTIONS, position};
 use crate::options::value::Syntax;
 use crate::outcome::Failure;
 

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
 use super::OptionLayer;
-use super::defaults::{BuildOption, DefaultValue, OPTIONS, Section};
+use super::table::{BuildOption, DefaultValue, OPTIONS, Section};
 use super::value::{Syntax, Value};
 
 /// Name of an option's flag, without the dashes in front.

@@ -1,8 +1,8 @@
 //! Options as given by one source: the command line, the defaults or a rule of `hullmap.toml`, or a
 //! pack's record.
 
-use super::defaults::{Group, OPTION_COUNT, OPTIONS, position};
 use super::removed::instead_of_option;
+use super::table::{Group, OPTION_COUNT, OPTIONS, position};
 use super::value::Value;
 
 /// The options that one source gives, in the order of the table; `None` for options it does not

@@ -3,7 +3,7 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | [`defaults`] | **the table of all options**: key, accepted values, default, help |
+//! | [`table`] | **the table of all options**: key, accepted values, default, help |
 //! | [`value`] | the values that options take, and how they are written |
 //! | [`layer`] | options given by one source: command line, `hullmap.toml`, or record |
 //! | [`resolved`] | the options of a bake, with their defaults |
@@ -15,13 +15,13 @@
 //! Layers are laid over each other, then [`OptionLayer::resolve`] fills in the defaults. To add an
 //! option, add a row to the table and read it in one of the methods of [`BuildOptions`].
 
-pub mod defaults;
 #[cfg(feature = "command")]
 mod flags;
 pub mod layer;
 mod record;
 pub mod removed;
 pub mod resolved;
+pub mod table;
 #[cfg(feature = "command")]
 mod template;
 pub mod value;

@@ -9,8 +9,8 @@ use std::fmt;
 
 use hullmap_bake::{IndexChoice, IndexKind};
 
-use super::defaults::{DefaultValue, OPTIONS, Record, position};
 use super::removed::instead_of_record;
+use super::table::{DefaultValue, OPTIONS, Record, position};
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {

@@ -6,15 +6,15 @@ use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
-use super::defaults::{DefaultValue, OPTIONS, position};
 use super::layer::{Clash, OptionLayer};
+use super::table::{DefaultValue, OPTIONS, position};
 use super::value::Value;
 
 /// Resolved options: those without a value have their defaults, and those that do not apply are
 /// reset to them.
 ///
 /// # Panics
-/// The methods panic if the table of [`defaults`] gives an option another kind of value than they
+/// The methods panic if the [`table`](super::table) gives an option another kind of value than they
 /// expect: a fault of the program, which the tests of this module would show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions(pub(super) OptionLayer);
@@ -54,8 +54,8 @@ impl OptionLayer {
         BuildOptions(resolved)
     }
 
-    /// The first option of this layer that applies with none of the resolved options, to which
-    /// other layers have contributed.
+    /// The first option of this layer that has no effect: it requires another option, which none of
+    /// `resolved` has. Other layers may have contributed to `resolved`.
     pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
         given.find_map(|(option, _)| {
@@ -224,6 +224,19 @@ pub mod tests {
         assert_eq!((usual.decompose(), usual.simplify(1.0)), (None, None));
         let cover = Some(Cover::default());
         assert_eq!(options(&[("decompose", "cover")]).decompose(), cover);
+    }
+
+    #[test]
+    fn helps_state_the_defaults_of_parts() {
+        let Cover { max_error: Length::Relative(share), max_vertices, .. } = Cover::default() else {
+            panic!("the default is a share of the diagonal");
+        };
+        let defaults = [("max_vertices", max_vertices.to_string()), ("max_error", format!("{}%", 100.0 * share))];
+        for (key, default) in defaults {
+            let help = OPTIONS[position(key).unwrap()].help;
+            let (_, of_parts) = help.split_once("With --decompose: ").unwrap();
+            assert!(of_parts.ends_with(&format!("default {default}")), "{key}: {help}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::defaults::{BuildOption, DefaultValue, Section};
+use super::table::{BuildOption, DefaultValue, Section};
 use super::value::Syntax;
 
 const HEAD: &str = "\

@@ -17,7 +17,7 @@ const ATTRIBUTE_BYTES: u64 = 256;
 
 /// A decoded primitive.
 pub struct DracoMesh {
-    /// Positions, before a normalization by the accessor.
+    /// Positions, before a normalisation by the accessor.
     pub positions: Vec<[f32; 3]>,
     /// Triangles, as indices into `positions`, all in range.
     pub triangles: Vec<[u32; 3]>,

@@ -126,7 +126,7 @@ impl<'q> Placement<'q> {
         let abs_rotation = DMat3::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
         let reach = |nodes: Nodes| nodes.get(0).map_or(0.0, |root| root.center.length() + root.half.length());
         let largest = reach(a) + reach(b) + b_in_a.translation().length();
-        // The center and the half diagonal of a descendant together are at most twice those of the
+        // The centre and the half diagonal of a descendant together are at most twice those of the
         // root.
         let rounding_error = 2.0 * ROUNDING_UNITS * f64::EPSILON * largest;
         Self { a, b, b_in_a, rotation, abs_rotation, rounding_error }
@@ -145,7 +145,7 @@ impl<'q> Placement<'q> {
         (length(in_a).max(length(in_b)) - self.rounding_error).max(0.0)
     }
 
-    /// Squared distance between the centers of two boxes, which orders pairs with equal lower
+    /// Squared distance between the centres of two boxes, which orders pairs with equal lower
     /// bounds.
     pub(super) fn center_distance_sq(&self, a: &Node, b: &Node) -> f64 {
         (self.b_in_a.transform_point(b.center)).distance_squared(a.center)

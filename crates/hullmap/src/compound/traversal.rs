@@ -102,7 +102,7 @@ impl<'q> Traversal<'q> {
     }
 
     /// The pair of nodes, the lower bound on the distance of their boxes, and the squared distance
-    /// of their centers.
+    /// of their centres.
     ///
     /// `None` if a node is missing, or if all pairs of nodes have been compared: the traversal of
     /// trees visits each pair once, so a longer one is in a cycle.

@@ -266,7 +266,8 @@ impl Pack {
             header.check_length(metadata.len()).map_err(|error| invalid(error.into()))?;
             storage::copy(&mut file, &head, metadata.len()).map_err(io_error)?
         } else {
-            // A pipe has no length. Reading one byte more than the longest pack detects an excess.
+            // A pipe has no length. The length of the longest pack is read in addition to the
+            // header, so an excess is detected.
             let mut buffer = AlignedVec::new();
             buffer.extend_from_slice(&head);
             buffer.extend_from_reader(&mut file.take(MAX_PACK_LEN as u64)).map_err(io_error)?;

@@ -110,12 +110,13 @@ fn push_rim(out: &mut Feature, z: f64, radius: f64, first: u32) {
     }
 }
 
-/// Moves the feature of a core, with a point in its interior, outward by the convex radius.
+/// Moves the feature of a core outward by the convex radius. `interior` is a point inside the core.
 ///
-/// A face is moved along its own normal, and an edge along its normal closest to `dir`, so that
-/// they lie on the rounded surface as they lie on the core's. A feature whose normal is far from
-/// `dir`, such as a needle's, is moved along `dir`, and no longer flat. Nor is an edge that is not
-/// perpendicular to `dir`: its closest normal may not be a normal of the core.
+/// A face moves along its own normal, and an edge along that of its normals that is closest to
+/// `dir`. So they lie on the rounded surface as they lay on the core's. A feature whose normal is
+/// far from `dir`, such as a needle's, moves along `dir`, and counts as curved. An edge that is not
+/// perpendicular to `dir` also counts as curved, because its closest normal may not be a normal of
+/// the core.
 fn round(out: &mut Feature, dir: DVec3, radius: f64, interior: DVec3) {
     /// Maximum cosine of the angle between perpendicular directions: rounding error.
     const LEVEL: f64 = 1e-9;

@@ -7,8 +7,14 @@
 //!    an index, all blocks form one leaf.
 //! 3. The support vertex is the leaf's candidate with the maximum dot product (`best_candidate`).
 //!
-//! [`Index::support`] chooses the path: up to four blocks are scanned at once, without a look-up;
-//! otherwise [`Index::leaf`] matches the kind of the index, in this place alone.
+//! [`Index::support`] chooses the path. Up to four blocks without an index are scanned at once,
+//! without a look-up. Otherwise [`Index::leaf`] matches the kind of the index. A batch interrupts
+//! its look-ups instead ([`Index::start_lookup`], [`Index::continue_lookup`]). These take the same
+//! path, and only distinguish whether the index is a tree, and how it branches.
+//!
+//! # Reference
+//! B. Kenwright, "Generic Convex Collision Detection using Support Mapping", for the cube map and
+//! the binary tree.
 //!
 //! Every index from the file is followed with a bounds check and under a step cap, although
 //! `hullmap_format::check` has already proved that they cannot fail in an opened pack. The checks
@@ -38,8 +44,8 @@ use super::simd::{self, Dispatch, Kernel, Portable, Simd};
 /// follows when it reads them.
 const FETCHED_BLOCKS: usize = 4;
 
-/// Number of blocks that are fetched with a support query on another hull: as many as arrive until
-/// the next one.
+/// Number of blocks that are fetched with a support query on another hull. This many arrive before
+/// the next query starts.
 const PART_BLOCKS: usize = 8;
 
 /// Slots at the front of a tree: one for each face of the cube.
@@ -366,7 +372,7 @@ impl<'a> Index<'a> {
         self.leaf_at(Slot::decode(slot), MAX_NODES)
     }
 
-    /// The paper's binary search: one bit per step, from u and v alternately.
+    /// Kenwright's binary search: one bit per step, from u and v alternately.
     #[inline(never)]
     fn descend_halves(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
         let [mut path, mut other] = descent::path(cell);

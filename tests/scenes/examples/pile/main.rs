@@ -5,8 +5,8 @@
 //! is the dynamic scene of Kenwright, section 5.
 //!
 //! ```text
-//! cargo run --release --example pile
-//! cargo run --release --example pile -- --ways dispatcher --view frames
+//! cargo run --release -p hullmap-scenes --example pile
+//! cargo run --release -p hullmap-scenes --example pile -- --ways dispatcher --view frames
 //! ```
 //!
 //! `--view FOLDER` writes a sequence of PNG images for each way. Bodies that sleep turn grey.

@@ -1,5 +1,6 @@
 //! Convex decomposition as a cover: few convex parts that contain the whole surface of a mesh, none
-//! of which protrudes from its solid by more than a limit. Both are proven.
+//! of which protrudes from its solid by more than a limit. Both are proven: `fit/coverage.rs`
+//! certifies the cover, and `fit/protrusion.rs` the protrusion.
 //!
 //! | file | concept |
 //! |---|---|

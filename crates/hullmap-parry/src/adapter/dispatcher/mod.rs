@@ -2,13 +2,13 @@
 
 mod cast;
 mod manifold;
+mod memory;
 mod nearest;
 mod pair;
 mod part_dispatcher;
 mod patches;
 mod persistent;
 mod primitive;
-mod workspace;
 
 use hullmap::{Cache, Settings, Status};
 

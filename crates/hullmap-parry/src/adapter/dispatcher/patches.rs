@@ -1,9 +1,9 @@
 //! One contact patch of several parts: the four points that support the body best.
 //!
-//! A body on a triangle mesh or a compound has a manifold for each part. Rapier takes the
-//! manifolds with nearly the same normal together, and picks four of their points anew in every
-//! step: the deepest one, and others far from it. A smooth body rocks on them for ever. So this
-//! picks four points before, as for a single pair ([`choose`]), and removes the others.
+//! A body on a triangle mesh or a compound has a manifold for each part. Rapier merges manifolds
+//! with nearly the same normal. In every step, it picks four of their points anew: the deepest one,
+//! and others far from it. A smooth body rocks on these for ever. So this module picks four points
+//! before Rapier does, as for a single pair ([`choose`]), and removes the others.
 
 use hullmap::SupportMap as _;
 use hullmap::glam::{DVec2, DVec3};

@@ -7,10 +7,10 @@ use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConst
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
 use super::manifold::{hardly_moved, solve, update, update_plane};
+use super::memory::Memory;
 use super::pair::{pair, plane};
 use super::part_dispatcher::PartDispatcher;
 use super::patches::Body;
-use super::workspace::Memory;
 use super::{BakedHull, HullDispatcher};
 
 impl<M, C> PersistentQueryDispatcher<M, C> for HullDispatcher
@@ -54,8 +54,8 @@ where
         Ok(())
     }
 
-    /// Called for the parts of composite shapes too. These have no memory, so that each update
-    /// starts from the last normal only.
+    /// parry calls this for the parts of composite shapes too. They have no `Memory`, so each
+    /// update starts from the normal of the last step alone.
     fn contact_manifold_convex_convex(
         &self,
         pos12: &Pose,

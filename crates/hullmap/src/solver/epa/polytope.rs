@@ -33,10 +33,11 @@ use crate::support::simd::{Dispatch, Pass, Simd};
 use glam::DVec3;
 use std::hint::select_unpredictable;
 
-/// A vertex sees a face if it is above the face, or below it by at most this many noises.
+/// A vertex sees a face if it is above the face's plane, or at most this far below it, in units of
+/// the noise.
 ///
-/// So coplanar faces are replaced together, and no sliver arises over an edge in line with the new
-/// vertex.
+/// So the vertex sees all of several coplanar faces. They are replaced together, and no sliver
+/// arises between the vertex and an edge in line with it.
 pub(in crate::solver) const COPLANAR_NOISES: f64 = 2.0;
 
 /// Planes whose offsets differ by at most this much, relative, may be the same plane. The planes of
@@ -70,7 +71,7 @@ pub(in crate::solver) struct InsertError;
 /// An edge of the horizon: the border between the faces that a new vertex sees and those it does
 /// not see.
 #[derive(Clone, Copy, Debug)]
-struct Horizon {
+struct HorizonEdge {
     /// The vertex where the edge starts.
     from: u16,
     /// The face beyond, which stays.
@@ -81,9 +82,9 @@ struct Horizon {
 
 /// A closed surface of triangles.
 ///
-/// Points and planes are stored by coordinate. They are read soon after they were written, as
-/// single numbers both times: a vector read of what was written number by number would stall the
-/// processor.
+/// Points and planes are stored by coordinate, and are written and read one number at a time. They
+/// are read soon after they were written. If numbers that were written one by one were read back as
+/// a vector, the processor would stall.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     /// Coordinates of the vertices: all x, all y, all z.
@@ -116,7 +117,7 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     /// Scratch: the faces that the new vertex sees, then the places of the new faces.
     removed: [u16; F],
     /// Scratch: the edges of the horizon, in order.
-    horizon: [Horizon; V],
+    horizon: [HorizonEdge; V],
 }
 
 impl<const V: usize, const F: usize> Polytope<V, F> {
@@ -140,7 +141,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             slack: COPLANAR_NOISES * noise,
             open_edges: [(0, 0); F],
             removed: [0; F],
-            horizon: [Horizon { from: 0, beyond: 0, beyond_edge: 0 }; V],
+            horizon: [HorizonEdge { from: 0, beyond: 0, beyond_edge: 0 }; V],
         }
     }
 
@@ -243,8 +244,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face][0] == self.corners[face][1]
     }
 
-    /// Removes the surface, as [`empty`](Self::empty) without one. `noise` is the error bound of
-    /// offsets, a length.
+    /// Removes the surface. Then the polytope is as [`empty`](Self::empty) returns it. `noise` is
+    /// the error bound of offsets, a length.
     pub(in crate::solver) fn clear(&mut self, noise: f64) {
         self.offsets.fill(f64::INFINITY);
         self.corners.fill([0; 3]);
@@ -477,7 +478,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 if horizon == V {
                     return Err(InsertError);
                 }
-                self.horizon[horizon] = Horizon { from, beyond: next as u16, beyond_edge: back as u16 };
+                self.horizon[horizon] = HorizonEdge { from, beyond: next as u16, beyond_edge: back as u16 };
                 is_broken |= (from != last) & (horizon > 0);
                 horizon += 1;
                 last = to;
@@ -533,7 +534,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 let place = self.removed[first + lane];
                 let new = usize::from(place);
                 let next = self.removed[if first + lane + 1 == horizon { 0 } else { first + lane + 1 }];
-                let Horizon { beyond, beyond_edge, .. } = self.horizon[first + lane];
+                let HorizonEdge { beyond, beyond_edge, .. } = self.horizon[first + lane];
                 self.set_plane(new, [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]]);
                 let offset = offsets[lane];
                 self.offsets[new] = offset;
@@ -583,8 +584,8 @@ fn after(edge: usize) -> usize {
 /// squares of the offsets (not finite for a triangle without area), and whether the volume of each
 /// triangle with the origin is certainly positive.
 ///
-/// It is written lane by lane, in a form that the compiler vectorises. It does not if a closure
-/// takes a whole array: the planes then take three times as long.
+/// The loop over lanes has a form that the compiler vectorises. If a closure took a whole array,
+/// the compiler would not, and the planes would take three times as long.
 #[inline(always)]
 fn planes(
     p: [[f64; LANES]; 3],

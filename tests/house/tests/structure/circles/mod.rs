@@ -1,6 +1,6 @@
-//! Files import in one direction: no file uses another that uses it in turn, directly or through
-//! others. Then each can be read and tested after the files that it uses. Tests inside a file do not
-//! count.
+//! No circular dependencies between source files: no file uses another that uses it in turn,
+//! directly or through others. Then each can be read and tested after the files that it uses. Tests
+//! inside a file do not count.
 
 mod graph;
 mod rust;

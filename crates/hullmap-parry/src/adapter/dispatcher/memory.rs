@@ -1,4 +1,4 @@
-//! What a pair keeps from step to step: hullmap's manifold and cache.
+//! Memory of a pair from step to step: hullmap's manifold and cache, in a workspace of parry's.
 
 use hullmap::{Cache, Manifold};
 

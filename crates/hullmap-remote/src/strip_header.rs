@@ -1,4 +1,4 @@
-//! Guard of the channel to a server: removes the response header that makes tonic panic.
+//! Strips a response header that makes tonic panic from the answers of a server.
 //!
 //! tonic panics if `grpc-status-details-bin` is not Base64, and any server can send that. No caller
 //! needs the header, so it is removed before tonic reads it: from headers, and from the trailers
@@ -18,9 +18,9 @@ const DETAILS: &str = "grpc-status-details-bin";
 
 /// A channel whose answers have no [`DETAILS`].
 #[derive(Clone, Debug)]
-pub(crate) struct Guard(pub Channel);
+pub(crate) struct StripHeader(pub Channel);
 
-impl Service<http::Request<Body>> for Guard {
+impl Service<http::Request<Body>> for StripHeader {
     type Response = http::Response<Body>;
     type Error = tonic::transport::Error;
     type Future = Pin<Box<dyn Future<Output = Result<Self::Response, Self::Error>> + Send>>;
