@@ -11,14 +11,19 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::cover::{self, CoverPart};
 use crate::{
     BakeError, PointSet,
+    fit::{Accuracy, protrusion, solid::Solid},
     hull::{self, Hull},
     mass,
 };
 
 /// Maximum gap between boxes that counts as touching, relative to the diagonal of the mesh.
 const TOUCHING: f64 = 1e-5;
+
+/// Number of parts above which neighbours are joined before the best mergers are sought.
+const MANY_PARTS: usize = 256;
 
 /// A part, as the hull of its points.
 struct Part {
@@ -79,7 +84,7 @@ struct Merger {
 /// # Complexity
 /// One hull per pair of touching parts, including merged parts. If no touching parts are left and
 /// there are still more than `max_parts`, one hull per pair.
-pub fn merge(parts: &[PointSet], max_parts: usize, diagonal: f64) -> Result<Vec<Vec<usize>>, BakeError> {
+fn merge(parts: &[PointSet], max_parts: usize, diagonal: f64) -> Result<Vec<Vec<usize>>, BakeError> {
     let first: Result<Vec<Part>, BakeError> =
         parts.par_iter().enumerate().map(|(index, points)| Part::new(points, None, vec![index])).collect();
     let mut alive: Vec<Option<Part>> = first?.into_iter().map(Some).collect();
@@ -130,6 +135,69 @@ fn mergers_of(alive: &[Option<Part>], pairs: &[[usize; 2]], margin: f64) -> Resu
         })
     };
     pairs.par_iter().filter_map(merger).collect()
+}
+
+/// Groups of `parts`, at most `max_parts`, each with its hull. Groups grow by the mergers that add
+/// the least volume.
+pub fn merged(
+    parts: Vec<CoverPart>,
+    solid: &Solid,
+    max_parts: usize,
+    max_vertices: usize,
+) -> Result<Vec<CoverPart>, BakeError> {
+    let mut sets: Vec<(PointSet, Vec<usize>)> =
+        parts.iter().enumerate().map(|(index, part)| (points_of(&part.hull.vertices), vec![index])).collect();
+    if sets.len() > MANY_PARTS.max(max_parts) {
+        sets = clustered(sets, MANY_PARTS.max(max_parts));
+    }
+    let points: Vec<PointSet> = sets.iter().map(|(set, _)| set.clone()).collect();
+    let groups = merge(&points, max_parts, solid.diagonal())?;
+    let part_of = |group: &Vec<usize>| -> Result<CoverPart, BakeError> {
+        let points: Vec<[f32; 3]> = group.iter().flat_map(|set| sets[*set].0.positions.iter().copied()).collect();
+        let hull = cover::wrap::within_vertices(hull::build(&points_of(&points))?, max_vertices);
+        let bound = protrusion(solid, &hull, &Accuracy::tight(solid.diagonal())).bound;
+        let members = group.iter().flat_map(|set| &sets[*set].1);
+        let patches = members.flat_map(|part| parts[*part].patches.clone()).collect();
+        Ok(CoverPart { patches, hull, bound, planes: Vec::new() })
+    };
+    groups.par_iter().map(part_of).collect()
+}
+
+fn points_of(positions: &[[f32; 3]]) -> PointSet {
+    let source_vertices = (0..positions.len() as u32).collect();
+    PointSet { positions: positions.to_vec(), source_vertices, ..PointSet::default() }
+}
+
+/// Sets of points joined to at most `count` sets: the largest group is halved along the longest
+/// side of its box, until there are that many groups.
+fn clustered(sets: Vec<(PointSet, Vec<usize>)>, count: usize) -> Vec<(PointSet, Vec<usize>)> {
+    let centres: Vec<DVec3> = sets
+        .iter()
+        .map(|(set, _)| {
+            set.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).sum::<DVec3>()
+                / set.positions.len() as f64
+        })
+        .collect();
+    let mut groups: Vec<Vec<usize>> = vec![(0..sets.len()).collect()];
+    while groups.len() < count {
+        let Some(largest) = (0..groups.len()).max_by_key(|group| (groups[*group].len(), usize::MAX - group)) else {
+            break;
+        };
+        let mut group = groups.swap_remove(largest);
+        let (low, high) = cover::body::bounds(&group.iter().map(|set| centres[*set]).collect::<Vec<_>>());
+        let axis = cover::body::longest(high - low);
+        group.sort_by(|a, b| centres[*a][axis].total_cmp(&centres[*b][axis]).then(a.cmp(b)));
+        let second = group.split_off(group.len() / 2);
+        groups.extend([group, second]);
+    }
+    groups
+        .iter()
+        .filter(|group| !group.is_empty())
+        .map(|group| {
+            let points: Vec<[f32; 3]> = group.iter().flat_map(|set| sets[*set].0.positions.iter().copied()).collect();
+            (points_of(&points), group.iter().flat_map(|set| sets[*set].1.iter().copied()).collect())
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -31,21 +31,28 @@
 
 mod convex;
 pub mod cover;
+mod levels;
 mod merge;
 mod part;
+mod patch;
+mod separate;
+mod tighten;
 
 use convex::is_convex;
-use cover::{CoverLimits, Deadline};
+use cover::CoverPart;
 use glam::DVec3;
-use merge::merge;
+use levels::{Found, Levels};
 use part::SourceVertices;
 use rayon::prelude::*;
+use separate::separate;
+use tighten::tightened;
 
 use crate::{
     BakeError, PointSet,
-    fit::{Accuracy, protrusion, solid::Solid, uncovered_triangles},
+    fit::{solid::Solid, uncovered_triangles},
     hull::{self, Hull},
     progress::Stage,
+    simplify,
 };
 
 /// A length, absolute or relative to the mesh.
@@ -91,31 +98,16 @@ impl Default for Cover {
     }
 }
 
-/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
-/// rounded and moved outward by up to a tenth of that.
-const LEAST_ERROR: f64 = 2e-5;
-
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 const COVERED: f64 = 1e-7;
 
 /// Maximum number of times that a part is built again because it lost vertices.
 const BUILDS: usize = 4;
 
-/// Maximum number of rounds in which thin parts are added. Bounds are measured by subtracting
-/// parts, so further parts may raise the bound of a triangle that they cut.
+/// Maximum number of rounds in which thin parts are added for triangles that are not proven to be
+/// covered, for instance because they have no area. Bounds are measured by subtracting parts, so
+/// further parts may raise the bound of a triangle that they cut.
 const UNCOVERED_ROUNDS: usize = 4;
-
-/// Maximum number of further searches for the smallest limit at which there are few enough parts.
-const BISECTIONS: usize = 5;
-
-/// Ratio of the limit that is reached to one that is too small, at which the search ends.
-const CLOSE_ENOUGH: f64 = 1.05;
-
-/// Share of the search in the time that it takes to find parts for one limit.
-const SEARCH: f64 = 0.9;
-
-/// Number of parts above which neighbours are joined before the best mergers are sought.
-const MANY_PARTS: usize = 256;
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
@@ -142,9 +134,16 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
         return Ok(None);
     }
     let vertices = SourceVertices::new(mesh);
-    let parts = cover_within(mesh, &vertices, hull, parameters, stage)?;
+    let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
+    let solid = Solid::new(mesh);
+    let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage);
+    let found = if parameters.max_parts == Some(1) { None } else { levels.parts()? };
+    let hulls = match found {
+        Some(parts) => finished(mesh, &vertices, &levels, parts),
+        None => vec![cover::wrap::within_vertices(hull, max_vertices)],
+    };
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
-    Ok(Some(parts.iter().enumerate().map(named).collect()))
+    Ok(Some(hulls.iter().enumerate().map(named).collect()))
 }
 
 /// The hull of a part's vertices in their order in the mesh. Another order may give faces, and thus
@@ -161,144 +160,30 @@ fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     hull
 }
 
-/// Adds thin parts for each triangle that is not proven to be covered, for instance one without
-/// area, of which no cell is made. A triangle of the mesh protrudes nowhere.
-fn add_uncovered(mesh: &PointSet, vertices: &SourceVertices, parts: &mut Vec<Hull>, diagonal: f64, what: &CoverLimits) {
-    let thickness = (0.25 * what.limit).min(1e-6 * diagonal);
+/// The hulls of parts, separated and tight. They cover the mesh.
+fn finished(mesh: &PointSet, vertices: &SourceVertices, levels: &Levels, found: Found) -> Vec<Hull> {
+    let Found { mut parts, limit } = found;
+    let diagonal = levels.field.solid().diagonal();
+    let bounds = levels.bounds(limit);
+    if !bounds.is_over() {
+        separate(&mut parts, diagonal, diagonal * cover::body::THICKNESS);
+    }
+    let tight = |part: &CoverPart| {
+        if bounds.is_over() { part.hull.clone() } else { tightened(&levels.field, part, &bounds) }
+    };
+    let mut hulls: Vec<Hull> = parts.par_iter().map(|part| as_built(vertices, tight(part))).collect();
+    let is_hull = |triangle: Vec<DVec3>| {
+        let thin = cover::wrap::of_polygon(&triangle, diagonal, bounds.thickness(), bounds.max_vertices);
+        thin.into_iter().map(|(_, hull)| as_built(vertices, hull)).collect::<Vec<_>>()
+    };
     for _ in 0..UNCOVERED_ROUNDS {
-        let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
+        let missing = uncovered_triangles(mesh, &hulls.iter().collect::<Vec<_>>(), COVERED * diagonal);
         if missing.is_empty() {
-            return;
-        }
-        let thin = missing.into_par_iter().flat_map_iter(|triangle| {
-            let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-            let corners = mesh.triangles[triangle].map(corner);
-            cover::wrap::of_polygon(&corners, diagonal, thickness, what.max_vertices)
-        });
-        let thin: Vec<Hull> = thin.map(|hull| as_built(vertices, hull)).collect();
-        parts.extend(thin);
-    }
-}
-
-/// The hulls of a cover, within the maximum number of parts. `hull` is the hull of the mesh, and
-/// the result if nothing better is found in time.
-fn cover_within(
-    mesh: &PointSet,
-    vertices: &SourceVertices,
-    hull: Hull,
-    parameters: &Cover,
-    stage: Stage,
-) -> Result<Vec<Hull>, BakeError> {
-    let deadline = parameters.seconds.map(Deadline::after);
-    let max_vertices = (parameters.max_vertices as usize).max(crate::simplify::MIN_VERTICES);
-    let max_parts = parameters.max_parts.map(|count| count.max(1) as usize);
-    let is_over = || stage.is_cancelled() || deadline.is_some_and(|deadline| deadline.is_over());
-    let whole = |hull| Ok(vec![cover::wrap::within_vertices(hull, max_vertices)]);
-    if max_parts == Some(1) {
-        return whole(hull);
-    }
-    let solid = Solid::new(mesh);
-    let diagonal = solid.diagonal();
-    let least = LEAST_ERROR * diagonal;
-    let search = |limit: f64, stage: Stage| -> Option<Vec<Hull>> {
-        let what = CoverLimits { limit: limit.max(least), max_vertices, deadline, stage: stage.from_to(0.0, SEARCH) };
-        let found = cover::search(mesh, &solid, &what)?;
-        stage.reach(SEARCH);
-        let mut hulls: Vec<Hull> = found.into_par_iter().map(|(hull, _)| as_built(vertices, hull)).collect();
-        add_uncovered(mesh, vertices, &mut hulls, diagonal, &what);
-        (!hulls.is_empty()).then_some(hulls)
-    };
-    let limit = parameters.max_error.of(diagonal).max(least);
-    // With a maximum number of parts, each search takes about as long as the first.
-    let searches = if max_parts.is_some() { 1 + BISECTIONS } else { 1 };
-    let stage_of = |index: usize| stage.from_to(index as f64 / searches as f64, (index + 1) as f64 / searches as f64);
-    let Some(mut best) = search(limit, stage_of(0)) else { return whole(hull) };
-    let Some(max_parts) = max_parts else { return Ok(best) };
-    // The greatest limit known to be too small, and the limit that the best parts reach.
-    let (mut low, mut reached) = (0.0, limit);
-    if best.len() > max_parts {
-        low = limit;
-        (best, reached) = merged(best, &solid, max_parts, max_vertices)?;
-    }
-    for round in 1..=BISECTIONS {
-        if is_over() || !(reached > least.max(CLOSE_ENOUGH * low)) {
             break;
         }
-        let middle = if low > 0.0 { (low * reached).sqrt() } else { 0.25 * reached };
-        let Some(found) = search(middle, stage_of(round)) else { break };
-        if is_over() {
-            // These parts may not be proven.
-            break;
-        }
-        if found.len() <= max_parts {
-            (best, reached) = (found, middle);
-            continue;
-        }
-        low = middle;
-        if found.len() <= 2 * max_parts {
-            let (merged, bound) = merged(found, &solid, max_parts, max_vertices)?;
-            if bound < reached {
-                (best, reached) = (merged, bound);
-            }
-        }
+        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+        let triangles = missing.into_iter().map(|triangle| mesh.triangles[triangle].map(corner).to_vec());
+        hulls.extend(triangles.flat_map(is_hull).collect::<Vec<_>>());
     }
-    Ok(best)
-}
-
-/// Hulls of groups of `parts`, at most `max_parts`, and the greatest bound on their protrusions.
-/// Groups grow by the mergers that add the least volume.
-fn merged(
-    parts: Vec<Hull>,
-    solid: &Solid,
-    max_parts: usize,
-    max_vertices: usize,
-) -> Result<(Vec<Hull>, f64), BakeError> {
-    let mut sets: Vec<PointSet> = parts.iter().map(|hull| points_of(&hull.vertices)).collect();
-    if sets.len() > MANY_PARTS.max(max_parts) {
-        sets = clustered(sets, MANY_PARTS.max(max_parts));
-    }
-    let groups = merge(&sets, max_parts, solid.diagonal())?;
-    let hull_of = |group: &Vec<usize>| -> Result<(Hull, f64), BakeError> {
-        let points: Vec<[f32; 3]> = group.iter().flat_map(|part| sets[*part].positions.iter().copied()).collect();
-        let hull = cover::wrap::within_vertices(hull::build(&points_of(&points))?, max_vertices);
-        let bound = protrusion(solid, &hull, &Accuracy::tight(solid.diagonal())).bound;
-        Ok((hull, bound))
-    };
-    let found: Result<Vec<(Hull, f64)>, BakeError> = groups.par_iter().map(hull_of).collect();
-    let (hulls, bounds): (Vec<Hull>, Vec<f64>) = found?.into_iter().unzip();
-    Ok((hulls, bounds.into_iter().fold(0.0, f64::max)))
-}
-
-fn points_of(positions: &[[f32; 3]]) -> PointSet {
-    let source_vertices = (0..positions.len() as u32).collect();
-    PointSet { positions: positions.to_vec(), source_vertices, ..PointSet::default() }
-}
-
-/// Sets of points joined to at most `count` sets: the largest group is halved along the longest
-/// side of its box, until there are that many groups.
-fn clustered(sets: Vec<PointSet>, count: usize) -> Vec<PointSet> {
-    let centres: Vec<DVec3> = sets
-        .iter()
-        .map(|set| {
-            set.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).sum::<DVec3>()
-                / set.positions.len() as f64
-        })
-        .collect();
-    let mut groups: Vec<Vec<usize>> = vec![(0..sets.len()).collect()];
-    while groups.len() < count {
-        let Some(largest) = (0..groups.len()).max_by_key(|group| (groups[*group].len(), usize::MAX - group)) else {
-            break;
-        };
-        let mut group = groups.swap_remove(largest);
-        let (low, high) = cover::body::bounds(&group.iter().map(|set| centres[*set]).collect::<Vec<_>>());
-        let axis = cover::body::longest(high - low);
-        group.sort_by(|a, b| centres[*a][axis].total_cmp(&centres[*b][axis]).then(a.cmp(b)));
-        let second = group.split_off(group.len() / 2);
-        groups.extend([group, second]);
-    }
-    groups
-        .iter()
-        .filter(|group| !group.is_empty())
-        .map(|group| points_of(&group.iter().flat_map(|set| sets[*set].positions.iter().copied()).collect::<Vec<_>>()))
-        .collect()
+    hulls
 }

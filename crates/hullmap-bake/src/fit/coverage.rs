@@ -57,6 +57,9 @@ const ACCURACY: f64 = 2e-8;
 /// Number of measurements after which branch and bound splits no more cells.
 const MEASUREMENTS: usize = 100_000;
 
+/// The same where one triangle is decided.
+const OF_A_TRIANGLE: usize = 2_000;
+
 /// Maximum number of pieces of one triangle. Further parts are not subtracted from a triangle that
 /// has more.
 const MAX_PIECES: usize = 4096;
@@ -94,16 +97,19 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
 /// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending.
 ///
 /// # Complexity
-/// The cost of [`uncovered()`], without branch and bound.
+/// The cost of [`uncovered()`], with up to 2,000 cells for each triangle.
 pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64) -> Vec<usize> {
     let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let corners = || mesh.triangles.iter().flatten().map(|v| at(*v));
     let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
+    let diagonal = low.distance(high);
     let parts: Vec<Part> = parts.iter().map(|hull| Part::new(hull)).collect();
     let is_uncovered = |triangle: &[u32; 3]| {
-        let (pieces, subtracted) = left_over(&triangle.map(at), &parts, low.distance(high));
+        let (pieces, subtracted) = left_over(&triangle.map(at), &parts, diagonal);
+        let accuracy = Accuracy { limit: Some(limit), measurements: OF_A_TRIANGLE, ..Accuracy::tight(diagonal) };
+        let rest = maximum(pieces, &accuracy, |piece: &mut Triangle, _: f64| measured(piece, &parts), triangle::halves);
         // Written so that NaN counts as uncovered.
-        !(subtracted <= limit) || pieces.iter().any(|piece| !(measured(piece, &parts).bound <= limit))
+        !(subtracted.max(rest.bound) <= limit)
     };
     let found: Vec<bool> = mesh.triangles.par_iter().map(is_uncovered).collect();
     (0..found.len()).filter(|index| found[*index]).collect()

@@ -116,6 +116,18 @@ impl Body {
     }
 }
 
+/// The point that is farthest along a vector; the origin if there are no points.
+pub fn farthest(points: &[DVec3], direction: DVec3) -> DVec3 {
+    let (mut reach, mut found) = (f64::NEG_INFINITY, DVec3::ZERO);
+    for p in points {
+        let along = p.dot(direction);
+        if along > reach {
+            (reach, found) = (along, *p);
+        }
+    }
+    found
+}
+
 /// The axis along which a size is greatest.
 pub fn longest(size: DVec3) -> usize {
     (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest })
@@ -167,11 +179,11 @@ fn distinct(points: &[DVec3]) -> Vec<DVec3> {
     all
 }
 
-/// A plane with all `points` behind it and `p` in front of it; `None` if `p` is in their hull, or
-/// so close to it that rounding error decides.
+/// A plane with a set behind it and `p` in front of it; `None` if `p` is in the set's hull, or so
+/// close to it that rounding error decides. `support` is the set's farthest point along a vector.
 ///
 /// This is GJK. It starts in the direction `towards`, and ends as soon as a direction separates.
-pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Option<HalfSpace> {
+pub fn separation(support: impl Fn(DVec3) -> DVec3, p: DVec3, towards: DVec3, margin: f64) -> Option<HalfSpace> {
     let mut simplex = [DVec3::ZERO; 4];
     let mut count = 0;
     let mut direction = towards;
@@ -182,13 +194,8 @@ pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Op
             return None;
         }
         let unit = direction / length;
-        let (mut reach, mut support) = (f64::NEG_INFINITY, DVec3::ZERO);
-        for q in points {
-            let along = q.dot(unit);
-            if along > reach {
-                (reach, support) = (along, *q);
-            }
-        }
+        let support = support(unit);
+        let reach = support.dot(unit);
         if unit.dot(p) > reach + margin {
             return Some(HalfSpace { normal: unit, offset: reach });
         }

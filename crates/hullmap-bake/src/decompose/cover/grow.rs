@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::bits::Bits;
-use super::body::{Body, THICKNESS, separation};
+use super::body::{Body, THICKNESS, farthest, separation};
 use super::cells::{self, Cell};
 use super::field::Field;
 
@@ -304,7 +304,7 @@ impl<'a> Growth<'a> {
             return true;
         }
         let towards = self.apart.normal(i).unwrap_or(f - (low + high) * 0.5);
-        let Some(plane) = separation(&self.points, f, towards, margin) else { return false };
+        let Some(plane) = separation(|d| farthest(&self.points, d), f, towards, margin) else { return false };
         // The plane through the forbidden point leaves the most room.
         self.apart.set(i, plane.normal, plane.normal.dot(f) - margin);
         true

@@ -56,7 +56,7 @@ use field::Field;
 use grow::{Candidate, CellGraph};
 use wrap::Bounds;
 
-use crate::{PointSet, fit::solid::Solid, hull::Hull, progress::Stage, simplify};
+use crate::{PointSet, decompose::patch::Patch, fit::planes::HalfSpace, hull::Hull, progress::Stage, simplify};
 
 /// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells fit
 /// together better and take longer.
@@ -88,6 +88,9 @@ const HOPELESS: f64 = 0.3;
 
 /// Number of sweeps after which a few parts are proven, to see whether there is enough reserve.
 const PROBED: usize = 2;
+
+/// Number of parts after the first sweeps, relative to the most that further steps may lead to.
+const FEWER_LATER: f64 = 1.25;
 
 /// Number of parts that are proven at that point.
 const PROBES: usize = 6;
@@ -132,6 +135,8 @@ pub struct CoverLimits<'a> {
     pub limit: f64,
     /// Maximum number of vertices of a part.
     pub max_vertices: usize,
+    /// Number of parts above which the search gives up, as far as its first sweeps show.
+    pub enough: Option<usize>,
     /// When to stop.
     pub deadline: Option<Deadline>,
     /// The progress of the search.
@@ -139,8 +144,8 @@ pub struct CoverLimits<'a> {
 }
 
 impl CoverLimits<'_> {
-    fn bounds(&self, diagonal: f64) -> Bounds<'_> {
-        let Self { limit, max_vertices, deadline, stage } = *self;
+    pub fn bounds(&self, diagonal: f64) -> Bounds<'_> {
+        let Self { limit, max_vertices, deadline, stage, .. } = *self;
         Bounds { limit, max_vertices, diagonal, deadline, stage }
     }
 
@@ -149,30 +154,43 @@ impl CoverLimits<'_> {
     }
 }
 
+/// A part of a cover.
+#[derive(Clone, Debug)]
+pub struct CoverPart {
+    /// The surface that it must contain.
+    pub patches: Vec<Patch>,
+    /// A hull that contains it.
+    pub hull: Hull,
+    /// Planes with the surface behind them, beside those of the hull.
+    pub planes: Vec<HalfSpace>,
+    /// Proven bound on the hull's protrusion; infinite if it is not known.
+    pub bound: f64,
+}
+
 /// Hulls that together contain the surface of `mesh`, each with the proven bound on its protrusion
-/// from `solid`, the mesh's own.
+/// from the mesh's solid.
 ///
 /// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
 /// part is one thickened polygon of the surface. When the deadline passes, the parts chosen so far
 /// are returned, and the bound of those that are not proven is infinite; `None` if they do not
 /// contain the surface yet.
-pub fn search(mesh: &PointSet, solid: &Solid, what: &CoverLimits) -> Option<Vec<(Hull, f64)>> {
+pub fn search(mesh: &PointSet, field: &mut Field, what: &CoverLimits) -> Option<Vec<CoverPart>> {
     let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
     let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
     let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
-    let mut field = Field::new(solid);
     field.find_peaks(what.limit * HARD_SHARE);
-    let diagonal = solid.diagonal();
+    let field = &*field;
+    let diagonal = field.solid().diagonal();
     let cutting =
         Cutting { limit: what.limit * CELL_SHARE, hard: what.limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
-    let cells = cells::cells(&triangles, &field, &cutting, &|| what.is_over())?;
+    let cells = cells::cells(&triangles, field, &cutting, &|| what.is_over())?;
     what.stage.reach(CELLS);
-    let mut best: Option<Vec<(Hull, f64)>> = None;
+    let mut best: Option<Vec<CoverPart>> = None;
     let mut failed: Vec<(usize, f64, Attempt)> = Vec::new();
     // Points that are too far for one attempt are too far for the next, which has a lower limit.
     let mut known: Vec<DVec3> = Vec::new();
     for (index, reserve) in RESERVES.into_iter().enumerate() {
-        let graph = CellGraph::new(&cells, &field, what.limit * reserve, diagonal);
+        let graph = CellGraph::new(&cells, field, what.limit * reserve, diagonal);
         let is_last = index + 1 == RESERVES.len();
         let what = &CoverLimits { stage: what.stage.from_to(ATTEMPTS[index], ATTEMPTS[index + 1]), ..*what };
         let Some(attempt) = cover(&graph, &triangles, what, is_last, &mut known) else { break };
@@ -197,7 +215,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &CoverLimits) -> Option<Vec<
     failed.sort_by_key(|(least, ..)| *least);
     for (least, reserve, attempt) in failed {
         if best.as_ref().is_none_or(|best| least < best.len() && !what.is_over()) {
-            let graph = CellGraph::new(&cells, &field, what.limit * reserve, diagonal);
+            let graph = CellGraph::new(&cells, field, what.limit * reserve, diagonal);
             let found = attempt.finished(&graph, what);
             if best.as_ref().is_none_or(|best| found.len() < best.len()) {
                 best = Some(found);
@@ -231,13 +249,18 @@ impl Attempt {
     }
 
     /// Proven hulls: a part whose proof failed is split.
-    fn finished(self, graph: &CellGraph, what: &CoverLimits) -> Vec<(Hull, f64)> {
+    fn finished(self, graph: &CellGraph, what: &CoverLimits) -> Vec<CoverPart> {
         let bounds = what.bounds(graph.diagonal);
-        let finished: Vec<Vec<(Hull, f64)>> = self
+        let owned = owned(graph, self.parts.iter().map(|(members, _)| members));
+        let finished: Vec<Vec<CoverPart>> = self
             .parts
             .into_par_iter()
-            .map(|(members, outcome)| {
-                outcome.map_or_else(|_| split(graph, members, &bounds, self.forbidden.clone()), |part| vec![part])
+            .zip(owned)
+            .map(|((members, outcome), owned)| match outcome {
+                Ok((hull, bound)) => {
+                    vec![CoverPart { patches: patches(graph, &owned), hull, bound, planes: Vec::new() }]
+                }
+                Err(_) => split(graph, members, &bounds, self.forbidden.clone()),
             })
             .collect();
         finished.concat()
@@ -278,6 +301,9 @@ fn cover(
             forbid(&mut forbidden, points.get(count..).unwrap_or_default(), graph);
             found.into_iter().for_each(|candidate| add(&mut pool, candidate));
         }
+        if phase == 0 && !what.is_over() && is_hopeless(graph, &pool, what) {
+            return None;
+        }
         if phase == 0 && !is_last && !what.is_over() {
             let attempt = probe(graph, &pool, what);
             if attempt.fails() as f64 > HOPELESS * attempt.parts.len() as f64 && !what.is_over() {
@@ -312,6 +338,12 @@ fn cover(
     known.clear();
     known.extend_from_slice(attempt.forbidden.get(start..).unwrap_or_default());
     Some(attempt)
+}
+
+/// Whether many more parts than enough are needed, as far as the first sweeps show.
+fn is_hopeless(graph: &CellGraph, pool: &[Candidate], what: &CoverLimits) -> bool {
+    let most = |enough: usize| (FEWER_LATER * enough as f64) as usize + 1;
+    what.enough.is_some_and(|enough| choose(graph, pool).len() > most(enough))
 }
 
 /// The largest of the parts that a few sweeps found, and their proofs.
@@ -423,14 +455,14 @@ fn finish(graph: &CellGraph, points: &[DVec3], bounds: &Bounds) -> Outcome {
     let body = Body::new(points, graph.diagonal * THICKNESS);
     let mut least = None;
     if !bounds.is_over() {
-        match wrap::wrap(graph.field, &body, bounds) {
+        match wrap::wrap(graph.field, &body, bounds, None) {
             // A point of the part itself.
             Err(Some(point)) => return Err(Some(point)),
             Err(None) => {}
             Ok(wrapped) => least = Some(wrapped),
         }
     }
-    let Some(tight) = wrap::tight(&body.points, graph.diagonal, flat_half_thickness(bounds)) else {
+    let Some(tight) = wrap::tight(&body.points, graph.diagonal, bounds.thickness()) else {
         return least.ok_or(None);
     };
     if let Some(wrapped) = least.filter(|(wrapped, _)| wrapped.vertices.len() < tight.vertices.len()) {
@@ -455,13 +487,31 @@ fn proven(graph: &CellGraph, hull: Hull, bounds: &Bounds) -> Outcome {
     wrap::prove(graph.field, &hull, bounds, wrap::MEASUREMENTS).map(|bound| (hull, bound)).map_err(Some)
 }
 
-/// Half the thickness of a flat part.
-fn flat_half_thickness(bounds: &Bounds) -> f64 {
-    (0.25 * bounds.limit).min(1e-4 * bounds.diagonal)
+/// The cells of each part, of which `members` span its hull: every cell belongs to one part.
+fn owned<'a>(graph: &CellGraph, members: impl Iterator<Item = &'a Vec<u32>>) -> Vec<Vec<u32>> {
+    let parts: Vec<Candidate> = members.map(|members| graph.part(members.clone())).collect();
+    let mut owned = vec![Vec::new(); parts.len()];
+    for cell in 0..graph.cells.len() as u32 {
+        let is_member = |part: &Candidate| part.members.contains(&cell);
+        let covers = |part: &Candidate| part.covers.has(cell as usize);
+        let owner = parts.iter().position(is_member).or_else(|| parts.iter().position(covers));
+        owner.into_iter().for_each(|owner| owned[owner].push(cell));
+    }
+    owned
+}
+
+/// The surface of cells.
+fn patches(graph: &CellGraph, cells: &[u32]) -> Vec<Patch> {
+    cells.iter().map(|cell| Patch::of_cell(&graph.cells[*cell as usize])).collect()
+}
+
+/// The surface of polygons.
+fn patch(polygons: &[&[DVec3]]) -> Vec<Patch> {
+    Patch::new(polygons.iter().map(|polygon| polygon.to_vec()).collect()).into_iter().collect()
 }
 
 /// Proven parts that replace a part that could not be proven: together they contain its cells.
-fn split(graph: &CellGraph, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<(Hull, f64)> {
+fn split(graph: &CellGraph, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<CoverPart> {
     let size = graph.cells.len();
     // A cell in the part's hull may be in none of its pieces.
     let all: Vec<u32> = graph.part(members).covers.iter().map(|i| i as u32).collect();
@@ -469,7 +519,9 @@ fn split(graph: &CellGraph, members: Vec<u32>, bounds: &Bounds, mut forbidden: V
     let mut stack = vec![(all, 0)];
     while let Some((members, depth)) = stack.pop() {
         match finish(graph, &graph.part(members.clone()).points, bounds) {
-            Ok(part) => parts.push(part),
+            Ok((hull, bound)) => {
+                parts.push(CoverPart { patches: patches(graph, &members), hull, bound, planes: Vec::new() })
+            }
             Err(Some(point)) if members.len() > 1 && depth < MAX_SPLITS => {
                 forbidden.push(moved_inward(graph, &members, point));
                 let pieces = grow_within(graph, &members, &mut forbidden);
@@ -502,19 +554,20 @@ fn split(graph: &CellGraph, members: Vec<u32>, bounds: &Bounds, mut forbidden: V
 
 /// Proven parts of a cell that cannot be one part: of halves of its polygons, of halves of those,
 /// and so on. A single polygon protrudes nowhere.
-fn of_polygons(graph: &CellGraph, polygons: Vec<&[DVec3]>, bounds: &Bounds) -> Vec<(Hull, f64)> {
+fn of_polygons(graph: &CellGraph, polygons: Vec<&[DVec3]>, bounds: &Bounds) -> Vec<CoverPart> {
     let mut parts = Vec::new();
     let mut stack = vec![polygons];
     while let Some(polygons) = stack.pop() {
         if let [polygon] = polygons.as_slice() {
-            for hull in wrap::of_polygon(polygon, graph.diagonal, flat_half_thickness(bounds), bounds.max_vertices) {
+            let found = wrap::of_polygon(polygon, graph.diagonal, bounds.thickness(), bounds.max_vertices);
+            for (piece, hull) in found {
                 let bound = wrap::prove(graph.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
-                parts.push((hull, bound));
+                parts.push(CoverPart { patches: patch(&[&piece]), hull, bound, planes: Vec::new() });
             }
             continue;
         }
         match finish(graph, &polygons.concat(), bounds) {
-            Ok(part) => parts.push(part),
+            Ok((hull, bound)) => parts.push(CoverPart { patches: patch(&polygons), hull, bound, planes: Vec::new() }),
             Err(_) => {
                 let centre = |polygon: &[DVec3]| polygon.iter().sum::<DVec3>() / polygon.len() as f64;
                 let (low, high) = body::bounds(&polygons.concat());

@@ -12,11 +12,15 @@
 
 use glam::DVec3;
 
-use super::body::Body;
+use super::body::{Body, farthest};
 use super::deadline::Deadline;
 use super::field::Field;
 use super::sample::face_points;
-use crate::fit::{branch::Accuracy, planes::HalfSpace, protrusion::protrusion_beside};
+use crate::fit::{
+    branch::Accuracy,
+    planes::{self, HalfSpace},
+    protrusion::protrusion_beside,
+};
 use crate::hull::{
     self, Hull, quickhull,
     rank::{Simplex, spanning_simplex},
@@ -54,6 +58,9 @@ const MEASURED: usize = 150;
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 const ROUNDING: f64 = 1.1e-7;
 
+/// Thickness of parts of a sheet, relative to the diagonal, where the limit allows it.
+const MIN_THICKNESS: f64 = 5e-3;
+
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
@@ -70,6 +77,11 @@ pub struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
+    /// The least thickness of a part.
+    pub fn thickness(&self) -> f64 {
+        (0.5 * self.limit).min(MIN_THICKNESS * self.diagonal)
+    }
+
     /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
         self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
@@ -94,29 +106,47 @@ pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
-/// The hull of `points`, rounded to f32 so that it contains all of them. A flat part is thickened
-/// by `thickness` on both sides, because only a solid has an inside.
+/// The points, moved apart so that their hull is at least about `thickness` thick in all directions.
+fn thickened(points: &[DVec3], thickness: f64) -> Vec<DVec3> {
+    let mut points = points.to_vec();
+    for _ in 0..3 {
+        let (normal, width) = thinnest(&points);
+        if width >= thickness {
+            break;
+        }
+        let step = normal * (0.5 * (thickness - width));
+        points = points.iter().flat_map(|p| [*p + step, *p - step]).collect();
+    }
+    points
+}
+
+/// The direction across the faces of the points' hull in which it is thinnest, and its width.
+fn thinnest(points: &[DVec3]) -> (DVec3, f64) {
+    if points.is_empty() {
+        return (DVec3::X, f64::INFINITY);
+    }
+    match spanning_simplex(points) {
+        Simplex::Point(_) => (DVec3::X, 0.0),
+        Simplex::Segment([a, b]) => ((points[b] - points[a]).normalize_or_zero().any_orthonormal_vector(), 0.0),
+        Simplex::Triangle([a, b, c]) => ((points[b] - points[a]).cross(points[c] - points[a]).normalize_or_zero(), 0.0),
+        Simplex::Tetrahedron(_) => {
+            let body = Body::new(points, 0.0);
+            let width = |normal: DVec3| {
+                normal.dot(farthest(&body.points, normal)) - normal.dot(farthest(&body.points, -normal))
+            };
+            let widths = body.planes.iter().map(|plane| (plane.normal, width(plane.normal)));
+            widths.fold((DVec3::X, f64::INFINITY), |least, found| if found.1 < least.1 { found } else { least })
+        }
+    }
+}
+
+/// The hull of `points`, rounded to f32 so that it contains all of them. If it is thinner than
+/// `thickness`, it is made that thick, because only a solid has an inside.
 pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-    let steps = match spanning_simplex(points.get(..).filter(|list| !list.is_empty())?) {
-        Simplex::Tetrahedron(_) => vec![DVec3::ZERO],
-        Simplex::Triangle([a, b, c]) => {
-            let normal = (points[b] - points[a]).cross(points[c] - points[a]).normalize_or_zero() * thickness;
-            vec![normal, -normal]
-        }
-        Simplex::Segment([a, b]) => {
-            let (u, v) = (points[b] - points[a]).normalize_or_zero().any_orthonormal_pair();
-            [u, v, -u, -v].map(|step| step * thickness).to_vec()
-        }
-        Simplex::Point(_) => {
-            [DVec3::X, DVec3::Y, DVec3::Z].iter().flat_map(|x| [*x * thickness, *x * -thickness]).collect()
-        }
-    };
-    let room = if steps.len() > 1 { 4.0 * ROUNDING * (middle.abs().max_element() + diagonal) } else { 0.0 };
-    let moved = points.iter().flat_map(|p| {
-        let aside = (*p - middle).normalize_or_zero() * room;
-        steps.iter().map(move |step| *p + *step + aside)
-    });
+    let thick = thickened(points, thickness);
+    let room = if thick.len() > points.len() { 4.0 * ROUNDING * (middle.abs().max_element() + diagonal) } else { 0.0 };
+    let moved = thick.iter().map(|p| *p + (*p - middle).normalize_or_zero() * room);
     let outward = |p: DVec3| {
         let [p, m] = [p.to_array(), middle.to_array()];
         [0, 1, 2].map(|axis| {
@@ -155,11 +185,13 @@ fn around(p: DVec3) -> Vec<[f32; 3]> {
     (0..8).map(|i| [sides[0][i & 1], sides[1][i >> 1 & 1], sides[2][i >> 2]]).collect()
 }
 
-/// A proven hull around `body` with fewer vertices than the body, and at most the allowed number.
+/// A proven hull around `body` with fewer vertices than the body, and at most the allowed number. It
+/// is as loose as the limit allows; with the planes of a hull around the body to start from, it is
+/// hardly looser than that hull.
 ///
 /// # Errors
 /// A point of the body that may be too far from the solid; `None` if no such hull was found.
-pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), Option<DVec3>> {
+pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -> Result<(Hull, f64), Option<DVec3>> {
     let middle = body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
     let greatest = body.low.abs().max(body.high.abs()).max_element() + bounds.limit;
     let room = (1e-3 * bounds.limit).clamp(3e-7 * bounds.diagonal, 2e-6 * bounds.diagonal) + 2.0 * ROUNDING * greatest;
@@ -170,7 +202,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
     }
     let max_vertices = bounds.max_vertices.min(body.points.len().saturating_sub(1));
     let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
-    let mut planes = faces.largest();
+    let mut planes = start.map_or_else(|| faces.largest(), planes::half_spaces);
     for _ in 0..MAX_STEPS {
         if bounds.is_over() {
             return Err(None);
@@ -184,7 +216,8 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
         let point = match faces.too_far(&planes, &vertices) {
             Some(point) => point,
             None => {
-                let (left, fewer) = faces.fewer(planes.clone(), vertices);
+                let (left, fewer) =
+                    if start.is_some() { (planes.clone(), vertices) } else { faces.fewer(planes.clone(), vertices) };
                 let hull = faces.rounded(&fewer).ok_or(None)?;
                 if hull.vertices.len() > max_vertices {
                     return simplified(field, &hull, bounds, max_vertices);
@@ -237,8 +270,9 @@ pub fn within_vertices(hull: Hull, max_vertices: usize) -> Hull {
     }
 }
 
-/// Thin hulls that together contain a convex polygon, each with at most `max_vertices` vertices.
-pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices: usize) -> Vec<Hull> {
+/// Thin hulls that together contain a convex polygon, each with at most `max_vertices` vertices, and
+/// the piece of the polygon that each contains.
+pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices: usize) -> Vec<(Vec<DVec3>, Hull)> {
     let mut found = Vec::new();
     let mut stack = vec![polygon.to_vec()];
     while let Some(corners) = stack.pop() {
@@ -249,10 +283,39 @@ pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices
             stack.push(corners[..=half].to_vec());
             stack.push([&corners[half..], &corners[..1]].concat());
         } else {
-            found.push(within_vertices(hull, max_vertices));
+            found.push((corners, within_vertices(hull, max_vertices)));
         }
     }
     found
+}
+
+/// The vertices of an intersection of half-spaces, of which `middle` is an inner point; `None` if it
+/// reaches farther than `reach` from there. Of vertices closer than `distance`, one is kept.
+pub fn polytope(planes: &[HalfSpace], middle: DVec3, reach: f64, distance: f64) -> Option<Vec<DVec3>> {
+    let mut dual: Vec<DVec3> =
+        planes.iter().map(|plane| plane.normal / (plane.offset - plane.normal.dot(middle))).collect();
+    dual.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
+    dual.dedup();
+    if !dual.iter().all(|p| p.is_finite()) {
+        return None;
+    }
+    let Simplex::Tetrahedron(simplex) = spanning_simplex(&dual) else { return None };
+    let mut vertices: Vec<DVec3> = Vec::new();
+    for facet in quickhull::hull(&dual, simplex) {
+        let at = |i: usize| dual[facet[i] as usize];
+        let area: DVec3 = (1..facet.len() - 1).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
+        let offset = area.dot(at(0));
+        let vertex = area / offset;
+        // Written so that NaN and an origin outside are unbounded.
+        if !(offset > 0.0) || !(vertex.length() < reach) {
+            return None;
+        }
+        let vertex = middle + vertex;
+        if vertices.iter().all(|other| other.distance(vertex) > distance) {
+            vertices.push(vertex);
+        }
+    }
+    Some(vertices)
 }
 
 struct Faces<'a> {
@@ -302,31 +365,9 @@ impl Faces<'_> {
 
     /// The vertices of the polytope of the planes, each moved outward; `None` if it is unbounded.
     fn vertices(&self, planes: &[HalfSpace]) -> Option<Vec<DVec3>> {
-        let dual: Vec<DVec3> = planes
-            .iter()
-            .map(|plane| plane.normal / (plane.offset + self.room - plane.normal.dot(self.middle)))
-            .collect();
-        let mut distinct = dual.clone();
-        distinct.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
-        distinct.dedup();
-        let Simplex::Tetrahedron(simplex) = spanning_simplex(&distinct) else { return None };
+        let moved: Vec<HalfSpace> = planes.iter().map(|plane| plane.moved(self.room)).collect();
         let reach = 2.0 * self.bounds.diagonal + self.body.diagonal();
-        let mut vertices: Vec<DVec3> = Vec::new();
-        for facet in quickhull::hull(&distinct, simplex) {
-            let at = |i: usize| distinct[facet[i] as usize];
-            let area: DVec3 = (1..facet.len() - 1).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
-            let offset = area.dot(at(0));
-            let vertex = area / offset;
-            // Written so that NaN and an origin outside are unbounded.
-            if !(offset > 0.0) || !(vertex.length() < reach) {
-                return None;
-            }
-            let vertex = self.middle + vertex;
-            if vertices.iter().all(|other| other.distance(vertex) > 0.4 * self.room) {
-                vertices.push(vertex);
-            }
-        }
-        Some(vertices)
+        polytope(&moved, self.middle, reach, 0.4 * self.room)
     }
 
     /// Of the points of the polytope that are too far from the solid, the farthest from the body.

@@ -1,0 +1,247 @@
+//! Levels: the limits for which parts are searched, and which of the results is taken.
+//!
+//! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error is
+//! served by the levels below it: of their results, the one with the fewest parts is taken, and of
+//! equal ones that with the lowest limit. So a larger error never takes more parts, as long as the
+//! search down the levels ends where all lower ones have more.
+
+use std::collections::BTreeMap;
+
+use super::{
+    Cover,
+    cover::{self, CoverLimits, CoverPart, Deadline, field::Field, wrap::Bounds},
+    merge::merged,
+    tighten::LOOSE,
+};
+use crate::{BakeError, PointSet, fit::solid::Solid, progress::Stage};
+
+/// The limit of level 0, relative to the diagonal.
+const ORIGIN: f64 = 0.02;
+
+/// Number of levels in which the limit doubles.
+const PER_OCTAVE: i32 = 16;
+
+/// Number of levels between those that serve maximum errors. The others serve numbers of parts.
+const STEP: i32 = 4;
+
+/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
+/// rounded and moved outward by up to a tenth of that.
+const LEAST_ERROR: f64 = 2e-5;
+
+/// Number of levels in a row with more parts than the best, after which no lower ones are searched.
+const MISSES: usize = 2;
+
+/// Number of levels below the first that are searched at most.
+const MAX_LEVELS: i32 = 64;
+
+/// Ratio of the parts at a level to those of the best above which lower levels are hopeless.
+const HOPELESS: f64 = 1.5;
+
+/// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
+const HIGHEST: i32 = 96;
+
+/// Number of levels between those that are tried while a number of parts is bracketed.
+const STRIDE: i32 = 16;
+
+/// Number of levels between few enough parts and too many at which the search ends.
+const CLOSE_ENOUGH: i32 = 2;
+
+/// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
+/// parts only follow the tessellation.
+const LEAST_FOR_COUNTS: f64 = 5e-4;
+
+/// Number of levels down to about `count` parts, if the number is inversely proportional to the
+/// limit.
+fn stride(count: usize, found: usize) -> i32 {
+    let octaves = libm::log2(count as f64 / found.max(1) as f64);
+    ((octaves * f64::from(PER_OCTAVE)) as i32 + 1).clamp(CLOSE_ENOUGH, 2 * STRIDE)
+}
+
+/// Parts, and the limit within which they were searched.
+#[derive(Clone)]
+pub struct Found {
+    /// The parts.
+    pub parts: Vec<CoverPart>,
+    /// Maximum protrusion.
+    pub limit: f64,
+}
+
+impl Found {
+    /// The greatest proven protrusion.
+    fn reached(&self) -> f64 {
+        self.parts.iter().map(|part| part.bound).fold(0.0, f64::max)
+    }
+
+    fn is_proven(&self) -> bool {
+        self.reached() < f64::INFINITY
+    }
+}
+
+/// The searches for one mesh.
+pub struct Levels<'a> {
+    mesh: &'a PointSet,
+    /// The mesh's solid.
+    pub field: Field<'a>,
+    parameters: &'a Cover,
+    max_vertices: usize,
+    deadline: Option<Deadline>,
+    stage: Stage<'a>,
+    /// Number of searches so far.
+    searches: i32,
+}
+
+impl<'a> Levels<'a> {
+    /// # Complexity
+    /// That of [`Field::new`].
+    pub fn new(
+        mesh: &'a PointSet,
+        solid: &'a Solid,
+        parameters: &'a Cover,
+        max_vertices: usize,
+        stage: Stage<'a>,
+    ) -> Self {
+        let deadline = parameters.seconds.map(Deadline::after);
+        Self { mesh, field: Field::new(solid), parameters, max_vertices, deadline, stage, searches: 0 }
+    }
+
+    fn diagonal(&self) -> f64 {
+        self.field.solid().diagonal()
+    }
+
+    /// The limits of a part.
+    pub fn bounds(&self, limit: f64) -> Bounds<'a> {
+        let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
+        Bounds { limit, max_vertices, diagonal, deadline: self.deadline, stage: self.stage }
+    }
+
+    fn is_over(&self) -> bool {
+        self.bounds(0.0).is_over()
+    }
+
+    /// The limit of a level.
+    fn limit(&self, level: i32) -> f64 {
+        let share = ORIGIN * libm::exp2(f64::from(level) / f64::from(PER_OCTAVE));
+        share.max(LEAST_ERROR) * self.diagonal()
+    }
+
+    /// The highest level whose limit is at most `error`, of those `step` levels apart.
+    fn level(&self, error: f64, step: i32) -> i32 {
+        let mut level = HIGHEST;
+        while self.limit(level) > error * (1.0 + 1e-9) && self.limit(level) > LEAST_ERROR * self.diagonal() {
+            level -= step;
+        }
+        level
+    }
+
+    /// The parts for the parameters; `None` if there are none in time.
+    pub fn parts(&mut self) -> Result<Option<Found>, BakeError> {
+        let error = self.parameters.max_error.of(self.diagonal());
+        match self.parameters.max_parts {
+            Some(count) => self.at_most(count as usize, error),
+            None => Ok(self.fewest(error)),
+        }
+    }
+
+    /// Parts within the limit of a level; `None` if the time is over, or more than about `enough`
+    /// parts are needed.
+    fn search(&mut self, level: i32, enough: Option<usize>) -> Option<Found> {
+        // Each search is expected to take half of the rest.
+        let [from, to] = [self.searches, self.searches + 1].map(|count| 1.0 - libm::exp2(-f64::from(count)));
+        self.searches += 1;
+        let (limit, stage) = (self.limit(level), self.stage.from_to(from, to));
+        let what = CoverLimits {
+            limit: limit * (1.0 - LOOSE),
+            max_vertices: self.max_vertices,
+            enough,
+            deadline: self.deadline,
+            stage,
+        };
+        let parts = cover::search(self.mesh, &mut self.field, &what)?;
+        Some(Found { parts, limit })
+    }
+
+    /// The fewest parts within `error`.
+    fn fewest(&mut self, error: f64) -> Option<Found> {
+        let first = self.level(error, STEP);
+        let mut best: Option<Found> = self.rough(first);
+        let mut is_rough = true;
+        let (mut level, mut misses) = (first, 0);
+        while misses < MISSES && level >= first - MAX_LEVELS {
+            let enough = best.as_ref().filter(|_| !is_rough).map(|best| best.parts.len());
+            let found = self.search(level, enough);
+            if self.is_over() {
+                // Parts that are not proven are better than none.
+                return best.or(found);
+            }
+            match found {
+                Some(found) if is_rough || enough.is_none_or(|enough| found.parts.len() <= enough) => {
+                    // These parts serve all levels down to what they reach.
+                    level = self.level(found.reached(), STEP).min(level - STEP);
+                    if self.limit(level + STEP) <= LEAST_ERROR * self.diagonal() {
+                        return Some(found);
+                    }
+                    (best, is_rough, misses) = (Some(found), false, 0);
+                }
+                Some(found) if found.parts.len() as f64 > HOPELESS * enough.unwrap_or(0) as f64 => break,
+                _ => (level, misses) = (level - STEP, misses + 1),
+            }
+        }
+        best
+    }
+
+    /// Parts of a larger error, to have some when the time ends; `None` if the time has no limit.
+    fn rough(&mut self, first: i32) -> Option<Found> {
+        self.deadline?;
+        let mut best = None;
+        for octaves in [3, 1] {
+            let found = self.search(first + octaves * PER_OCTAVE, None).filter(Found::is_proven);
+            if self.is_over() {
+                return best.or(found);
+            }
+            best = found.or(best);
+        }
+        best
+    }
+
+    /// At most `count` parts, with the least protrusion. The search starts at `error`.
+    fn at_most(&mut self, count: usize, error: f64) -> Result<Option<Found>, BakeError> {
+        let mut results: BTreeMap<i32, Option<Found>> = BTreeMap::new();
+        let (mut best, mut low, mut level) = (None::<(i32, Found)>, None::<i32>, self.level(error, 1));
+        // Strides, until a level with few enough parts and one with too many are known; then halves.
+        loop {
+            let found = self.search(level, Some(count + count / 4));
+            if self.is_over() {
+                return Ok(best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count)));
+            }
+            let is_few = found.as_ref().is_some_and(|found| found.parts.len() <= count);
+            if let Some(found) = found.clone().filter(|_| is_few) {
+                let reached = self.level(found.reached(), 1).min(level);
+                best = Some((reached, found));
+                level = reached;
+            } else {
+                low = Some(level);
+            }
+            results.insert(level, found);
+            level = match (&best, low) {
+                (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
+                (Some((best, _)), Some(low)) => low + (best - low) / 2,
+                (Some((best, found)), None) => best - stride(count, found.parts.len()),
+                (None, _) => level + STRIDE,
+            };
+            if level > HIGHEST || self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
+                break;
+            }
+        }
+        // Of a level with more parts, the cheapest mergers may be better.
+        let more = low.and_then(|low| results.remove(&low).flatten());
+        if let Some(more) = more {
+            let merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
+            let merged =
+                Found { limit: merged.iter().map(|part| part.bound).fold(more.limit, f64::max), parts: merged };
+            if best.as_ref().is_none_or(|(_, best)| merged.reached() < best.reached()) {
+                return Ok(Some(merged));
+            }
+        }
+        Ok(best.map(|(_, found)| found))
+    }
+}
