@@ -9,8 +9,9 @@ use std::collections::BTreeMap;
 
 use super::{
     Cover,
-    cover::{self, CoverLimits, CoverPart, Deadline, field::Field, wrap::Bounds},
+    cover::{self, CoverLimits, CoverPart, Deadline, body::THICKNESS, field::Field, wrap::Bounds},
     merge::merged,
+    separate::separate,
     tighten::LOOSE,
 };
 use crate::{BakeError, PointSet, fit::solid::Solid, progress::Stage};
@@ -156,8 +157,15 @@ impl<'a> Levels<'a> {
             deadline: self.deadline,
             stage,
         };
-        let parts = cover::search(self.mesh, &mut self.field, &what)?;
+        let mut parts = cover::search(self.mesh, &mut self.field, &what)?;
+        if !self.is_over() {
+            self.separate(&mut parts);
+        }
         Some(Found { parts, limit })
+    }
+
+    fn separate(&self, parts: &mut Vec<CoverPart>) {
+        separate(parts, self.parameters.overlap, self.diagonal(), self.diagonal() * THICKNESS);
     }
 
     /// The fewest parts within `error`.
@@ -235,10 +243,12 @@ impl<'a> Levels<'a> {
         // Of a level with more parts, the cheapest mergers may be better.
         let more = low.and_then(|low| results.remove(&low).flatten());
         if let Some(more) = more {
-            let merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
+            let mut merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
+            self.separate(&mut merged);
             let merged =
                 Found { limit: merged.iter().map(|part| part.bound).fold(more.limit, f64::max), parts: merged };
-            if best.as_ref().is_none_or(|(_, best)| merged.reached() < best.reached()) {
+            let is_better = best.as_ref().is_none_or(|(_, best)| merged.reached() < best.reached());
+            if is_better && merged.parts.len() <= count {
                 return Ok(Some(merged));
             }
         }

@@ -44,7 +44,6 @@ use glam::DVec3;
 use levels::{Found, Levels};
 use part::SourceVertices;
 use rayon::prelude::*;
-use separate::separate;
 use tighten::tightened;
 
 use crate::{
@@ -86,6 +85,9 @@ pub struct Cover {
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
+    /// Allowed overlap: the sum of the parts' volumes less that of their union, relative to their
+    /// sum. Parts are divided until they overlap less, as far as that succeeds.
+    pub overlap: f64,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
     /// its parts may exceed `max_error`. If no cover was found in time, the result is the mesh's
     /// hull.
@@ -94,7 +96,7 @@ pub struct Cover {
 
 impl Default for Cover {
     fn default() -> Self {
-        Self { max_error: Length::Relative(0.02), max_parts: None, max_vertices: 64, seconds: None }
+        Self { max_error: Length::Relative(0.02), max_parts: None, max_vertices: 64, overlap: 0.05, seconds: None }
     }
 }
 
@@ -162,12 +164,9 @@ fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
 
 /// The hulls of parts, separated and tight. They cover the mesh.
 fn finished(mesh: &PointSet, vertices: &SourceVertices, levels: &Levels, found: Found) -> Vec<Hull> {
-    let Found { mut parts, limit } = found;
+    let Found { parts, limit } = found;
     let diagonal = levels.field.solid().diagonal();
     let bounds = levels.bounds(limit);
-    if !bounds.is_over() {
-        separate(&mut parts, diagonal, diagonal * cover::body::THICKNESS);
-    }
     let tight = |part: &CoverPart| {
         if bounds.is_over() { part.hull.clone() } else { tightened(&levels.field, part, &bounds) }
     };

@@ -30,7 +30,7 @@ pub const LOOSE: f64 = 0.02;
 
 /// Numbers of vertices to which a hull is simplified before it is cut, relative to the maximum. Each
 /// cut adds about two.
-const BEFORE_CUTS: [f64; 2] = [0.75, 0.5];
+const BEFORE_CUTS: [f64; 3] = [0.75, 0.5, 0.3];
 
 /// A hull of a part's surface with at most the allowed number of vertices, of which no point is
 /// farther from the solid than the limit. It is the part's proven hull if no tighter one is found.

@@ -38,6 +38,9 @@ struct Arguments {
     /// Maximum error in percent of the diagonal, where there is no peer
     #[arg(long, default_value_t = 2.0)]
     max_error: f64,
+    /// Maximum number of vertices of a part
+    #[arg(long, default_value_t = Cover::default().max_vertices)]
+    max_vertices: u32,
     /// Number of points that try to refute the claims about each mesh
     #[arg(long, default_value_t = 0)]
     samples: usize,
@@ -64,9 +67,10 @@ fn main() -> ExitCode {
         let peer =
             arguments.peer.as_ref().map(|folder| folder.join(format!("{name}.obj"))).filter(|path| path.exists());
         let peer = peer.map(|path| hulls(&objects_of(name, &path)));
+        let any = Cover { max_vertices: arguments.max_vertices, ..Cover::default() };
         let cover = match &peer {
-            Some(peer) => Cover { max_parts: Some(peer.len() as u32), ..Cover::default() },
-            None => Cover { max_error: Length::Relative(0.01 * arguments.max_error), ..Cover::default() },
+            Some(peer) => Cover { max_parts: Some(peer.len() as u32), ..any },
+            None => Cover { max_error: Length::Relative(0.01 * arguments.max_error), ..any },
         };
         let (sets, taken) = one.install(|| timed(|| decompose(mesh, &cover)));
         let ours = hulls(&sets.expect("the mesh can be decomposed").unwrap_or_else(|| vec![mesh.clone()]));

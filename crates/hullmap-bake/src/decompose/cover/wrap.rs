@@ -216,8 +216,8 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
         let point = match faces.too_far(&planes, &vertices) {
             Some(point) => point,
             None => {
-                let (left, fewer) =
-                    if start.is_some() { (planes.clone(), vertices) } else { faces.fewer(planes.clone(), vertices) };
+                let enough = if start.is_some() { max_vertices } else { 0 };
+                let (left, fewer) = faces.fewer(planes.clone(), vertices, enough);
                 let hull = faces.rounded(&fewer).ok_or(None)?;
                 if hull.vertices.len() > max_vertices {
                     return simplified(field, &hull, bounds, max_vertices);
@@ -415,12 +415,13 @@ impl Faces<'_> {
         hull_of(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
     }
 
-    /// Drops planes that are not needed. Returns the others, and the vertices of their polytope.
-    fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>) -> (Vec<HalfSpace>, Vec<DVec3>) {
+    /// Drops planes that are not needed, until there are few enough vertices. Returns the others, and
+    /// the vertices of their polytope.
+    fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>, enough: usize) -> (Vec<HalfSpace>, Vec<DVec3>) {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.
         let mut at = left.len();
-        while at > 0 && left.len() > 4 {
+        while at > 0 && left.len() > 4 && best.len() > enough {
             at -= 1;
             let mut fewer = left.clone();
             fewer.remove(at);
