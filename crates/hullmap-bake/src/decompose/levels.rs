@@ -49,7 +49,7 @@ const CLOSE_ENOUGH: i32 = 2;
 
 /// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
 /// parts only follow the tessellation.
-const LEAST_FOR_COUNTS: f64 = 5e-4;
+const LEAST_FOR_COUNTS: f64 = 2e-3;
 
 /// Number of levels down to about `count` parts, if the number is inversely proportional to the
 /// limit.

@@ -85,8 +85,8 @@ pub struct Cover {
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Allowed overlap: the sum of the parts' volumes less that of their union, relative to their
-    /// sum. Parts are divided until they overlap less, as far as that succeeds.
+    /// Allowed overlap of the parts, relative to the sum of their volumes. Parts are divided until
+    /// they overlap less, as far as that succeeds. With infinity, none is divided.
     pub overlap: f64,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
     /// its parts may exceed `max_error`. If no cover was found in time, the result is the mesh's
@@ -96,7 +96,13 @@ pub struct Cover {
 
 impl Default for Cover {
     fn default() -> Self {
-        Self { max_error: Length::Relative(0.02), max_parts: None, max_vertices: 64, overlap: 0.05, seconds: None }
+        Self {
+            max_error: Length::Relative(0.02),
+            max_parts: None,
+            max_vertices: 64,
+            overlap: f64::INFINITY,
+            seconds: None,
+        }
     }
 }
 
@@ -144,6 +150,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
         Some(parts) => finished(mesh, &vertices, &levels, parts),
         None => vec![cover::wrap::within_vertices(hull, max_vertices)],
     };
+    stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
 }

@@ -105,7 +105,7 @@ fn share(solid: &Solid, parts: &[Part], index: usize, volume: f64, area: f64) ->
     let mut shared = 0.0;
     for ([a, b, c], [u, v, w]) in inside.points() {
         // Uniform in the tetrahedron of the triangle and the origin.
-        let (r, s, t) = (w.cbrt(), v.sqrt(), u);
+        let (r, s, t) = (libm::cbrt(w), v.sqrt(), u);
         let p = origin + ((a - origin) * (1.0 - s) + ((b - origin) * (1.0 - t) + (c - origin) * t) * s) * r;
         let others = parts.iter().enumerate().filter(|(other, part)| *other != index && part.holds(p, 0.0)).count();
         shared += 1.0 / (1 + others) as f64;

@@ -178,6 +178,7 @@ pub mod tests {
         ("max_error", "0.5"),
         ("pack_names", "full"),
         ("max_parts", "9"),
+        ("overlap", "0.05"),
         ("decompose_seconds", "2.5"),
         ("record_source", "name"),
         ("lean", "true"),

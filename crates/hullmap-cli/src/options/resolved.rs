@@ -112,10 +112,8 @@ impl BuildOptions {
             max_error: self.max_error().unwrap_or(Cover::default().max_error),
             max_parts: self.optional_count("max_parts"),
             max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
-            seconds: match self.0.get("decompose_seconds") {
-                Some(Value::Number(seconds)) => Some(seconds),
-                _ => None,
-            },
+            overlap: self.optional_number("overlap").unwrap_or(Cover::default().overlap),
+            seconds: self.optional_number("decompose_seconds"),
         })
     }
 
@@ -134,6 +132,13 @@ impl BuildOptions {
         match self.0.get("max_error") {
             Some(Value::Number(error)) => Some(Length::Absolute(error)),
             Some(Value::Percent(percent)) => Some(Length::Relative(percent / 100.0)),
+            _ => None,
+        }
+    }
+
+    fn optional_number(&self, key: &str) -> Option<f64> {
+        match self.0.get(key) {
+            Some(Value::Number(number)) => Some(number),
             _ => None,
         }
     }
@@ -268,6 +273,7 @@ pub mod tests {
         assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
         assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
         assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
+        assert_eq!(cover("overlap", "0.1"), Some(Cover { overlap: 0.1, ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
     }

@@ -257,6 +257,17 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         ..OPTION
     },
     BuildOption {
+        key: "overlap",
+        syntax: PositiveOrNone,
+        default: DefaultValue::Value("none"),
+        value_name: "SHARE",
+        help: "Divide parts until they overlap by at most this share of their volume, such as 0.05, as far as that succeeds",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
+    BuildOption {
         key: "decompose_seconds",
         syntax: PositiveOrNone,
         default: DefaultValue::Value("none"),
@@ -291,7 +302,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 16;
+pub const OPTION_COUNT: usize = 17;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

@@ -31,6 +31,8 @@ class BakeOptions(TypedDict, total=False):
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""
+    overlap: Optional[float]
+    """Divide parts until they overlap by at most this share of their volume, as far as that succeeds."""
     decompose_seconds: Optional[float]
     """Time after which the search for parts stops. Packs may then differ from run to run."""
     vertices: Optional[Literal["referenced", "all"]]

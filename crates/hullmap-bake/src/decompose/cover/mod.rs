@@ -144,7 +144,7 @@ pub struct CoverLimits<'a> {
 }
 
 impl CoverLimits<'_> {
-    pub fn bounds(&self, diagonal: f64) -> Bounds<'_> {
+    fn bounds(&self, diagonal: f64) -> Bounds<'_> {
         let Self { limit, max_vertices, deadline, stage, .. } = *self;
         Bounds { limit, max_vertices, diagonal, deadline, stage }
     }

@@ -2,7 +2,7 @@ use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::*;
 use crate::decompose::{Cover, Length, decompose};
-use crate::fit::coverage::uncovered;
+use crate::fit::{Solid, coverage::uncovered};
 
 fn point_set(mesh: &Mesh) -> PointSet {
     PointSet {
@@ -14,18 +14,21 @@ fn point_set(mesh: &Mesh) -> PointSet {
     }
 }
 
+fn limits(limit: f64) -> CoverLimits<'static> {
+    CoverLimits { limit, max_vertices: 64, enough: None, deadline: None, stage: Stage::default() }
+}
+
 /// Searches, and checks both promises by other means: the certified cover, and random points of the
 /// parts.
-fn checked(mesh: &PointSet, share: f64) -> Vec<(Hull, f64)> {
+fn checked(mesh: &PointSet, share: f64) -> Vec<CoverPart> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let found = search(mesh, &solid, &CoverLimits { limit, max_vertices: 64, deadline: None, stage: Stage::default() })
-        .unwrap();
-    let hulls: Vec<&Hull> = found.iter().map(|(hull, _)| hull).collect();
+    let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
+    let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
     let mut rng = SplitMix64::new(1);
-    for (hull, bound) in &found {
+    for CoverPart { hull, bound, .. } in &found {
         assert!(*bound <= limit && hull.vertices.len() <= 64, "{bound} {}", hull.vertices.len());
         let points = hull.positions();
         for _ in 0..2_000 {
@@ -42,7 +45,7 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<(Hull, f64)> {
 
 #[test]
 fn boxes_become_boxes() {
-    let vertices = |found: Vec<(Hull, f64)>| found.iter().map(|(hull, _)| hull.vertices.len()).collect::<Vec<_>>();
+    let vertices = |found: Vec<CoverPart>| found.iter().map(|part| part.hull.vertices.len()).collect::<Vec<_>>();
     assert_eq!(vertices(checked(&point_set(&concave::l()), 0.001)), [8, 8]);
     assert_eq!(vertices(checked(&point_set(&concave::chair()), 0.001)), [8; 8]);
     assert_eq!(vertices(checked(&point_set(&concave::open_box()), 0.001)), [8; 5]);
@@ -119,8 +122,8 @@ fn a_search_without_time_ends_with_the_hull() {
     let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
-    let what = CoverLimits { limit, max_vertices: 64, deadline: Some(Deadline::after(0.0)), stage: Stage::default() };
-    assert!(search(&mesh, &solid, &what).is_none());
+    let what = CoverLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
+    assert!(search(&mesh, &mut Field::new(&solid), &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
     assert!(found.len() == 1 && found[0].vertices.len() <= 12, "{} {}", found.len(), found[0].vertices.len());
 }
@@ -167,8 +170,8 @@ fn a_polygon_of_many_corners_is_divided() {
     let polygon: Vec<DVec3> = (0..50).map(corner).collect();
     for max_vertices in [4, 6, 9, 30, 200] {
         let found = wrap::of_polygon(&polygon, 2.0, 1e-4, max_vertices);
-        assert!(found.iter().all(|hull| hull.vertices.len() <= max_vertices), "{max_vertices}");
-        let bodies: Vec<Body> = found.iter().map(|hull| Body::new(&hull.positions(), 0.0)).collect();
+        assert!(found.iter().all(|(_, hull)| hull.vertices.len() <= max_vertices), "{max_vertices}");
+        let bodies: Vec<Body> = found.iter().map(|(_, hull)| Body::new(&hull.positions(), 0.0)).collect();
         let mut rng = SplitMix64::new(2);
         for _ in 0..500 {
             let p = polygon[rng.below(50)].lerp(polygon[rng.below(50)], rng.between(0.0, 1.0));
@@ -189,12 +192,10 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found =
-            search(&mesh, &solid, &CoverLimits { limit, max_vertices: 64, deadline: None, stage: Stage::default() })
-                .unwrap();
-        let bound = uncovered(&mesh, &found.iter().map(|(hull, _)| hull).collect::<Vec<_>>()).bound;
+        let found = search(&mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
+        let bound = uncovered(&mesh, &found.iter().map(|part| &part.hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
-        assert!(found.iter().all(|(_, bound)| *bound <= limit), "seed {seed}");
+        assert!(found.iter().all(|part| part.bound <= limit), "seed {seed}");
     }
 }
 
