@@ -198,7 +198,7 @@ fn turned(points: &[[f32; 3]], rotation: DQuat) -> Vec<[f32; 3]> {
 }
 
 fn asset(name: &str) -> Vec<[f32; 3]> {
-    let path = hullmap_tests::outside::workspace().join("assets").join(name);
+    let path = hullmap_outside::files::workspace().join("assets").join(name);
     let text = std::fs::read_to_string(path).unwrap();
     let numbers = |line: &str| -> [f32; 3] {
         line.split_whitespace().map(|c| c.parse().unwrap()).collect::<Vec<f32>>().try_into().unwrap()

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hullmap_tests::command::bake_in;
+use hullmap_outside::command::bake_in;
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).expect(path)

@@ -13,7 +13,7 @@ use std::{
 
 use serde_json::Value;
 
-use crate::outside::workspace;
+use crate::files::workspace;
 
 /// The result of a run.
 #[derive(Debug)]
