@@ -1,8 +1,8 @@
 //! The queries for shapes behind references, so that the solver is compiled once for all of them.
 //!
-//! Each pair of types compiles the whole solver again, in two versions (shapes and their cores). For
-//! the 40 pairs of these tests that took longer than the rest of the workspace. Pairs of hulls are
-//! also queried by their own type: [`crate::lean`], [`crate::stack`], and all batches.
+//! Each pair of types compiles the whole solver again, twice: for the shapes and for their cores.
+//! With 38 pairs, this program took a fifth of the time in which all tests compile. Pairs of hulls
+//! are also queried by their own type, in `lean`, `stack` and `compound`, and in batches.
 
 use hullmap::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Manifold, ManifoldSettings, Motion, Pose, Ray,
