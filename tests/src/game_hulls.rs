@@ -2,7 +2,7 @@
 //!
 //! Little-endian: a u32 count and that many points of three f32, repeated to the end of the file.
 
-use crate::outside;
+use hullmap_outside::files;
 
 /// The variable that names the file.
 pub const VARIABLE: &str = "HULLMAP_HULLS";
@@ -10,7 +10,7 @@ pub const VARIABLE: &str = "HULLMAP_HULLS";
 /// The clouds of the file. If the variable is not set, prints which test is skipped and returns
 /// `None`. Panics if the file cannot be read, or ends inside a cloud.
 pub fn clouds(test: &str) -> Option<Vec<Vec<[f32; 3]>>> {
-    let path = outside::path(VARIABLE, test)?;
+    let path = files::path(VARIABLE, test)?;
     Some(read(&std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))))
 }
 

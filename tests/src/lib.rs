@@ -9,13 +9,11 @@
 //! | [`truth`] | solver intervals compared with truths | `solver-truth`, `degenerate-truth` |
 //! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
-//! | [`command`] | the `bake` command, built and run | |
-//! | [`outside`], [`game_hulls`] | inputs outside the repository | |
+//! | [`game_hulls`] | game hulls, from outside of the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
 //! | [`processor`] | processor time of a thread | `decompose-soak`, `decompose-table` |
 //! | [`wavefront`] | second opinion: a plain OBJ reader | |
 
-pub mod command;
 pub mod directions;
 #[cfg(target_os = "linux")]
 pub mod faults;
@@ -23,7 +21,6 @@ pub mod fuzzed;
 pub mod game_hulls;
 pub mod hostile;
 pub mod index_truth;
-pub mod outside;
 pub mod processor;
 pub mod regret;
 pub mod sampler;

@@ -5,7 +5,7 @@ use std::{fmt::Write, path::Path};
 use glam::{DQuat, DVec3};
 use hullmap::{Pack, Pose};
 use hullmap_engine_tests as parry;
-use hullmap_tests::{command::bake, outside};
+use hullmap_outside::{command::bake, files};
 use shapes::rng::SplitMix64;
 
 const SEED: u64 = 1_000;
@@ -20,12 +20,12 @@ const PARRY_ERROR: f64 = 3e-3;
 
 #[test]
 fn teapot_against_cornell_box_agrees_with_parry() {
-    agrees_with_parry(&outside::workspace().join("tests/meshes"), "vhacd_teapot", "tinyobj_cornell_box");
+    agrees_with_parry(&files::workspace().join("tests/meshes"), "vhacd_teapot", "tinyobj_cornell_box");
 }
 
 #[test]
 fn bunny_against_koala_agrees_with_parry() {
-    let Some(meshes) = outside::path("HULLMAP_MESHES", "bunny_against_koala_agrees_with_parry") else { return };
+    let Some(meshes) = files::path("HULLMAP_MESHES", "bunny_against_koala_agrees_with_parry") else { return };
     agrees_with_parry(&meshes, "stanford_bunny", "odedstein_koala");
 }
 

@@ -7,7 +7,7 @@
 use glam::{DMat3, DVec3};
 use hullmap::shapes::{Rounded, Scaled};
 use hullmap::{
-    Cache, Contact, Distance, Hull, Manifold, ManifoldSettings, Overlap, Pack, Pose, Settings, Shape, Status, contact,
+    Cache, Contact, Distance, Hull, Manifold, ManifoldSettings, Overlap, Pack, Pose, Settings, Status, contact,
     distance, intersects,
 };
 use hullmap_bake::IndexKind;
@@ -17,6 +17,7 @@ use hullmap_testkit::{
 };
 
 use super::bytes::Bytes;
+use crate::soak::body::Any;
 
 const MAX_POINTS: usize = 32;
 
@@ -51,11 +52,12 @@ pub fn solver(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let (Some(a), Some(b)) = (Body::read(&mut bytes), Body::read(&mut bytes)) else { return };
     let hulls = [&a, &b].map(|body| body.pack.hull(0).expect("a pack has a hull"));
+    let (shape_a, shape_b) = (a.shape(hulls[0]), b.shape(hulls[1]));
     let mut caches = Caches::default();
     for _ in 0..POSES {
         let Some(b_in_a) = pose(&mut bytes, &a, &b) else { return };
         let scene = Scene::new(&a, &b, b_in_a, &hulls);
-        a.with(hulls[0], &mut WithFirst { body: &b, hull: hulls[1], scene: &scene, caches: &mut caches });
+        ask(&*shape_a, &*shape_b, &scene, &mut caches);
         if bytes.is_empty() {
             return;
         }
@@ -72,56 +74,25 @@ struct Caches {
     manifold_cache: Cache,
 }
 
-/// Continuation that receives a shape of a concrete type.
-trait With {
-    fn with(&mut self, shape: &impl Shape);
-}
-
-struct WithFirst<'s, 'h> {
-    body: &'s Body,
-    hull: Hull<'h>,
-    scene: &'s Scene<'s>,
-    caches: &'s mut Caches,
-}
-
-impl With for WithFirst<'_, '_> {
-    fn with(&mut self, shape: &impl Shape) {
-        self.body.with(self.hull, &mut WithBoth { a: shape, scene: self.scene, caches: self.caches });
+/// Runs all queries and judges the answers.
+fn ask(a: &Any<'_>, b: &Any<'_>, scene: &Scene<'_>, caches: &mut Caches) {
+    let (settings, b_in_a) = (Settings::default(), scene.b_in_a);
+    let yes = intersects(a, b, b_in_a, &mut caches.yes);
+    let deep = contact(a, b, b_in_a, &settings, &mut caches.deep);
+    let near = distance(a, b, b_in_a, &settings, &mut caches.near);
+    let steps =
+        [yes.iterations, yes.support_calls, deep.iterations, deep.support_calls, near.iterations, near.support_calls];
+    assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a cap is exceeded: {steps:?}");
+    // The nearest points up to rounding error: no lower bound may exceed their distance.
+    let nearest = Settings { tolerance: 0.0, ..settings };
+    let nearest = distance(a, b, b_in_a, &nearest, &mut Cache::default());
+    for near in [&near, &nearest] {
+        scene.judge(yes.status, &deep, near, nearest.point_a.distance(nearest.point_b));
     }
-}
-
-struct WithBoth<'s, A> {
-    a: &'s A,
-    scene: &'s Scene<'s>,
-    caches: &'s mut Caches,
-}
-
-impl<A: Shape> With for WithBoth<'_, A> {
-    fn with(&mut self, b: &impl Shape) {
-        let (settings, b_in_a) = (Settings::default(), self.scene.b_in_a);
-        let yes = intersects(self.a, b, b_in_a, &mut self.caches.yes);
-        let deep = contact(self.a, b, b_in_a, &settings, &mut self.caches.deep);
-        let near = distance(self.a, b, b_in_a, &settings, &mut self.caches.near);
-        let steps = [
-            yes.iterations,
-            yes.support_calls,
-            deep.iterations,
-            deep.support_calls,
-            near.iterations,
-            near.support_calls,
-        ];
-        assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a cap is exceeded: {steps:?}");
-        // The nearest points up to rounding error: no lower bound may exceed their distance.
-        let nearest = Settings { tolerance: 0.0, ..settings };
-        let nearest = distance(self.a, b, b_in_a, &nearest, &mut Cache::default());
-        for near in [&near, &nearest] {
-            self.scene.judge(yes.status, &deep, near, nearest.point_a.distance(nearest.point_b));
-        }
-        let Caches { manifold, manifold_cache, .. } = &mut self.caches;
-        manifold.update(self.a, b, b_in_a, &ManifoldSettings::default(), manifold_cache);
-        let points = manifold.points();
-        assert!(points.len() <= 4 && points.iter().all(|p| p.point_a.is_finite() && p.point_b.is_finite()));
-    }
+    let Caches { manifold, manifold_cache, .. } = caches;
+    manifold.update(a, b, b_in_a, &ManifoldSettings::default(), manifold_cache);
+    let points = manifold.points();
+    assert!(points.len() <= 4 && points.iter().all(|p| p.point_a.is_finite() && p.point_b.is_finite()));
 }
 
 impl Body {
@@ -146,13 +117,13 @@ impl Body {
         Some(Self { pack, scale, radius, points })
     }
 
-    fn with(&self, hull: Hull<'_>, then: &mut impl With) {
+    fn shape<'h>(&self, hull: Hull<'h>) -> Box<Any<'h>> {
         if self.radius > 0.0 {
-            then.with(&Rounded::new(hull, self.radius).expect("the radius is positive"));
+            Box::new(Rounded::new(hull, self.radius).expect("the radius is positive"))
         } else if self.scale == DVec3::ONE {
-            then.with(&hull);
+            Box::new(hull)
         } else {
-            then.with(&Scaled::new(hull, self.scale).expect("all factors are nonzero"));
+            Box::new(Scaled::new(hull, self.scale).expect("all factors are nonzero"))
         }
     }
 

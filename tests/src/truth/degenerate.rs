@@ -12,6 +12,7 @@ use hullmap_testkit::{faceless::Faceless, packs, random::RandomPoses};
 use shapes::{families, rng::SplitMix64};
 
 use super::exact::{Depth, depth};
+use crate::soak::body::Any;
 
 /// How the bodies lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -174,11 +175,12 @@ impl Tally {
         let exact = Settings { tolerance: 0.0, ..Settings::default() };
         let mut cache = Cache::new();
         let facets = contact_by_facets(&a, &b, b_in_a, &exact);
+        let (hidden_a, hidden_b): (&Any<'_>, &Any<'_>) = (&Faceless(a), &Faceless(b));
         let mut answers = vec![
             ("cold", contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new())),
             ("tolerance 0", contact(&a, &b, b_in_a, &exact, &mut cache)),
             ("warm", contact(&a, &b, b_in_a, &exact, &mut cache)),
-            ("general", contact(&Faceless(a), &Faceless(b), b_in_a, &exact, &mut Cache::new())),
+            ("general", contact(hidden_a, hidden_b, b_in_a, &exact, &mut Cache::new())),
         ];
         answers.extend(facets.map(|found| ("by facets", found)));
         let count = self.counts.entry(meeting.kind).or_default();

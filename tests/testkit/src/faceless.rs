@@ -1,6 +1,6 @@
 //! A hull as a shape without faces, so that the solver takes the general path.
 
-use hullmap::{Hull, SupportMap, SupportPoint, glam::DVec3};
+use hullmap::{Hull, Shape, SupportMap, SupportPoint, glam::DVec3};
 
 /// A hull whose faces are hidden from the solver: contacts come from portal refinement (MPR) and
 /// EPA, never from the separating axis test.
@@ -28,3 +28,5 @@ impl SupportMap for Faceless<'_> {
         self.0.point(feature)
     }
 }
+
+impl Shape for Faceless<'_> {}

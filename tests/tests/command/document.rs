@@ -5,9 +5,9 @@ use std::{
     fs,
 };
 
-use hullmap_tests::{
+use hullmap_outside::{
     command::{bake, bake_in},
-    outside::workspace,
+    files::workspace,
 };
 use serde_json::Value;
 

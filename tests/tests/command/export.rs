@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use hullmap::{Hull, Pack};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
+use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::files::workspace;
 use hullmap_testkit::packs::{self, point_set};
-use hullmap_tests::command::{Run, bake_in};
-use hullmap_tests::outside::workspace;
 use shapes::families::Family;
 use tempfile::TempDir;
 

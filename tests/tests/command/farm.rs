@@ -2,8 +2,8 @@
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use hullmap_tests::command::{Run, bake_in};
-use hullmap_tests::outside::contents;
+use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::files::contents;
 use serde_json::Value;
 use tempfile::TempDir;
 

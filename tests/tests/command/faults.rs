@@ -8,15 +8,13 @@ use std::{
     sync::atomic::{AtomicBool, Ordering::Relaxed},
 };
 
-use hullmap_tests::{
-    command::{bake_in, binary},
-    faults::{
-        calls,
-        inject::{Errno, Fault, Injector},
-        kills,
-        power::{self, Op},
-        project::Project,
-    },
+use hullmap_outside::command::{bake_in, binary};
+use hullmap_tests::faults::{
+    calls,
+    inject::{Errno, Fault, Injector},
+    kills,
+    power::{self, Op},
+    project::Project,
 };
 
 const THREADS: usize = 2;

@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use hullmap_tests::command::{bake_in, binary, command};
+use hullmap_outside::command::{bake_in, binary, command};
 use shapes::families::Family;
 use tempfile::TempDir;
 

@@ -28,7 +28,8 @@ use std::{
 use glam::DVec3;
 use hullmap::{Hull, Pack};
 use hullmap_bake::hull::{quickhull, rank, rank::Simplex};
-use hullmap_tests::{command::bake, outside, wavefront};
+use hullmap_outside::{command::bake, files};
+use hullmap_tests::wavefront;
 
 /// Columns of the manifest that the tests read.
 const COLUMNS: [&str; 5] = ["file", "hull_vertices", "hull_volume", "diameter", "hull_vertices_referenced_only"];
@@ -45,8 +46,8 @@ const DIAMETER: f64 = 1e-6;
 
 /// The folder of committed meshes, and the one that `HULLMAP_MESHES` names.
 fn folders() -> Vec<PathBuf> {
-    let committed = outside::workspace().join("tests/meshes");
-    [committed].into_iter().chain(outside::path("HULLMAP_MESHES", "more meshes")).collect()
+    let committed = files::workspace().join("tests/meshes");
+    [committed].into_iter().chain(files::path("HULLMAP_MESHES", "more meshes")).collect()
 }
 
 /// Rows of the manifest, by column.

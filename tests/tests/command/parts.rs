@@ -9,10 +9,10 @@ use hullmap_bake::{
     BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
 use hullmap_format::{archive::ArchivedHullRecord, header::source_hash};
+use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::files::workspace;
 use hullmap_testkit::packs::reseal;
-use hullmap_tests::command::{Run, bake_in};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
-use hullmap_tests::outside::workspace;
 use shapes::{families::Family, rng::SplitMix64};
 use tempfile::TempDir;
 

@@ -7,7 +7,7 @@ use std::{
     process::Command,
 };
 
-use hullmap_tests::command::{Run, bake_in, binary};
+use hullmap_outside::command::{Run, bake_in, binary};
 use serde_json::Value;
 use tempfile::TempDir;
 

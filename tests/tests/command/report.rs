@@ -12,9 +12,9 @@ use std::{
     sync::OnceLock,
 };
 
-use hullmap_tests::{
+use hullmap_outside::{
     command::{Run, bake_in},
-    outside::workspace,
+    files::workspace,
 };
 use shapes::families::Family;
 use tempfile::TempDir;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use hullmap::Pack;
 use hullmap::glam::Vec3;
-use hullmap_tests::command::{Run, bake_in};
+use hullmap_outside::command::{Run, bake_in};
 use serde_json::Value;
 use shapes::mesh::Mesh;
 use shapes::{gltf, ply, solids, stl};

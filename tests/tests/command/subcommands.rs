@@ -10,8 +10,8 @@ use std::{
 use glam::DVec3;
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::{header::source_hash, slot::Slot};
+use hullmap_outside::command::{Run, bake_in};
 use hullmap_testkit::packs::{self, point_set};
-use hullmap_tests::command::{Run, bake_in};
 use serde_json::Value;
 use shapes::families::Family;
 use tempfile::TempDir;

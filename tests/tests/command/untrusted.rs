@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::header::source_hash;
+use hullmap_outside::command::{Run, bake_in, command};
+use hullmap_outside::files::workspace;
 use hullmap_testkit::packs::{self, point_set};
-use hullmap_tests::command::{Run, bake_in, command};
-use hullmap_tests::outside::workspace;
 use tempfile::TempDir;
 
 const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";

@@ -248,10 +248,10 @@ fn every_family_with_every_index() {
     let mut sum = Met::default();
     for family in Family::ALL {
         let points = family.points(1_500, 11);
-        sum.add(check(family.name(), &points, &ALL_INDICES, 12_000, SLIVERS));
-        sum.add(check(family.name(), &family.points(20_000, 5), &ALL_INDICES[..1], 20_000, SLIVERS));
+        sum.add(check(family.name(), &points, &ALL_INDICES, 4_000, SLIVERS));
+        sum.add(check(family.name(), &family.points(20_000, 5), &ALL_INDICES[..1], 7_000, SLIVERS));
         for n in [8, 9, 40, 200] {
-            sum.add(check(&format!("{} {n}", family.name()), &family.points(n, 7), &ALL_INDICES, 3_000, SLIVERS));
+            sum.add(check(&format!("{} {n}", family.name()), &family.points(n, 7), &ALL_INDICES, 1_500, SLIVERS));
         }
     }
     sum.assert_representative();
@@ -270,7 +270,7 @@ fn every_family_turned_scaled_and_moved() {
             ("huge", around(1e6, 0.0)),
             ("far", around(1.0, 1_000.0)),
         ] {
-            sum.add(check(&format!("{} {name}", family.name()), &points, &ALL_INDICES[..2], 12_000, SLIVERS));
+            sum.add(check(&format!("{} {name}", family.name()), &points, &ALL_INDICES[..2], 4_000, SLIVERS));
         }
     }
     sum.assert_representative();
@@ -310,7 +310,7 @@ fn prisms_and_other_shapes_with_fans() {
     ));
     shapes.push(("long rod".into(), base.iter().map(|p| [p[0] * 1e-3, p[1] * 1e-3, p[2]]).collect()));
     for (name, points) in shapes {
-        sum.add(check(&name, &points, &ALL_INDICES[..2], 25_000, SLIVERS));
+        sum.add(check(&name, &points, &ALL_INDICES[..2], 8_000, SLIVERS));
     }
     sum.assert_representative();
 }
@@ -333,7 +333,7 @@ fn nearly_flat_caps() {
         for n in [300, 3_000] {
             let name = |kind| format!("{kind} cap {bump:e}, {n}");
             let mut check_cap = |kind, points: &[[f32; 3]]| {
-                sum.add(check(&name(kind), points, &ALL_INDICES[..1], 12_000, SLIVERS_AT_AXIS));
+                sum.add(check(&name(kind), points, &ALL_INDICES[..1], 5_000, SLIVERS_AT_AXIS));
             };
             check_cap("bumpy", &bumpy_cap(bump, &random(n, 4)));
             check_cap("crowded", &bumpy_cap(bump, &crowded(n, 2)));

@@ -55,7 +55,7 @@ fn exact_on_every_family_with_every_index() {
 fn exact_on_large_families() {
     for family in Family::ALL {
         let points = family.points(20_000, 3);
-        let worst = check(family.name(), &points, IndexKind::Tree, 3_000);
+        let worst = check(family.name(), &points, IndexKind::Tree, 1_000);
         println!("{:20} worst regret {worst:.1e}", family.name());
     }
 }

@@ -11,13 +11,11 @@ use hullmap_format::{
     header::Header,
     slot::{Branch, Slot, encode_f64},
 };
+use hullmap_outside::files::workspace;
 use hullmap_testkit::packs::{self, point_set, reseal};
-use hullmap_tests::{
-    hostile::{
-        patch::{archive, offset_of, open_with, payload},
-        samples,
-    },
-    outside::workspace,
+use hullmap_tests::hostile::{
+    patch::{archive, offset_of, open_with, payload},
+    samples,
 };
 use shapes::families::Family;
 

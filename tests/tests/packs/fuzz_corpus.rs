@@ -3,13 +3,11 @@
 
 use std::fs;
 
-use hullmap_tests::{
-    fuzzed::{
-        TARGETS, Target,
-        corpus::{self, Input},
-        seeds,
-    },
-    outside::workspace,
+use hullmap_outside::files::workspace;
+use hullmap_tests::fuzzed::{
+    TARGETS, Target,
+    corpus::{self, Input},
+    seeds,
 };
 
 fn archive(target: &str) -> Vec<u8> {

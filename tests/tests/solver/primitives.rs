@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use hullmap::shapes::{HalfSpace, Segment, Triangle};
 use hullmap::{
-    Bounds, Cache, CastSettings, Motion, Overlap, Pose, Ray, Settings, Shape, Status, SupportMap, contact, distance,
+    Bounds, Cache, CastSettings, Motion, Overlap, Pose, Ray, Settings, Status, SupportMap, contact, distance,
     intersects,
 };
 use hullmap_bake::IndexKind;
@@ -15,7 +15,10 @@ use hullmap_testkit::{
     random::RandomPoses,
     reach::{Placed, Reach},
 };
-use hullmap_tests::soak::bodies::{Bodies, Stock};
+use hullmap_tests::soak::{
+    bodies::{Bodies, Stock},
+    body::Any,
+};
 use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 20_261_122;
@@ -33,7 +36,7 @@ fn triangles_and_segments_against_hulls() {
         let corners = [(); 3].map(|()| (rng.unit_vector() * size).as_vec3());
         let points = corners.map(|p| p.as_dvec3());
         let is_triangle = i % 2 == 0;
-        let (flat, baked): (Box<dyn Shape>, _) = if is_triangle {
+        let (flat, baked): (Box<Any<'_>>, _) = if is_triangle {
             (Box::new(Triangle::new(points).unwrap()), pack("flat", &corners.map(|p| p.to_array()), IndexKind::Tree))
         } else {
             let ends = [corners[0].to_array(), corners[1].to_array()];
@@ -41,11 +44,12 @@ fn triangles_and_segments_against_hulls() {
         };
         let solid = &solids[rng.below(solids.len())];
         let hull = solid.hull(0).unwrap();
+        let whole: &Any<'_> = &hull;
         let pose = rng.pose(1.0 + 1.2 * size);
         let settings = Settings::default();
-        let deep = contact(&hull, &*flat, pose, &settings, &mut Cache::new());
-        let near = distance(&hull, &*flat, pose, &settings, &mut Cache::new());
-        let yes = intersects(&hull, &*flat, pose, &mut Cache::new());
+        let deep = contact(whole, &*flat, pose, &settings, &mut Cache::new());
+        let near = distance(whole, &*flat, pose, &settings, &mut Cache::new());
+        let yes = intersects(whole, &*flat, pose, &mut Cache::new());
         let at = format!("seed {SEED}, {i}: {deep:?} {near:?} {yes:?}");
         assert!(!matches!(deep.status, Status::Stalled | Status::IterationLimit), "{at}");
         hits += usize::from(deep.hit);
@@ -53,7 +57,7 @@ fn triangles_and_segments_against_hulls() {
         let twin = baked.hull(0).unwrap();
         let twins = [
             contact(&hull, &twin, pose, &settings, &mut Cache::new()),
-            contact(&*flat, &hull, pose.inverse(), &settings, &mut Cache::new()),
+            contact(&*flat, whole, pose.inverse(), &settings, &mut Cache::new()),
         ];
         for twin in twins {
             assert!(
@@ -263,9 +267,10 @@ fn caches_started_from_an_axis_save_support_calls() {
         let size = a.outer_radius().min(b.outer_radius());
         let before = rng.pose(2.2 * size);
         let after = Pose::new(before.translation() + rng.unit_vector() * (0.01 * size), before.rotation()).unwrap();
-        let triangle = Triangle::new([(); 3].map(|()| rng.unit_vector() * size)).unwrap();
+        let (hull, triangle): (&Any<'_>, &Any<'_>) =
+            (&a, &Triangle::new([(); 3].map(|()| rng.unit_vector() * size)).unwrap());
         let axis = distance(&a, &b, before, &settings, &mut Cache::new());
-        let other = distance(&a, &triangle, before, &settings, &mut Cache::new());
+        let other = distance(hull, triangle, before, &settings, &mut Cache::new());
         if axis.distance < 0.02 * size || other.distance < 0.02 * size {
             continue;
         }
@@ -280,7 +285,7 @@ fn caches_started_from_an_axis_save_support_calls() {
             calls[0] += deep.support_calls;
             calls[1] += intersects(&a, &b, after, &mut cache()).support_calls;
             calls[2] += distance(&a, &b, after, &settings, &mut cache()).support_calls;
-            calls[3] += distance(&a, &triangle, after, &settings, &mut { beside }).support_calls;
+            calls[3] += distance(hull, triangle, after, &settings, &mut { beside }).support_calls;
         }
     }
     println!("{apart} pairs: {fresh:?} support calls with empty caches, {started:?} with axes");

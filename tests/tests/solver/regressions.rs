@@ -3,15 +3,16 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cuboid, Cylinder, Sphere};
-use hullmap::{Cache, Contact, Overlap, Pose, Settings, Status, SupportMap, contact, distance, intersects};
+use hullmap::{Cache, Contact, Overlap, Pose, Settings, Status, contact, distance, intersects};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{
     packs::{pack, tree_pack},
     random::RandomPoses,
 };
+use hullmap_tests::soak::body::Any;
 use shapes::{families, rng::SplitMix64};
 
-fn deep<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
+fn deep(a: &Any<'_>, b: &Any<'_>, pose: Pose) -> Contact {
     contact(a, b, pose, &Settings::default(), &mut Cache::new())
 }
 
@@ -51,13 +52,14 @@ fn depth_of_cores_8e_13_apart() {
 /// error.
 #[test]
 fn thin_penetrating_cores_do_not_merely_touch() {
-    let (disc, needle) = (Cylinder::new(0.0, 800.0).unwrap(), Capsule::new(7e-7, 1e-12).unwrap());
+    let (disc, needle): (&Any<'_>, &Any<'_>) =
+        (&Cylinder::new(0.0, 800.0).unwrap(), &Capsule::new(7e-7, 1e-12).unwrap());
     let shift = DVec3::new(5.971920797150828e-12, 4.4407429005608977e-11, 2.5103881645942507e-11);
     let turn = DQuat::from_xyzw(-0.05669111068631973, -0.6217613658996758, 0.6314151869169203, -0.45990776);
     let pose = Pose::new(shift, turn.normalize()).unwrap();
     for (deep, yes) in [
-        (deep(&needle, &disc, pose), intersects(&needle, &disc, pose, &mut Cache::new())),
-        (deep(&disc, &needle, pose.inverse()), intersects(&disc, &needle, pose.inverse(), &mut Cache::new())),
+        (deep(needle, disc, pose), intersects(needle, disc, pose, &mut Cache::new())),
+        (deep(disc, needle, pose.inverse()), intersects(disc, needle, pose.inverse(), &mut Cache::new())),
     ] {
         assert!(deep.depth_lower > 1.5e-7, "{deep:?}");
         assert_eq!(yes.status, Overlap::Overlapping, "{deep:?}");
@@ -79,7 +81,7 @@ fn contact_points_lie_along_the_normal_at_the_iteration_cap() {
 
 /// Checks that the witness points are on the support planes, and opposite each other, to within the
 /// interval of the depth.
-fn assert_settled<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose, c: &Contact) {
+fn assert_settled(a: &Any<'_>, b: &Any<'_>, pose: Pose, c: &Contact) {
     assert!(c.hit && matches!(c.status, Status::Exact | Status::Within), "{pose:?}: {c:?}");
     let most = c.depth_upper - c.depth_lower + 1e-12 * (a.outer_radius() + b.outer_radius());
     let off = (c.point_a - c.point_b).distance(c.normal * c.depth);
@@ -99,7 +101,8 @@ fn witness_points_of_a_thin_body_deep_in_a_thick_one() {
         let unit = [1.0, 1e-3, 1e3, 1e-30, 1e30][round % 5];
         let half = DVec3::new(rng.between(0.4, 0.6), rng.between(0.4, 0.6), rng.between(0.4, 0.6)) * unit;
         let (height, radius) = (rng.between(0.01, 0.2) * unit, rng.between(0.1, 0.3) * unit);
-        let (thick, thin) = (Cuboid::new(half).unwrap(), Cylinder::new(height, radius).unwrap());
+        let (thick, thin): (&Any<'_>, &Any<'_>) =
+            (&Cuboid::new(half).unwrap(), &Cylinder::new(height, radius).unwrap());
         let turn = if round % 4 == 0 { rng.rotation() } else { DQuat::IDENTITY };
         let shift = if round % 2 == 0 { DVec3::ZERO } else { rng.unit_vector() * (0.1 * unit) };
         let pose = Pose::new(shift, turn).unwrap();
@@ -108,11 +111,11 @@ fn witness_points_of_a_thin_body_deep_in_a_thick_one() {
             let mut cache = Cache::new();
             if again {
                 let beside = Pose::new(shift + DVec3::splat(1e-3 * unit), turn).unwrap();
-                contact(&thin, &thick, beside, &settings, &mut cache);
+                contact(thin, thick, beside, &settings, &mut cache);
             }
-            let c = contact(&thin, &thick, pose, &settings, &mut cache);
+            let c = contact(thin, thick, pose, &settings, &mut cache);
             if tolerance > 0.0 || c.status != Status::IterationLimit {
-                assert_settled(&thin, &thick, pose, &c);
+                assert_settled(thin, thick, pose, &c);
             }
         }
     }

@@ -8,9 +8,10 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use hullmap::shapes::{Cone, Cuboid, Cylinder, Rounded, Scaled};
-use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pose, Shape, manifold::ManifoldPoint};
+use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pose, manifold::ManifoldPoint};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::packs::pack;
+use hullmap_tests::soak::body::Any;
 use shapes::solids::{extrusion, regular_polygon};
 
 const STEP: f64 = 1.0 / 60.0;
@@ -26,7 +27,7 @@ const SLOP: f64 = 1e-3;
 /// A standing body: its shape and mass properties.
 #[derive(Clone, Copy)]
 struct Solid<'a> {
-    shape: &'a dyn Shape,
+    shape: &'a Any<'a>,
     centroid: DVec3,
     /// About the centroid, over the mass: xx, yy, zz, yz, zx, xy.
     moments: [f64; 6],
@@ -125,7 +126,7 @@ struct Outcome {
 
 /// Lets `body` stand on a box whose top is at 0.
 fn simulate(mut body: Body, points: Points<'_>) -> Outcome {
-    let floor = Cuboid::new(DVec3::new(20.0, 20.0, 1.0)).unwrap();
+    let floor: &Any<'_> = &Cuboid::new(DVec3::new(20.0, 20.0, 1.0)).unwrap();
     let size = body.solid.size;
     let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
     let (up, start) = (body.rotation.inverse() * DVec3::Z, body.center);
@@ -134,7 +135,7 @@ fn simulate(mut body: Body, points: Points<'_>) -> Outcome {
         body.velocity += GRAVITY * STEP;
         let pose = body.pose();
         let lowered = Pose::new(pose.translation() + DVec3::Z, pose.rotation()).unwrap();
-        manifold.update(&floor, body.solid.shape, lowered, &ManifoldSettings::default(), &mut cache);
+        manifold.update(floor, body.solid.shape, lowered, &ManifoldSettings::default(), &mut cache);
         if let Points::FirstFour(hull) = points {
             let face = hull.face_towards(body.rotation.inverse() * DVec3::NEG_Z).unwrap();
             let corners = hull.face(face).take(4).map(|v| pose.transform_point(hull.vertex(v).unwrap().as_dvec3()));
@@ -198,7 +199,7 @@ fn turned(points: &[[f32; 3]], rotation: DQuat) -> Vec<[f32; 3]> {
 }
 
 fn asset(name: &str) -> Vec<[f32; 3]> {
-    let path = hullmap_tests::outside::workspace().join("assets").join(name);
+    let path = hullmap_outside::files::workspace().join("assets").join(name);
     let text = std::fs::read_to_string(path).unwrap();
     let numbers = |line: &str| -> [f32; 3] {
         line.split_whitespace().map(|c| c.parse().unwrap()).collect::<Vec<f32>>().try_into().unwrap()

@@ -13,8 +13,9 @@ use super::super::limits::{GLTF_LIST, MEMORY_BASE, MEMORY_FACTOR};
 use super::super::*;
 use crate::options::Split;
 
-/// Size of the large files in bytes.
-const SIZE: usize = 24 << 20;
+/// Size of the large files in bytes: two parts of an OBJ file, and several times the memory that an
+/// import takes whatever the size.
+const SIZE: usize = 8 << 20;
 
 /// Environment variable with the index of the file that the child process imports.
 const CASE: &str = "HULLMAP_IMPORT_CASE";

@@ -1,5 +1,6 @@
 //! Queries between whole packs, compared with their slow twin: a query of each pair of hulls.
 
+use crate::any_shape;
 use glam::{DQuat, DVec3};
 use hullmap::compound::{CompoundManifolds, half_space};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
@@ -231,11 +232,12 @@ fn single_shapes_agree_with_all_parts() {
             let (mut depth_lower, mut depth_upper, mut contacts) = (0.0_f64, 0.0_f64, Vec::new());
             let mut overlaps = false;
             for (index, part) in parts() {
-                let near = hullmap::distance(&part, &*shape, pose, &settings, &mut Cache::new());
-                let deep = hullmap::contact(&part, &*shape, pose, &settings, &mut Cache::new());
+                let near = any_shape::distance(&part, &*shape, pose, &settings, &mut Cache::new());
+                let deep = any_shape::contact(&part, &*shape, pose, &settings, &mut Cache::new());
                 (lower, upper) = (lower.min(near.lower), upper.min(near.upper));
                 (depth_lower, depth_upper) = (depth_lower.max(deep.depth_lower), depth_upper.max(deep.depth_upper));
-                overlaps |= hullmap::intersects(&part, &*shape, pose, &mut Cache::new()).status == Overlap::Overlapping;
+                overlaps |=
+                    any_shape::intersects(&part, &*shape, pose, &mut Cache::new()).status == Overlap::Overlapping;
                 if deep.hit {
                     contacts.push(index);
                 }
@@ -344,7 +346,8 @@ fn signed_distance_is_the_minimum_over_all_parts() {
         assert!(compound::signed_distance(&Compound::new(&two), point, &settings, &mut cache).is_err());
     }
     // A single shape is a compound of one part.
-    let ball = compound::signed_distance(&Sphere::new(1.0).unwrap(), DVec3::X * 3.0, &settings, &mut cache).unwrap();
+    let ball: &dyn Shape = &Sphere::new(1.0).unwrap();
+    let ball = compound::signed_distance(ball, DVec3::X * 3.0, &settings, &mut cache).unwrap();
     assert!((ball.answer.distance - 2.0).abs() < 1e-12 && ball.pairs == 1);
 }
 
@@ -444,7 +447,8 @@ fn manifolds_agree_with_those_of_all_pairs() {
 fn manifolds_of_shapes_and_half_spaces() {
     let many = pack(12, 1.0, 5);
     let whole = Compound::new(&many);
-    let (slab, floor) = (Cuboid::new(DVec3::new(50.0, 50.0, 50.0)).unwrap(), HalfSpace::new(DVec3::Z, 50.0).unwrap());
+    let (cube, floor) = (Cuboid::new(DVec3::new(50.0, 50.0, 50.0)).unwrap(), HalfSpace::new(DVec3::Z, 50.0).unwrap());
+    let slab: &dyn Shape = &cube;
     let settings = ManifoldSettings { prediction: Prediction::Length(0.05), ..ManifoldSettings::default() };
     let (mut on_slab, mut on_floor, mut few) =
         (CompoundManifolds::new(16), CompoundManifolds::new(16), CompoundManifolds::new(2));
@@ -454,7 +458,7 @@ fn manifolds_of_shapes_and_half_spaces() {
     for step in 0..40 {
         let t = f64::from(step);
         let pose = Pose::new(DVec3::new(0.0, 0.0, 50.9 - 0.03 * t), DQuat::from_rotation_x(0.01 * t)).unwrap();
-        let counts = on_slab.update(&slab, &whole, pose, &settings);
+        let counts = on_slab.update(slab, &whole, pose, &settings);
         let below = on_floor.update_half_space(&floor, &whole, pose, &settings);
         assert_eq!(counts.touching, below.touching, "{step}");
         for ((pair, found), (twin_pair, twin)) in on_slab.iter().zip(on_floor.iter()) {
@@ -466,7 +470,7 @@ fn manifolds_of_shapes_and_half_spaces() {
             let depth = (lowest.point_a - lowest.point_b).z;
             assert!((deepest(twin) - depth).abs() <= 0.1 * 0.05 + 1e-4, "{step}, {pair:?}");
         }
-        let seen = few.update(&slab, &whole, pose, &settings);
+        let seen = few.update(slab, &whole, pose, &settings);
         assert_eq!(seen.touching + seen.dropped, counts.touching, "{step}");
         assert_eq!(few.len(), 2.min(counts.touching as usize), "{step}");
         // A pair that has a slot keeps it.
@@ -480,7 +484,7 @@ fn manifolds_of_shapes_and_half_spaces() {
     }
     assert!(dropped > 50, "{dropped}");
     let gone = Pose::from_translation(DVec3::Z * 90.0).unwrap();
-    assert_eq!((on_slab.update(&slab, &whole, gone, &settings).touching, on_slab.is_empty()), (0, true));
+    assert_eq!((on_slab.update(slab, &whole, gone, &settings).touching, on_slab.is_empty()), (0, true));
     on_floor.clear();
     assert!(on_floor.is_empty() && on_floor.iter().next().is_none() && on_floor.get([0, 0]).is_none());
 }

@@ -1,11 +1,12 @@
 //! Rays, shape casts and signed distances against the truth in f64: clipping by all planes of a
 //! hull, by all facets of a Minkowski difference, or by bisection of a closed form.
 
+use crate::any_shape::{cast, distance, ray};
 use glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Sphere};
 use hullmap::{
-    Cache, CastSettings, CompoundCache, Impact, Motion, Pack, Pose, Ray, RayHit, Settings, Status, SupportMap, cast,
-    compound, distance, ray, signed_distance,
+    Cache, CastSettings, CompoundCache, Impact, Motion, Pack, Pose, Ray, RayHit, Settings, Shape, Status, SupportMap,
+    compound, signed_distance,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::{
@@ -142,7 +143,7 @@ fn rays_at_hulls() {
             let max_t = if round % 4 == 0 { rng.between(0.0, 4.0) } else { f64::INFINITY };
             let settings = CastSettings { max_t, ..CastSettings::default() };
             let line = Ray::new(origin, direction).unwrap();
-            let found = ray(&hull, &line, &settings);
+            let found = hullmap::ray(&hull, &line, &settings);
             let slack = 16.0 * f64::EPSILON * (polytope.greatest() + origin.length());
             let truth = passage_of_point(&polytope, &offsets, origin, direction, slack);
             let t = [found.t_lower, found.t, found.t_upper];
@@ -172,7 +173,7 @@ fn casts_of_hulls() {
                 let velocity = if round % 5 == 0 { rng.unit_vector() } else { aim };
                 let max_t = if round % 3 == 0 { 1.0 } else { f64::INFINITY };
                 let settings = CastSettings { max_t, ..CastSettings::default() };
-                let found = cast(a, b, pose, Motion::new(velocity).unwrap(), &settings, &mut cache);
+                let found = hullmap::cast(a, b, pose, Motion::new(velocity).unwrap(), &settings, &mut cache);
                 let placed = polytope_b.placed(pose);
                 let slack = rounding_error(polytope_a, &placed, pose.translation().length());
                 // The facets of two parallel polygons are not known.
@@ -194,7 +195,7 @@ fn casts_of_hulls() {
 }
 
 /// A shape and its signed distance, up to a factor: negative inside and convex.
-type Form = (&'static str, Box<dyn SupportMap>, Box<dyn Fn(DVec3) -> f64>);
+type Form = (&'static str, Box<dyn Shape>, Box<dyn Fn(DVec3) -> f64>);
 
 fn closed_forms() -> Vec<Form> {
     let across = |p: DVec3| (p.x * p.x + p.y * p.y).sqrt();
@@ -297,8 +298,8 @@ fn casts_of_all_shapes_by_their_distance() {
     let rock = tree_pack(&Family::Rock.points(60, 1));
     let hull = rock.hull(0).unwrap();
     let soap = Rounded::new(hull, 0.05).unwrap();
-    let mut shapes: Vec<(&str, &dyn SupportMap)> = forms.iter().map(|(name, shape, _)| (*name, &**shape)).collect();
-    shapes.extend([("hull", &hull as &dyn SupportMap), ("rounded hull", &soap)]);
+    let mut shapes: Vec<(&str, &dyn Shape)> = forms.iter().map(|(name, shape, _)| (*name, &**shape)).collect();
+    shapes.extend([("hull", &hull as &dyn Shape), ("rounded hull", &soap)]);
     let mut rng = SplitMix64::new(SEED);
     let mut counts = [0; 3];
     for (name_a, a) in &shapes {
@@ -513,7 +514,7 @@ fn all_entries(size: f64, start: DVec3, velocity: DVec3, settings: &CastSettings
     let (motion, line, at) =
         (Motion::new(velocity).unwrap(), Ray::new(start, velocity).unwrap(), Pose::from_translation(start).unwrap());
     let (cube, ball) = (Cuboid::new(DVec3::splat(size)).unwrap(), Sphere::new(size).unwrap());
-    let floor = HalfSpace::new(DVec3::X, size).unwrap();
+    let (floor, one) = (HalfSpace::new(DVec3::X, size).unwrap(), &cube as &dyn Shape);
     let of_ray = |found: RayHit| {
         let RayHit { hit, status, t, t_lower, t_upper, point, .. } = found;
         Impact { hit, status, t, t_lower, t_upper, point_a: point, point_b: point, ..Impact::default() }
@@ -523,12 +524,12 @@ fn all_entries(size: f64, start: DVec3, velocity: DVec3, settings: &CastSettings
         ("ray at a box", of_ray(ray(&cube, &line, settings))),
         ("ray at a ball", of_ray(ray(&ball, &line, settings))),
         ("ray at a half-space", of_ray(floor.ray(&line, settings))),
-        ("ray at a compound", of_ray(compound::ray(&cube, &line, settings).answer)),
+        ("ray at a compound", of_ray(compound::ray(one, &line, settings).answer)),
         ("box", cast(&cube, &cube, at, motion, settings, none)),
         ("ball", cast(&cube, &ball, at, motion, settings, none)),
         ("box and half-space", floor.cast(&cube, at, motion, settings)),
         ("compound and half-space", compound::half_space::cast(&floor, &cube, at, motion, settings).answer),
-        ("compound", compound::cast(&cube, &cube, at, motion, settings, &mut CompoundCache::default()).answer),
+        ("compound", compound::cast(one, one, at, motion, settings, &mut CompoundCache::default()).answer),
     ]
 }
 
@@ -663,7 +664,7 @@ fn vectors_that_are_not_finite_are_rejected() {
         assert_eq!(Ray::new(DVec3::X, v).unwrap_err().what, "direction");
         assert_eq!(Motion::new(v).unwrap_err().what, "velocity");
         let cube = Cuboid::new(DVec3::ONE).unwrap();
-        let found = signed_distance(&cube, v, &Settings::default(), &mut Cache::new());
+        let found = signed_distance(&cube as &dyn Shape, v, &Settings::default(), &mut Cache::new());
         assert_eq!(found.unwrap_err().what, "point");
     }
 }

@@ -1,5 +1,6 @@
 //! Features within reach of a support plane, compared with scans of all vertices and faces in f64.
 
+use crate::any_shape::update;
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, TILT};
 use hullmap::{
@@ -251,7 +252,7 @@ fn small_bodies_keep_their_points_while_they_lean() {
                 let height = 1.0 - low + rng.between(-0.02, 0.02) * size;
                 let pose = Pose::new(DVec3::new(0.0, 0.0, height), rotation).unwrap();
                 let mut manifold = Manifold::new();
-                let contact = manifold.update(&floor, &hull, pose, &settings, &mut Cache::new());
+                let contact = update(&mut manifold, &floor, &hull, pose, &settings, &mut Cache::new());
                 let label = format!("{i}, size {size}, {round}: {manifold:?}");
                 assert!(manifold.points().len() >= 3, "{label}");
                 for p in manifold.points() {
@@ -416,7 +417,7 @@ fn reduced_features_support_as_well_as_whole_ones() {
                 let pose = Pose::new(DVec3::new(x, y, 0.995), turned.normalize()).unwrap();
                 let spanned = |a: &dyn Shape, b: &dyn Shape| {
                     let mut manifold = Manifold::new();
-                    let contact = manifold.update(a, b, pose, &settings, &mut Cache::new());
+                    let contact = update(&mut manifold, a, b, pose, &settings, &mut Cache::new());
                     let points: Vec<DVec3> = manifold.points().iter().map(|p| p.point_a).collect();
                     let order = [[0, 1, 2, 3], [0, 2, 1, 3], [0, 1, 3, 2]];
                     let n = manifold.normal();

@@ -1,6 +1,7 @@
 //! Manifolds of a half-space: compared with the manifolds of a large box, which has the same
 //! surface.
 
+use crate::any_shape::update;
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
 use hullmap::{Cache, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape};
@@ -72,7 +73,7 @@ fn a_half_space_equals_a_large_box() {
             let in_slab = Pose::new(shift + DVec3::Z * 1e3, turn).unwrap();
             let (mut found, mut twin) = (Manifold::new(), Manifold::new());
             let contact = found.update_half_space(&floor, &**body, pose, &settings);
-            twin.update(&slab, &**body, in_slab, &settings, &mut Cache::new());
+            update(&mut twin, &slab, &**body, in_slab, &settings, &mut Cache::new());
             let at = format!("body {which}, {i}, {pose:?}:\n{found:?}\n{twin:?}");
             total += 1;
             separated += usize::from(!contact.hit);

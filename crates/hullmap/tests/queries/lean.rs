@@ -1,5 +1,6 @@
 //! Lean packs: the same answers as full packs, except for hints, faces and manifolds.
 
+use crate::any_shape::update;
 use hullmap::glam::{DVec3, Vec3};
 use hullmap::shapes::{Cuboid, TILT};
 use hullmap::{
@@ -114,8 +115,8 @@ fn manifolds_of_lean_hulls_lie_on_both_shapes() {
         let lowest = -(turn.inverse() * DVec3::NEG_Z).dot(full.support_point(turn.inverse() * DVec3::NEG_Z).point);
         let pose = Pose::new(DVec3::new(0.3, -0.2, 1.0 - lowest - 1e-3), turn).unwrap();
         let [mut expected, mut found] = [Manifold::new(), Manifold::new()];
-        expected.update(&ground, &full, pose, &settings, &mut Cache::new());
-        found.update(&ground, &lean, pose, &settings, &mut Cache::new());
+        update(&mut expected, &ground, &full, pose, &settings, &mut Cache::new());
+        update(&mut found, &ground, &lean, pose, &settings, &mut Cache::new());
         assert_eq!(found.normal(), expected.normal());
         assert!(!found.points().is_empty());
         for point in found.points() {

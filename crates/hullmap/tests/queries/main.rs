@@ -1,6 +1,7 @@
 //! Tests of queries through the public interface, against ground truth in f64. One binary, so that
 //! the solver is compiled once.
 
+mod any_shape;
 mod cascade;
 mod compound;
 mod defaults;

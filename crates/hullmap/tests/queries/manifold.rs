@@ -1,6 +1,7 @@
 //! Contact manifolds: their points, the area that these span, and what persists from frame to
 //! frame.
 
+use crate::any_shape::update;
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
 use hullmap::{Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
@@ -20,7 +21,7 @@ fn pose_at(x: f64, y: f64, z: f64, rotation: DQuat) -> Pose {
 
 fn manifold(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Manifold {
     let mut manifold = Manifold::new();
-    manifold.update(a, b, pose, &ManifoldSettings::default(), &mut Cache::new());
+    update(&mut manifold, a, b, pose, &ManifoldSettings::default(), &mut Cache::new());
     manifold
 }
 
@@ -235,7 +236,7 @@ fn points_persist_with_their_impulses() {
             let rock = DQuat::from_scaled_axis(DVec3::new(slight(), slight(), 0.1 * t));
             let pose = pose_at(0.5 * t, 0.2 * t, 1.995, rock);
             let before: Vec<_> = manifold.points().iter().map(|p| (p.id, p.impulse, p.age)).collect();
-            let contact = manifold.update(&floor, &hull, pose, &ManifoldSettings::default(), &mut cache);
+            let contact = update(&mut manifold, &floor, &hull, pose, &ManifoldSettings::default(), &mut cache);
             assert!(contact.hit && manifold.points().len() == 4, "{manifold:?}");
             for p in manifold.points() {
                 // Each frame adds one.
@@ -272,7 +273,8 @@ fn gaps_within_the_prediction_keep_the_points() {
     let prediction = settings.prediction.length(cube.outer_radius());
     let mut ages = Vec::new();
     for gap in [-0.01, 0.5 * prediction, -0.01, 0.99 * prediction, 1.01 * prediction, 10.0, -0.01] {
-        let c = manifold.update(&floor, &cube, pose_at(0.2, 0.1, 2.0 + gap, DQuat::IDENTITY), &settings, &mut cache);
+        let c =
+            update(&mut manifold, &floor, &cube, pose_at(0.2, 0.1, 2.0 + gap, DQuat::IDENTITY), &settings, &mut cache);
         assert_eq!(c.hit, gap < 0.0);
         assert_eq!(manifold.points().len(), if gap <= prediction { 4 } else { 0 }, "{gap}: {manifold:?}");
         assert!(manifold.points().iter().all(|p| (p.depth + gap).abs() < 1e-9), "{gap}: {manifold:?}");
@@ -282,7 +284,7 @@ fn gaps_within_the_prediction_keep_the_points() {
     let nothing = [f64::NAN, -1.0, 0.0].into_iter().flat_map(|p| [Prediction::Relative(p), Prediction::Length(p)]);
     for prediction in nothing {
         let none = ManifoldSettings { prediction, ..settings };
-        manifold.update(&floor, &cube, pose_at(0.0, 0.0, 2.0 + 1e-3, DQuat::IDENTITY), &none, &mut cache);
+        update(&mut manifold, &floor, &cube, pose_at(0.0, 0.0, 2.0 + 1e-3, DQuat::IDENTITY), &none, &mut cache);
         assert!(manifold.points().is_empty());
     }
 }
@@ -297,7 +299,7 @@ fn a_prediction_is_a_length() {
         for (gap, count) in [(0.019, 4), (0.021, 0)] {
             let mut manifold = Manifold::new();
             let pose = pose_at(0.0, 0.0, 1.0 + half + gap, DQuat::IDENTITY);
-            manifold.update(&floor, &cube, pose, &settings, &mut Cache::new());
+            update(&mut manifold, &floor, &cube, pose, &settings, &mut Cache::new());
             assert_eq!(manifold.points().len(), count, "half edge {half}, gap {gap}");
         }
     }
@@ -310,7 +312,7 @@ fn user_data_stays_with_its_point() {
     let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
     let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
     let settings = ManifoldSettings::default();
-    manifold.update(&floor, &cube, pose_at(0.0, 0.0, 1.99, DQuat::IDENTITY), &settings, &mut cache);
+    update(&mut manifold, &floor, &cube, pose_at(0.0, 0.0, 1.99, DQuat::IDENTITY), &settings, &mut cache);
     for (i, p) in manifold.points_mut().iter_mut().enumerate() {
         assert_eq!(p.user_data, 0);
         p.user_data = 10 + i as u64;
@@ -318,7 +320,7 @@ fn user_data_stays_with_its_point() {
     let before: Vec<_> = manifold.points().iter().map(|p| (p.id, p.user_data)).collect();
     for step in 1..20 {
         let turn = DQuat::from_rotation_z(0.002 * f64::from(step));
-        manifold.update(&floor, &cube, pose_at(0.01 * f64::from(step), 0.0, 1.99, turn), &settings, &mut cache);
+        update(&mut manifold, &floor, &cube, pose_at(0.01 * f64::from(step), 0.0, 1.99, turn), &settings, &mut cache);
         assert_eq!(manifold.points().len(), 4);
         for p in manifold.points() {
             assert!(before.contains(&(p.id, p.user_data)), "{} has {}", p.id, p.user_data);

@@ -5,12 +5,10 @@
 //! bound of the depth, and its negative a lower bound of the distance. The distance of any two
 //! points is an upper bound of the distance.
 
+use crate::any_shape::{contact, distance, intersects};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Segment, Sphere, Triangle};
-use hullmap::{
-    Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, SupportPoint, contact,
-    distance, intersects,
-};
+use hullmap::{Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, SupportPoint};
 use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -45,6 +43,8 @@ impl SupportMap for Coreless<'_> {
         self.0.support_point_from(dir, hint)
     }
 }
+
+impl Shape for Coreless<'_> {}
 
 /// Signed distances in closed form: negative inside.
 mod truth {

@@ -4,9 +4,10 @@ mod failure_modes;
 mod shapes;
 
 use self::shapes::{Ball, Cuboid, PointCloud};
+use crate::any_shape::{contact, distance, intersects};
 use ::shapes::rng::SplitMix64;
 use glam::{DQuat, DVec3};
-use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, distance, intersects};
+use hullmap::{Cache, Overlap, Pose, Settings, Status};
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, random::RandomPoses, reach::way_out};
 use proptest::prelude::*;
 

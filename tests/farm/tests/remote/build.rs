@@ -2,8 +2,8 @@
 
 use std::{fs, path::Path};
 
-use hullmap_tests::command::Run;
-use hullmap_tests::outside::contents;
+use hullmap_outside::command::Run;
+use hullmap_outside::files::contents;
 use serde_json::Value;
 use tempfile::TempDir;
 

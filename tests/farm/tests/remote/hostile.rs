@@ -5,8 +5,8 @@ use std::fs;
 use std::time::Duration;
 
 use bazel_remote_apis::build::bazel::remote::execution::v2 as api;
+use hullmap_outside::files::contents;
 use hullmap_remote::{Blob, Client, Digest, Settings};
-use hullmap_tests::outside::contents;
 
 use crate::build::{Setup, count};
 use crate::farm_server::{FarmServer, Fault};

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
-use hullmap_tests::command::{Run, built, finished};
+use hullmap_outside::command::{Run, built, finished};
 
 /// The command with the feature `remote`.
 fn binary() -> &'static Path {

@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::Path;
 
-use hullmap_tests::command::Run;
-use hullmap_tests::outside::contents;
+use hullmap_outside::command::Run;
+use hullmap_outside::files::contents;
 use rcgen::{BasicConstraints, CertificateParams, IsCa, Issuer, KeyPair};
 use tempfile::TempDir;
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use hullmap_tests::outside::workspace;
+use hullmap_outside::files::workspace;
 
 /// Column at which comment lines end.
 const COMMENT_WIDTH: usize = 100;

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use hullmap_tests::outside::workspace;
+use hullmap_outside::files::workspace;
 
 use crate::readme::documents;
 

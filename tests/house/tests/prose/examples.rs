@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use hullmap_house::sources;
-use hullmap_tests::outside::workspace;
+use hullmap_outside::files::workspace;
 
 /// Files and folders of the runtime's sources that the rule covers.
 const COVERED: [&str; 10] =

@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use hullmap_house::tracked;
-use hullmap_tests::outside::workspace;
+use hullmap_outside::files::workspace;
 
 /// Documents outside of `docs`. All documents in `docs` are checked.
 const DOCUMENTS: [&str; 4] = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "benches/README.md"];

@@ -2,10 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use hullmap_tests::command::bake_in;
+use hullmap_outside::command::bake_in;
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).expect(path)
+}
+
+/// An empty folder in the target folder, for one test.
+fn empty_folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    std::fs::remove_dir_all(&folder).ok();
+    std::fs::create_dir_all(&folder).expect("the target folder can be written");
+    folder
 }
 
 /// The lines between fences that begin with `opening`.
@@ -40,16 +48,16 @@ fn the_examples_are_doctests() {
 /// The rows in the README equal the output of its first command, except for the time.
 #[test]
 fn the_table_is_what_the_command_prints() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = empty_folder("the_table_is_what_the_command_prints");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    std::fs::create_dir(folder.path().join("assets")).unwrap();
+    std::fs::create_dir(folder.join("assets")).unwrap();
     for entry in std::fs::read_dir(root.join("assets")).unwrap() {
         let path = entry.unwrap().path();
         if path.is_file() {
-            std::fs::copy(&path, folder.path().join("assets").join(path.file_name().unwrap())).unwrap();
+            std::fs::copy(&path, folder.join("assets").join(path.file_name().unwrap())).unwrap();
         }
     }
-    let ran = bake_in(folder.path(), "build assets --out baked --verify".split_whitespace()).expect(0);
+    let ran = bake_in(&folder, "build assets --out baked --verify".split_whitespace()).expect(0);
     // Words, without the next to last column: milliseconds.
     let cells = |line: &str| -> Vec<String> {
         let mut cells: Vec<String> =
@@ -87,14 +95,14 @@ fn the_readme_is_short() {
 /// The exports that `docs/baking.md` shows run as they are, once a mesh is baked.
 #[test]
 fn the_exports_run() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = empty_folder("the_exports_run");
     let rock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/rock.obj");
-    bake_in(folder.path(), ["build", rock.to_str().unwrap(), "--out", "baked", "--quiet"]).expect(0);
+    bake_in(&folder, ["build", rock.to_str().unwrap(), "--out", "baked", "--quiet"]).expect(0);
     let guide = read("docs/baking.md");
     let lines: Vec<&str> = guide.lines().filter_map(|line| line.strip_prefix("    bake export ")).collect();
     assert!(lines.len() >= 5, "{lines:?}");
     for line in lines {
-        bake_in(folder.path(), ["export"].into_iter().chain(line.split_whitespace())).expect(0);
+        bake_in(&folder, ["export"].into_iter().chain(line.split_whitespace())).expect(0);
     }
 }
 

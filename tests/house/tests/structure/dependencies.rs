@@ -6,7 +6,7 @@ use std::{
     sync::LazyLock,
 };
 
-use hullmap_tests::command::cargo;
+use hullmap_outside::command::cargo;
 use serde_json::Value;
 use spdx::{Expression, LicenseReq};
 

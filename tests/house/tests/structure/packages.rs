@@ -6,8 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use hullmap_tests::command::cargo;
-use hullmap_tests::outside::workspace;
+use hullmap_outside::command::cargo;
+use hullmap_outside::files::workspace;
 use serde_json::Value;
 
 /// Everything in the lock file, and the packages of this workspace.

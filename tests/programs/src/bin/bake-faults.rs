@@ -3,7 +3,7 @@
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
-use hullmap_tests::command::binary;
+use hullmap_outside::command::binary;
 
 /// Injects every fault at every system call of a bake, kills bakes at random moments, and cuts the
 /// power after each operation.

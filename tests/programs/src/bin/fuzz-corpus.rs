@@ -3,10 +3,8 @@
 use std::{fs, io, path::PathBuf};
 
 use clap::{Parser, ValueEnum};
-use hullmap_tests::{
-    fuzzed::{TARGETS, corpus, seeds::seeds},
-    outside::workspace,
-};
+use hullmap_outside::files::workspace;
+use hullmap_tests::fuzzed::{TARGETS, corpus, seeds::seeds};
 
 /// Unpack, pack or seed the corpora in fuzz/corpus.
 #[derive(Parser)]

@@ -1,20 +1,21 @@
 //! Known failure modes of MPR, one test each, named after what goes wrong in other implementations.
 
 use super::shapes::{Ball, Cuboid, PointCloud};
+use crate::any_shape::{contact, distance, intersects};
 use ::shapes::rng::SplitMix64;
 use glam::{DQuat, DVec3};
-use hullmap::{Cache, Contact, Distance, Overlap, Pose, Settings, Status, SupportMap, contact, distance, intersects};
+use hullmap::{Cache, Contact, Distance, Overlap, Pose, Settings, Shape, Status, SupportMap};
 use hullmap_testkit::random::RandomPoses;
 
 fn pose_at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-fn solve_overlap<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Overlap {
+fn solve_overlap(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Overlap {
     intersects(a, b, pose, &mut Cache::new()).status
 }
 
-fn solve_contact<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
+fn solve_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Contact {
     let c = contact(a, b, pose, &Settings::default(), &mut Cache::new());
     assert!((c.normal.length() - 1.0).abs() < 1e-14, "{c:?}");
     assert!(c.point_a.is_finite() && c.point_b.is_finite(), "{c:?}");
@@ -22,7 +23,7 @@ fn solve_contact<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Cont
     c
 }
 
-fn solve_distance<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Distance {
+fn solve_distance(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Distance {
     let d = distance(a, b, pose, &Settings::default(), &mut Cache::new());
     assert!((d.normal.length() - 1.0).abs() < 1e-14, "{d:?}");
     assert!(0.0 <= d.lower && d.lower <= d.distance && d.distance <= d.upper, "{d:?}");
@@ -405,6 +406,7 @@ fn nan_support_points_do_not_loop_for_ever() {
             f64::NAN
         }
     }
+    impl Shape for Broken {}
     let cube = Cuboid(DVec3::ONE);
     let cache = &mut Cache::new();
     // Without a proof no pair is reported as separated.
@@ -490,6 +492,7 @@ fn smooth_shapes() {
             self.half + self.radius
         }
     }
+    impl Shape for Capsule {}
     let (a, b) = (Capsule { half: 1.0, radius: 0.25 }, Capsule { half: 0.5, radius: 0.5 });
     let (spine_a, spine_b) =
         (PointCloud::new(vec![DVec3::Z, DVec3::NEG_Z]), PointCloud::new(vec![DVec3::Z * 0.5, DVec3::Z * -0.5]));
@@ -543,6 +546,7 @@ fn inexact_support_breaks_termination() {
             self.0.outer_radius
         }
     }
+    impl Shape for Single {}
     let mut rng = SplitMix64::new(31);
     for _ in 0..300 {
         let (a, b) = (PointCloud::random(&mut rng, 2000, true), PointCloud::random(&mut rng, 500, true));

@@ -2,7 +2,7 @@
 
 use ::shapes::rng::SplitMix64;
 use glam::DVec3;
-use hullmap::{Pose, SupportMap, SupportPoint};
+use hullmap::{Pose, Shape, SupportMap, SupportPoint};
 use hullmap_testkit::random::RandomPoses;
 
 /// The convex hull of a few points with the slow, obvious support mapping: a linear scan.
@@ -111,6 +111,8 @@ impl SupportMap for PointCloud {
     }
 }
 
+impl Shape for PointCloud {}
+
 /// A sphere, in closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball {
@@ -136,6 +138,8 @@ impl SupportMap for Ball {
     }
 }
 
+impl Shape for Ball {}
+
 /// A box around the origin of its frame, in closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Cuboid(pub DVec3);
@@ -158,3 +162,5 @@ impl SupportMap for Cuboid {
         self.0.length()
     }
 }
+
+impl Shape for Cuboid {}

@@ -9,7 +9,7 @@ mod scripts;
 use std::fs;
 
 use hullmap_house::tracked;
-use hullmap_tests::outside::workspace;
+use hullmap_outside::files::workspace;
 
 use graph::{Graph, Sources};
 

@@ -1,4 +1,4 @@
-//! Files outside of the tests: those that an environment variable names, and those in a folder.
+//! Files: the workspace's folder, those that an environment variable names, and those in a folder.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +19,8 @@ pub fn path(variable: &str, test: &str) -> Option<PathBuf> {
 
 /// The workspace's folder.
 pub fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned()
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.ancestors().nth(2).expect("the package lies two folders below the workspace").to_owned()
 }
 
 /// Every file below a folder, by its relative path. Panics if one cannot be read.

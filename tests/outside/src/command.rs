@@ -13,7 +13,7 @@ use std::{
 
 use serde_json::Value;
 
-use crate::outside::workspace;
+use crate::files::workspace;
 
 /// The result of a run.
 #[derive(Debug)]
@@ -97,9 +97,10 @@ pub fn built(more: &[&str]) -> PathBuf {
         Some(profile) => profile,
     };
     let target = folder.parent().expect("a profile's folder lies in the target folder").as_os_str();
-    // Without `--package`: with the features of the default members, as the tests were built, so
-    // that no dependency is built twice.
-    let words = ["build", "--bin", "bake", "--message-format", "json", "--profile", profile];
+    // Without `--package`, and with a test: cargo then selects the features of the default members
+    // and of their dev-dependencies, as for `cargo test`, so that no crate is built twice. This
+    // test compiles in a moment, if it is not up to date.
+    let words = ["build", "--bin", "bake", "--test", "assets", "--message-format", "json", "--profile", profile];
     let words = words.into_iter().chain(more.iter().copied()).map(OsStr::new);
     let built = cargo(words.chain([OsStr::new("--target-dir"), target]));
     let messages = String::from_utf8(built.stdout).expect("cargo prints UTF-8");
