@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Cover,
     cover::{self, CoverLimits, CoverPart, Deadline, body::THICKNESS, field::Field, wrap::Bounds},
     merge::merged,
+    parameters::Cover,
     separate::separate,
     tighten::LOOSE,
 };
@@ -215,7 +215,8 @@ impl<'a> Levels<'a> {
     fn at_most(&mut self, count: usize, error: f64) -> Result<Option<Found>, BakeError> {
         let mut results: BTreeMap<i32, Option<Found>> = BTreeMap::new();
         let (mut best, mut low, mut level) = (None::<(i32, Found)>, None::<i32>, self.level(error, 1));
-        // Strides, until a level with few enough parts and one with too many are known; then halves.
+        // Strides, until a level with few enough parts and one with too many are known; then
+        // halves.
         loop {
             let found = self.search(level, Some(count + count / 4));
             if self.is_over() {

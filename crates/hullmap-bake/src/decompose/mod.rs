@@ -3,11 +3,15 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | this one | parameters, and the search for the smallest error with a maximum number of parts |
-//! | [`cover`] | the parts for one maximum error |
+//! | `parameters` | parameters of a cover |
+//! | `levels` | the limits for which parts are searched, and which result is taken |
+//! | [`cover`] | the parts for one limit |
 //! | `merge` | mergers of parts, where there are too many |
-//! | `convex` | meshes that need no parts |
-//! | `part` | a part as a point set, with the indices of its mesh |
+//! | `separate` | planes between parts that overlap |
+//! | `tighten` | tight hulls of few vertices |
+//! | this one | the rest: meshes that need no parts, triangles that are not covered |
+//! | `convex` | whether a mesh needs no parts |
+//! | `patch`, `part` | pieces of the surface, a part as a point set |
 //!
 //! ```
 //! use hullmap_bake::{PointSet, decompose::{Cover, Length, decompose}};
@@ -33,6 +37,7 @@ mod convex;
 pub mod cover;
 mod levels;
 mod merge;
+mod parameters;
 mod part;
 mod patch;
 mod separate;
@@ -42,6 +47,7 @@ use convex::is_convex;
 use cover::CoverPart;
 use glam::DVec3;
 use levels::{Found, Levels};
+pub use parameters::{Cover, Length};
 use part::SourceVertices;
 use rayon::prelude::*;
 use tighten::tightened;
@@ -53,58 +59,6 @@ use crate::{
     progress::Stage,
     simplify,
 };
-
-/// A length, absolute or relative to the mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Length {
-    /// In the unit of the positions.
-    Absolute(f64),
-    /// In diagonals of the mesh's box.
-    Relative(f64),
-}
-
-impl Length {
-    /// The length for a mesh with this diagonal.
-    pub fn of(self, diagonal: f64) -> f64 {
-        match self {
-            Self::Absolute(length) => length,
-            Self::Relative(share) => share * diagonal,
-        }
-    }
-}
-
-/// Parameters of a cover.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cover {
-    /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
-    /// starts with this limit, and finds the smallest one that suffices.
-    pub max_error: Length,
-    /// Maximum number of parts, at least 1. It is never exceeded: if `max_error` takes more parts,
-    /// `max_error` is exceeded.
-    pub max_parts: Option<u32>,
-    /// Maximum number of vertices of a part, at least
-    /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
-    pub max_vertices: u32,
-    /// Allowed overlap of the parts, relative to the sum of their volumes. Parts are divided until
-    /// they overlap less, as far as that succeeds. With infinity, none is divided.
-    pub overlap: f64,
-    /// Time after which the search stops, in seconds. The result then depends on the machine, and
-    /// its parts may exceed `max_error`. If no cover was found in time, the result is the mesh's
-    /// hull.
-    pub seconds: Option<f64>,
-}
-
-impl Default for Cover {
-    fn default() -> Self {
-        Self {
-            max_error: Length::Relative(0.02),
-            max_parts: None,
-            max_vertices: 64,
-            overlap: f64::INFINITY,
-            seconds: None,
-        }
-    }
-}
 
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 const COVERED: f64 = 1e-7;

@@ -10,8 +10,8 @@
 //!    most, like the bar of a cross, and separate its pieces from the others.
 //!
 //! # Why the bounds hold
-//! A part only takes over surface in its own proven hull. So the hull of what it has afterwards lies
-//! in that hull, and protrudes no farther. No surface is dropped, so the cover stays complete.
+//! A part only takes over surface in its own proven hull. So the hull of what it has afterwards
+//! lies in that hull, and protrudes no farther. No surface is dropped, so the cover stays complete.
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! Tight hulls of parts: of few vertices, around the surface that a part has, and hardly farther out
-//! than its proven hull.
+//! Tight hulls of parts: of few vertices, around the surface that a part has, and hardly farther
+//! out than its proven hull.
 //!
 //! # Steps
 //! 1. Take the hull of the surface. Simplify it by a small share of the limit.
@@ -24,12 +24,12 @@ use crate::{
     simplify::{self, Limit, nearest::Nearest},
 };
 
-/// Distance by which a simplified hull may exceed the tight one, relative to the limit. Proven hulls
-/// leave it free.
+/// Distance by which a simplified hull may exceed the tight one, relative to the limit. Proven
+/// hulls leave it free.
 pub const LOOSE: f64 = 0.02;
 
-/// Numbers of vertices to which a hull is simplified before it is cut, relative to the maximum. Each
-/// cut adds about two.
+/// Numbers of vertices to which a hull is simplified before it is cut, relative to the maximum.
+/// Each cut adds about two.
 const BEFORE_CUTS: [f64; 3] = [0.75, 0.5, 0.3];
 
 /// A hull of a part's surface with at most the allowed number of vertices, of which no point is

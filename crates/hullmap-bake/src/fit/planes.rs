@@ -25,8 +25,8 @@ impl HalfSpace {
     }
 }
 
-/// Sine of the angle between a face's edges below which its normal is not trusted. At this angle the
-/// normal is off by about 1e-10.
+/// Sine of the angle between a face's edges below which its normal is not trusted. At this angle
+/// the normal is off by about 1e-10.
 const SLIVER: f64 = 1e-6;
 
 /// The half-space of a face of the hull of `points`, and the face's area; `None` if it has no area.

@@ -106,7 +106,8 @@ pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
-/// The points, moved apart so that their hull is at least about `thickness` thick in all directions.
+/// The points, moved apart so that their hull is at least about `thickness` thick in all
+/// directions.
 fn thickened(points: &[DVec3], thickness: f64) -> Vec<DVec3> {
     let mut points = points.to_vec();
     for _ in 0..3 {
@@ -185,9 +186,9 @@ fn around(p: DVec3) -> Vec<[f32; 3]> {
     (0..8).map(|i| [sides[0][i & 1], sides[1][i >> 1 & 1], sides[2][i >> 2]]).collect()
 }
 
-/// A proven hull around `body` with fewer vertices than the body, and at most the allowed number. It
-/// is as loose as the limit allows; with the planes of a hull around the body to start from, it is
-/// hardly looser than that hull.
+/// A proven hull around `body` with fewer vertices than the body, and at most the allowed number.
+/// It is as loose as the limit allows; with the planes of a hull around the body to start from, it
+/// is hardly looser than that hull.
 ///
 /// # Errors
 /// A point of the body that may be too far from the solid; `None` if no such hull was found.
@@ -270,8 +271,8 @@ pub fn within_vertices(hull: Hull, max_vertices: usize) -> Hull {
     }
 }
 
-/// Thin hulls that together contain a convex polygon, each with at most `max_vertices` vertices, and
-/// the piece of the polygon that each contains.
+/// Thin hulls that together contain a convex polygon, each with at most `max_vertices` vertices,
+/// and the piece of the polygon that each contains.
 pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices: usize) -> Vec<(Vec<DVec3>, Hull)> {
     let mut found = Vec::new();
     let mut stack = vec![polygon.to_vec()];
@@ -289,8 +290,8 @@ pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices
     found
 }
 
-/// The vertices of an intersection of half-spaces, of which `middle` is an inner point; `None` if it
-/// reaches farther than `reach` from there. Of vertices closer than `distance`, one is kept.
+/// The vertices of an intersection of half-spaces, of which `middle` is an inner point; `None` if
+/// it reaches farther than `reach` from there. Of vertices closer than `distance`, one is kept.
 pub fn polytope(planes: &[HalfSpace], middle: DVec3, reach: f64, distance: f64) -> Option<Vec<DVec3>> {
     let mut dual: Vec<DVec3> =
         planes.iter().map(|plane| plane.normal / (plane.offset - plane.normal.dot(middle))).collect();
@@ -415,8 +416,8 @@ impl Faces<'_> {
         hull_of(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
     }
 
-    /// Drops planes that are not needed, until there are few enough vertices. Returns the others, and
-    /// the vertices of their polytope.
+    /// Drops planes that are not needed, until there are few enough vertices. Returns the others,
+    /// and the vertices of their polytope.
     fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>, enough: usize) -> (Vec<HalfSpace>, Vec<DVec3>) {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.

@@ -1,0 +1,53 @@
+//! Parameters of a decomposition.
+
+/// A length, absolute or relative to the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// In the unit of the positions.
+    Absolute(f64),
+    /// In diagonals of the mesh's box.
+    Relative(f64),
+}
+
+impl Length {
+    /// The length for a mesh with this diagonal.
+    pub fn of(self, diagonal: f64) -> f64 {
+        match self {
+            Self::Absolute(length) => length,
+            Self::Relative(share) => share * diagonal,
+        }
+    }
+}
+
+/// Parameters of a cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cover {
+    /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
+    /// starts with this limit, and finds the smallest one that suffices.
+    pub max_error: Length,
+    /// Maximum number of parts, at least 1. It is never exceeded: if `max_error` takes more parts,
+    /// `max_error` is exceeded.
+    pub max_parts: Option<u32>,
+    /// Maximum number of vertices of a part, at least
+    /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
+    pub max_vertices: u32,
+    /// Allowed overlap of the parts, relative to the sum of their volumes. Parts are divided until
+    /// they overlap less, as far as that succeeds. With infinity, none is divided.
+    pub overlap: f64,
+    /// Time after which the search stops, in seconds. The result then depends on the machine, and
+    /// its parts may exceed `max_error`. If no cover was found in time, the result is the mesh's
+    /// hull.
+    pub seconds: Option<f64>,
+}
+
+impl Default for Cover {
+    fn default() -> Self {
+        Self {
+            max_error: Length::Relative(0.02),
+            max_parts: None,
+            max_vertices: 64,
+            overlap: f64::INFINITY,
+            seconds: None,
+        }
+    }
+}
