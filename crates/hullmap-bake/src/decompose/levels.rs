@@ -47,6 +47,9 @@ const STRIDE: i32 = 16;
 /// Number of levels between few enough parts and too many at which the search ends.
 const CLOSE_ENOUGH: i32 = 2;
 
+/// Ratio of errors up to which they count as the same.
+const SAME: f64 = 1.05;
+
 /// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
 /// parts only follow the tessellation.
 const LEAST_FOR_COUNTS: f64 = 2e-3;
@@ -218,7 +221,7 @@ impl<'a> Levels<'a> {
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         loop {
-            let found = self.search(level, Some(count + count / 4));
+            let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
                 return Ok(best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count)));
             }
@@ -248,7 +251,8 @@ impl<'a> Levels<'a> {
             self.separate(&mut merged);
             let merged =
                 Found { limit: merged.iter().map(|part| part.bound).fold(more.limit, f64::max), parts: merged };
-            let is_better = best.as_ref().is_none_or(|(_, best)| merged.reached() < best.reached());
+            // More parts with the same error are tighter elsewhere.
+            let is_better = best.as_ref().is_none_or(|(_, best)| merged.reached() < SAME * best.reached());
             if is_better && merged.parts.len() <= count {
                 return Ok(Some(merged));
             }
