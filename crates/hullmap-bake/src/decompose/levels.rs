@@ -47,6 +47,9 @@ const STRIDE: i32 = 16;
 /// Number of levels between few enough parts and too many at which the search ends.
 const CLOSE_ENOUGH: i32 = 2;
 
+/// Ratio of what parts reach to their limit below which lower limits are expected to give the same.
+const EXACT: f64 = 0.05;
+
 /// Ratio of errors up to which they count as the same.
 const SAME: f64 = 1.05;
 
@@ -142,7 +145,8 @@ impl<'a> Levels<'a> {
         let error = self.parameters.max_error.of(self.diagonal());
         match self.parameters.max_parts {
             Some(count) => self.at_most(count as usize, error),
-            None => Ok(self.fewest(error)),
+            // Parts of a sheet are as thick as the error allows, whatever the level.
+            None => Ok(self.fewest(error).map(|found| Found { limit: found.limit.max(error), ..found })),
         }
     }
 
@@ -186,9 +190,10 @@ impl<'a> Levels<'a> {
             }
             match found {
                 Some(found) if is_rough || enough.is_none_or(|enough| found.parts.len() <= enough) => {
-                    // These parts serve all levels down to what they reach.
-                    level = self.level(found.reached(), STEP).min(level - STEP);
-                    if self.limit(level + STEP) <= LEAST_ERROR * self.diagonal() {
+                    level -= STEP;
+                    if found.reached() < EXACT * found.limit
+                        || self.limit(level + STEP) <= LEAST_ERROR * self.diagonal()
+                    {
                         return Some(found);
                     }
                     (best, is_rough, misses) = (Some(found), false, 0);

@@ -148,3 +148,6 @@ fn finished(mesh: &PointSet, vertices: &SourceVertices, levels: &Levels, found: 
     }
     hulls
 }
+
+#[cfg(test)]
+mod tests;

@@ -23,7 +23,8 @@ use super::field::Field;
 pub struct CellGraph<'a> {
     /// The cells.
     pub cells: &'a [Cell],
-    /// For each cell, the cells whose boxes are within the limit of its box, along each axis.
+    /// For each cell, the cells whose boxes are within twice the limit of its box, along each
+    /// axis.
     pub near: Vec<Vec<u32>>,
     /// The solid.
     pub field: &'a Field<'a>,
@@ -64,16 +65,18 @@ impl<'a> CellGraph<'a> {
     pub fn new(cells: &'a [Cell], field: &'a Field<'a>, limit: f64, diagonal: f64) -> Self {
         let mut order: Vec<u32> = (0..cells.len() as u32).collect();
         order.sort_by(|a, b| cells[*a as usize].low.x.total_cmp(&cells[*b as usize].low.x).then(a.cmp(b)));
+        // A gap is bridged if its middle is within the limit of both sides.
+        let reach = 2.0 * limit;
         let mut near = vec![Vec::new(); cells.len()];
         for (at, i) in order.iter().enumerate() {
             let a = &cells[*i as usize];
             for j in &order[at + 1..] {
                 let b = &cells[*j as usize];
-                if b.low.x > a.high.x + limit {
+                if b.low.x > a.high.x + reach {
                     break;
                 }
                 let gap = (a.low - b.high).max(b.low - a.high).max_element();
-                if gap <= limit {
+                if gap <= reach {
                     near[*i as usize].push(*j);
                     near[*j as usize].push(*i);
                 }
