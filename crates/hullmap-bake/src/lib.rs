@@ -38,6 +38,7 @@ pub mod pack;
 mod point_set;
 pub mod progress;
 pub mod simplify;
+mod spread;
 
 pub use error::BakeError;
 pub use fit::Fit;

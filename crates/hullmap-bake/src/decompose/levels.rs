@@ -5,8 +5,6 @@
 //! equal ones that with the lowest limit. So a larger error never takes more parts, as long as the
 //! search down the levels ends where all lower ones have more.
 
-use std::collections::BTreeMap;
-
 use super::{
     cover::{self, CoverLimits, CoverPart, Deadline, body::THICKNESS, field::Field, wrap::Bounds},
     merge::merged,
@@ -65,7 +63,6 @@ fn stride(count: usize, found: usize) -> i32 {
 }
 
 /// Parts, and the limit within which they were searched.
-#[derive(Clone)]
 pub struct Found {
     /// The parts.
     pub parts: Vec<CoverPart>,
@@ -221,8 +218,9 @@ impl<'a> Levels<'a> {
 
     /// At most `count` parts, with the least protrusion. The search starts at `error`.
     fn at_most(&mut self, count: usize, error: f64) -> Result<Option<Found>, BakeError> {
-        let mut results: BTreeMap<i32, Option<Found>> = BTreeMap::new();
-        let (mut best, mut low, mut level) = (None::<(i32, Found)>, None::<i32>, self.level(error, 1));
+        // The lowest level known to have few enough parts, and the highest with too many.
+        let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
+        let (mut more, mut level) = (None, self.level(error, 1));
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         loop {
@@ -230,15 +228,12 @@ impl<'a> Levels<'a> {
             if self.is_over() {
                 return Ok(best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count)));
             }
-            let is_few = found.as_ref().is_some_and(|found| found.parts.len() <= count);
-            if let Some(found) = found.clone().filter(|_| is_few) {
-                let reached = self.level(found.reached(), 1).min(level);
-                best = Some((reached, found));
-                level = reached;
-            } else {
-                low = Some(level);
+            match found {
+                Some(found) if found.parts.len() <= count => {
+                    best = Some((self.level(found.reached(), 1).min(level), found));
+                }
+                found => (low, more) = (Some(level), found),
             }
-            results.insert(level, found);
             level = match (&best, low) {
                 (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
                 (Some((best, _)), Some(low)) => low + (best - low) / 2,
@@ -250,7 +245,6 @@ impl<'a> Levels<'a> {
             }
         }
         // Of a level with more parts, the cheapest mergers may be better.
-        let more = low.and_then(|low| results.remove(&low).flatten());
         if let Some(more) = more {
             let mut merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
             self.separate(&mut merged);

@@ -44,7 +44,7 @@ mod separate;
 mod tighten;
 
 use convex::is_convex;
-use cover::CoverPart;
+use cover::{CoverPart, wrap::Bounds};
 use glam::DVec3;
 use levels::{Found, Levels};
 pub use parameters::{Cover, Length};
@@ -57,7 +57,7 @@ use crate::{
     fit::{solid::Solid, uncovered_triangles},
     hull::{self, Hull},
     progress::Stage,
-    simplify,
+    simplify::{self, nearest::Nearest},
 };
 
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
@@ -66,9 +66,9 @@ const COVERED: f64 = 1e-7;
 /// Maximum number of times that a part is built again because it lost vertices.
 const BUILDS: usize = 4;
 
-/// Maximum number of rounds in which thin parts are added for triangles that are not proven to be
-/// covered, for instance because they have no area. Bounds are measured by subtracting parts, so
-/// further parts may raise the bound of a triangle that they cut.
+/// Maximum number of rounds in which triangles that are not proven to be covered are absorbed by
+/// parts or become parts, for instance because they have no area. Bounds are measured by
+/// subtracting parts, so further parts may raise the bound of a triangle that they cut.
 const UNCOVERED_ROUNDS: usize = 4;
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
@@ -102,7 +102,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage);
     let found = if parameters.max_parts == Some(1) { None } else { levels.parts()? };
     let hulls = match found {
-        Some(parts) => finished(mesh, &vertices, &levels, parts),
+        Some(parts) => finished(mesh, &vertices, &levels, parts, parameters.max_parts),
         None => vec![cover::wrap::within_vertices(hull, max_vertices)],
     };
     stage.reach(1.0);
@@ -124,8 +124,14 @@ fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     hull
 }
 
-/// The hulls of parts, separated and tight. They cover the mesh.
-fn finished(mesh: &PointSet, vertices: &SourceVertices, levels: &Levels, found: Found) -> Vec<Hull> {
+/// The tight hulls of parts. They cover the mesh, and are at most `max_parts`.
+fn finished(
+    mesh: &PointSet,
+    vertices: &SourceVertices,
+    levels: &Levels,
+    found: Found,
+    max_parts: Option<u32>,
+) -> Vec<Hull> {
     let Found { parts, limit } = found;
     let diagonal = levels.field.solid().diagonal();
     let bounds = levels.bounds(limit);
@@ -133,20 +139,49 @@ fn finished(mesh: &PointSet, vertices: &SourceVertices, levels: &Levels, found: 
         if bounds.is_over() { part.hull.clone() } else { tightened(&levels.field, part, &bounds) }
     };
     let mut hulls: Vec<Hull> = parts.par_iter().map(|part| as_built(vertices, tight(part))).collect();
-    let is_hull = |triangle: Vec<DVec3>| {
-        let thin = cover::wrap::of_polygon(&triangle, diagonal, bounds.thickness(), bounds.max_vertices);
-        thin.into_iter().map(|(_, hull)| as_built(vertices, hull)).collect::<Vec<_>>()
-    };
+    let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     for _ in 0..UNCOVERED_ROUNDS {
         let missing = uncovered_triangles(mesh, &hulls.iter().collect::<Vec<_>>(), COVERED * diagonal);
         if missing.is_empty() {
             break;
         }
-        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-        let triangles = missing.into_iter().map(|triangle| mesh.triangles[triangle].map(corner).to_vec());
-        hulls.extend(triangles.flat_map(is_hull).collect::<Vec<_>>());
+        for triangle in missing {
+            let corners = mesh.triangles[triangle].map(corner);
+            let may_add = max_parts.is_none_or(|count| hulls.len() < count as usize);
+            if let Some((part, grown)) = absorbed(levels, &hulls, &corners, &bounds, !may_add) {
+                hulls[part] = as_built(vertices, grown);
+            } else if may_add {
+                let own = cover::wrap::of_polygon(&corners, diagonal, bounds.thickness(), bounds.max_vertices);
+                hulls.extend(own.into_iter().map(|(_, hull)| as_built(vertices, hull)));
+            }
+        }
     }
     hulls
+}
+
+/// The part nearest to a triangle, by its index, and a hull of both; `None` if that is not proven
+/// to be within the limit. If the triangle `must` be absorbed, a larger protrusion is accepted.
+fn absorbed(
+    levels: &Levels,
+    hulls: &[Hull],
+    corners: &[DVec3; 3],
+    bounds: &Bounds,
+    must: bool,
+) -> Option<(usize, Hull)> {
+    let distance = |hull: &Hull| {
+        let nearest = Nearest::new(hull);
+        corners.iter().map(|p| nearest.certain(*p).point.distance(*p)).fold(0.0, f64::max)
+    };
+    let (part, _) = hulls
+        .iter()
+        .enumerate()
+        .map(|(index, hull)| (index, distance(hull)))
+        .reduce(|best, next| if next.1 < best.1 { next } else { best })?;
+    let points = [hulls[part].positions().as_slice(), corners].concat();
+    let grown = cover::wrap::tight(&points, bounds.diagonal, bounds.thickness())?;
+    let grown = cover::wrap::within_vertices(grown, bounds.max_vertices);
+    let is_proven = || cover::wrap::prove(&levels.field, &grown, bounds, cover::wrap::MEASUREMENTS).is_ok();
+    (must || is_proven()).then_some((part, grown))
 }
 
 #[cfg(test)]

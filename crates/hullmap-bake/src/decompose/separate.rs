@@ -22,16 +22,16 @@ use super::{
     },
     patch::Patch,
 };
-use crate::fit::planes::{self, HalfSpace};
+use crate::{
+    fit::planes::{self, HalfSpace},
+    spread::spread,
+};
 
 /// Depth beyond a plane up to which a point counts as behind it, relative to the diagonal.
 const TOLERANCE: f64 = 1e-9;
 
 /// Number of points by which the common volume of two bodies is estimated.
 const COMMON_POINTS: usize = 512;
-
-/// Increments of a sequence whose points are spread evenly (Roberts, 2018).
-const SPREAD: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
 
 /// Number of faces that are tried as planes by which a part is divided.
 const TRIED_FACES: usize = 24;
@@ -151,7 +151,7 @@ fn common_volume(a: &Body, b: &Body) -> f64 {
     let (low, high) = (a.low.max(b.low), a.high.min(b.high));
     let size = high - low;
     let is_common = |k: &usize| {
-        let at = DVec3::from_array(SPREAD.map(|step| (0.5 + step * *k as f64) % 1.0));
+        let at = DVec3::from_array(spread(*k));
         let p = low + size * at;
         a.holds(p, 0.0) && b.holds(p, 0.0)
     };

@@ -65,7 +65,7 @@ pub fn tightened(field: &Field, part: &CoverPart, bounds: &Bounds) -> Hull {
             return found;
         }
     }
-    let region = region(part, bounds).filter(is_few).filter(is_proven);
+    let region = region(part, points, bounds).filter(is_few).filter(is_proven);
     region.unwrap_or_else(|| proven.clone())
 }
 
@@ -75,8 +75,7 @@ fn farthest(hull: &Hull, from: &Nearest) -> f64 {
 }
 
 /// The proven hull, cut by the planes between it and other parts.
-fn region(part: &CoverPart, bounds: &Bounds) -> Option<Hull> {
-    let points: Vec<DVec3> = part.patches.iter().flat_map(|patch| patch.points.iter().copied()).collect();
+fn region(part: &CoverPart, points: &[DVec3], bounds: &Bounds) -> Option<Hull> {
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
     let vertices = wrap::polytope(&part.planes, middle, 4.0 * bounds.diagonal, 1e-7 * bounds.diagonal)?;
     wrap::tight(&vertices, bounds.diagonal, 0.0)

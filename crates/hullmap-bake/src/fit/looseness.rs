@@ -12,7 +12,7 @@ use super::{
     planes::{self, HalfSpace},
     triangle::Triangle,
 };
-use crate::{hull::Hull, mass::mass, simplify::nearest::Nearest};
+use crate::{hull::Hull, mass::mass, simplify::nearest::Nearest, spread::spread};
 
 /// How loose the parts of a mesh are. Lengths are in the unit of the positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,10 +33,6 @@ const POINTS: usize = 20_000;
 /// Depth in another part from which a point of the surface is not visible, relative to the
 /// diagonal.
 const COVERED: f64 = 1e-6;
-
-/// Increments of a sequence whose points are spread evenly, for one to three coordinates: powers of
-/// the inverse of the root of x⁴ = x + 1 (Roberts, 2018).
-const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
 
 /// Estimates how loose `parts` are around `solid`, whose convex hull is `hull`. All are in the same
 /// frame.
@@ -149,7 +145,7 @@ impl<'a> Spread<'a> {
         (0..self.count).filter_map(move |k| {
             let at = total * (k as f64 + 0.5) / self.count as f64;
             let triangle = self.triangles.get(self.sums.partition_point(|sum| *sum < at))?;
-            Some((*triangle, STEPS.map(|step| (0.5 + step * k as f64) % 1.0)))
+            Some((*triangle, spread(k)))
         })
     }
 }

@@ -161,7 +161,8 @@ pub struct CoverPart {
     pub patches: Vec<Patch>,
     /// A hull that contains it.
     pub hull: Hull,
-    /// Planes with the surface behind them, beside those of the hull.
+    /// Half-spaces that contain the surface: those of the hull, and of planes between parts. Empty
+    /// before parts are separated.
     pub planes: Vec<HalfSpace>,
     /// Proven bound on the hull's protrusion; infinite if it is not known.
     pub bound: f64,

@@ -1,18 +1,8 @@
 use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::*;
-use crate::decompose::{Cover, Length, decompose};
+use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Solid, coverage::uncovered};
-
-fn point_set(mesh: &Mesh) -> PointSet {
-    PointSet {
-        name: "mesh".into(),
-        positions: mesh.vertices.clone(),
-        source_vertices: (0..mesh.vertices.len() as u32).collect(),
-        triangles: mesh.fans(),
-        ..PointSet::default()
-    }
-}
 
 fn limits(limit: f64) -> CoverLimits<'static> {
     CoverLimits { limit, max_vertices: 64, enough: None, deadline: None, stage: Stage::default() }

@@ -297,7 +297,7 @@ pub fn polytope(planes: &[HalfSpace], middle: DVec3, reach: f64, distance: f64) 
         planes.iter().map(|plane| plane.normal / (plane.offset - plane.normal.dot(middle))).collect();
     dual.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
     dual.dedup();
-    if !dual.iter().all(|p| p.is_finite()) {
+    if dual.is_empty() || !dual.iter().all(|p| p.is_finite()) {
         return None;
     }
     let Simplex::Tetrahedron(simplex) = spanning_simplex(&dual) else { return None };
