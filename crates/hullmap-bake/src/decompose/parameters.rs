@@ -46,7 +46,7 @@ impl Default for Cover {
             max_error: Length::Relative(0.02),
             max_parts: None,
             max_vertices: 64,
-            overlap: 0.05,
+            overlap: f64::INFINITY,
             seconds: None,
         }
     }

@@ -4,13 +4,13 @@ use super::*;
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Solid, coverage::uncovered};
 
-fn limits(limit: f64) -> PartitionLimits<'static> {
-    PartitionLimits { limit, max_vertices: 64, overlap: 0.05, enough: None, deadline: None, stage: Stage::default() }
+fn limits(limit: f64) -> CoverLimits<'static> {
+    CoverLimits { limit, max_vertices: 64, enough: None, deadline: None, stage: Stage::default() }
 }
 
 /// Searches, and checks both promises by other means: the certified cover, and random points of the
 /// parts.
-fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
+fn checked(mesh: &PointSet, share: f64) -> Vec<CoverPart> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
     let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
@@ -18,7 +18,7 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
     let mut rng = SplitMix64::new(1);
-    for Part { hull, bound, .. } in &found {
+    for CoverPart { hull, bound, .. } in &found {
         assert!(*bound <= limit && hull.vertices.len() <= 64, "{bound} {}", hull.vertices.len());
         let points = hull.positions();
         for _ in 0..2_000 {
@@ -35,7 +35,7 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
 
 #[test]
 fn boxes_become_boxes() {
-    let vertices = |found: Vec<Part>| found.iter().map(|part| part.hull.vertices.len()).collect::<Vec<_>>();
+    let vertices = |found: Vec<CoverPart>| found.iter().map(|part| part.hull.vertices.len()).collect::<Vec<_>>();
     assert_eq!(vertices(checked(&point_set(&concave::l()), 0.001)), [8, 8]);
     assert_eq!(vertices(checked(&point_set(&concave::chair()), 0.001)), [8; 8]);
     assert_eq!(vertices(checked(&point_set(&concave::open_box()), 0.001)), [8; 5]);
@@ -112,7 +112,7 @@ fn a_search_without_time_ends_with_the_hull() {
     let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
-    let what = PartitionLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
+    let what = CoverLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
     assert!(search(&mesh, &mut Field::new(&solid), &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
     assert!(found.len() == 1 && found[0].vertices.len() <= 12, "{} {}", found.len(), found[0].vertices.len());
@@ -145,9 +145,7 @@ fn no_part_has_more_vertices_than_allowed() {
     mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|t| t.map(|v| v + count)));
     mesh.source_vertices = (0..mesh.positions.len() as u32).collect();
     for (max_vertices, share) in [(4, 0.2), (4, 0.02), (6, 0.05), (12, 0.02), (64, 0.002)] {
-        let t = std::time::Instant::now();
         let found = covering(&mesh, Cover { max_vertices, max_error: Length::Relative(share), ..Cover::default() });
-        eprintln!("{max_vertices} {share}: {} {:?}", found.len(), t.elapsed());
         let most = found.iter().map(|hull| hull.vertices.len()).max().unwrap();
         assert!(most <= max_vertices as usize, "{most} of {max_vertices} at {share}");
     }
@@ -199,7 +197,7 @@ fn progress_moves_within_a_mesh() {
     let is_done = std::sync::atomic::AtomicBool::new(false);
     let seen = std::thread::scope(|scope| {
         let watcher = scope.spawn(|| {
-            let mut seen = std::collections::BTreeSet::new();
+            let mut seen = BTreeSet::new();
             while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
                 seen.insert((1e6 * progress.share()) as u32);
                 std::thread::yield_now();
