@@ -109,6 +109,15 @@ public:
         return facts;
     }
 
+    // All hulls as one rigid body.
+    MassProperties mass_properties(double density) const { return mass_properties(0, hull_count(), density); }
+
+    MassProperties mass_properties(std::size_t first, std::size_t count, double density) const {
+        MassProperties mass{};
+        check(hullmap_pack_mass_properties(get(), first, count, density, &mass));
+        return mass;
+    }
+
     HullArrays arrays(std::size_t hull) const {
         HullArrays arrays{};
         check(hullmap_pack_hull_arrays(get(), hull, &arrays));

@@ -75,7 +75,8 @@ impl Pack {
         while let Some(index) = indices.next() {
             let hull = self.hull(index)?;
             let count = hull.part_count().max(1) as usize;
-            let is_whole = hull.part() == 0 && indices.clone().take(count - 1).eq(index + 1..index + count);
+            let is_whole =
+                hull.part() == 0 && indices.clone().take(count - 1).eq(index + 1..index.saturating_add(count));
             let solid = match hull.mesh_mass_properties(density) {
                 Some(mesh) if is_whole => {
                     for _ in 1..count {
