@@ -125,11 +125,9 @@ fn masses() {
         let expected = format!("hull 0: the volume of its mesh is {odd} (expected a finite number above 0)");
         assert_eq!(rejection!(&pair, masses[0].volume = odd), expected);
     }
-    assert_eq!(
-        rejection!(&pair, masses[0].centroid[1] = 1.5_f64),
-        "hull 0: coordinate 1 of its mesh's centre of mass is 1.5 (its hulls extend from -0.0000017320508075688772 to \
-         1.0000017320508076)"
-    );
+    let centre = rejection!(&pair, masses[0].centroid[1] = 1.5_f64);
+    let expected = "hull 0: coordinate 1 of its mesh's centre of mass is 1.5 (its hulls extend from -0.00000173";
+    assert!(centre.starts_with(expected), "{centre}");
     for (place, odd) in [(0, -1.0), (1, f64::NAN), (5, 10.0), (3, f64::INFINITY)] {
         let found = rejection!(&pair, masses[1].second_moments[place] = odd);
         assert!(found.starts_with("hull 1: the second moments of its mesh are ["), "{found}");

@@ -46,7 +46,7 @@ impl BakedHull {
         let mass = match self.part_mass() {
             PartMass::Hull => hull.pack().mass_properties_of([hull.index()], density).ok(),
             PartMass::Mesh => hull.hull().mesh_mass_properties(density),
-            PartMass::Nothing => return MassProperties::zero(),
+            PartMass::Nothing => return MassProperties::new(Vector::ZERO, 0.0, Vector::ZERO),
         };
         let Mass { mass, center_of_mass, inertia, .. } = mass.unwrap_or_default().scaled(self.scale_factors());
         let center = narrow(center_of_mass);
