@@ -193,7 +193,7 @@ pub unsafe extern "C" fn hullmap_pack_mass_properties(
         // SAFETY: the caller keeps the rules at the head of the header.
         let (pack, out) = unsafe { (border::handle("pack", pack)?, Out::new("mass", mass)?) };
         // NaN takes the failing branch.
-        if !(density >= 0.0 && density < f64::INFINITY) {
+        if !(0.0..f64::INFINITY).contains(&density) {
             return Err(Failure::argument("density", format_args!("{density} is negative or not finite")));
         }
         if count == 0 {
