@@ -146,8 +146,8 @@ fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// The mass of the mesh of each object, at its first hull. A mass that a reader would reject is left
-/// out: the centre may be outside hulls that were modelled for another purpose than the mesh.
+/// The mass of the mesh of each object, at its first hull. A mass that a reader would reject is
+/// left out: the centre may be outside hulls that were modelled for another purpose than the mesh.
 fn mesh_masses(hulls: &[BakedHull]) -> Vec<Option<MassRecord>> {
     let of_object = |(at, baked): (usize, &BakedHull)| {
         let found = baked.mesh_mass.filter(|_| baked.part == 0)?;

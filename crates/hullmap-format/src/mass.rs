@@ -9,7 +9,7 @@ use rkyv::rend::f64_le;
 use crate::archive::{ArchivedMassRecord, MassRecord};
 
 /// Rounding error of second moments, relative to their trace. Negative eigenvalues of this size are
-/// accepted. A slab whose thickness is a hundred-thousandth of its width has an eigenvalue of 1e-10.
+/// accepted. A slab that is 1e-5 times as thick as it is wide has an eigenvalue of 1e-10.
 const MOMENT_ROUNDING: f64 = 1e-9;
 
 /// Distance by which a centre may lie outside the box around its hulls, relative to the diagonal of

@@ -174,8 +174,8 @@ fn assert_near(found: &[f64], expected: &[f64]) {
     assert!(found.len() == expected.len() && found.iter().zip(expected).all(near), "{found:?}, not {expected:?}");
 }
 
-/// An L has 5 of the 7 that its hull has. Closed forms: two boxes, of 3 and of 2, about their common
-/// centre.
+/// An L has 5 of the 7 that its hull has. Closed forms: two boxes, of 3 and of 2, about their
+/// common centre.
 #[test]
 fn robots_weigh_as_much_as_their_mesh() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Mass properties: mass, centre of mass and inertia tensor at uniform density, of a hull and of the
-//! mesh that it was baked from.
+//! Mass properties: mass, centre of mass and inertia tensor at uniform density, of a hull and of
+//! the mesh that it was baked from.
 
 use glam::{DMat3, DVec3};
 
@@ -18,6 +18,11 @@ pub enum MassSource {
 
 impl MassSource {
     /// The name: `hulls` or `mesh`.
+    ///
+    /// # Examples
+    /// ```
+    /// assert_eq!(hullmap::MassSource::Mesh.as_str(), "mesh");
+    /// ```
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Hulls => "hulls",

@@ -38,15 +38,15 @@ impl Pack {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn mass_properties(&self, density: f64) -> MassProperties {
-        // Fails for no index below the count.
+        // No index below the count is an error.
         self.mass_properties_of(0..self.hull_count(), density).unwrap_or_default()
     }
 
-    /// Mass properties of some hulls as one rigid body, as [`mass_properties`](Self::mass_properties)
-    /// of all. `hulls` are indices in ascending order.
+    /// Mass properties of some hulls as one rigid body, like
+    /// [`mass_properties`](Self::mass_properties) of all. `hulls` are indices in ascending order.
     ///
-    /// If all parts of an object are among the hulls, they count together with the mass of its mesh.
-    /// Otherwise they count one by one, with the mass of the hulls.
+    /// If all parts of an object are among the hulls, they count together, with the mass of its
+    /// mesh. Otherwise they count one by one, with the mass of the hulls.
     ///
     /// # Errors
     /// [`NoSuchHull`] if an index is not below [`hull_count`](Self::hull_count).
