@@ -9,8 +9,8 @@
 //!    compensated sums. That is the integral of the winding number. If it is negative, the mesh is
 //!    inside out, and counts as turned.
 //! 4. The solid is where the winding number is not 0. Where shells overlap, it is 2 or more, and
-//!    the sum counts the place as often. The excess is estimated from one point in each cell of a grid.
-//!    If a coarser grid finds no overlap, the result is the sum, exact except for rounding.
+//!    the sum counts the place as often. The excess is estimated from one point in each cell of a
+//!    grid. If a coarser grid finds no overlap, the result is the sum, exact except for rounding.
 //!
 //! # Reference
 //! - Mirtich, "Fast and accurate computation of polyhedral mass properties", 1996.
