@@ -36,6 +36,7 @@ using SignedDistance = HullmapSignedDistance;
 using ManifoldPoint = HullmapManifoldPoint;
 using ManifoldPoints = HullmapManifoldPoints;
 using HullFacts = HullmapHullFacts;
+using MassProperties = HullmapMassProperties;
 using HullArrays = HullmapHullArrays;
 using Pair = HullmapPair;
 

@@ -47,7 +47,8 @@ fn ball(bands: u32, sectors: u32, radius: f32) -> PointSet {
             std::f64::consts::PI / f64::from(bands) * f64::from(band),
             f64::from(sector) / f64::from(sectors) * std::f64::consts::TAU,
         );
-        let at = DVec3::new(polar.sin() * around.cos(), polar.sin() * around.sin(), polar.cos());
+        let at =
+            DVec3::new(libm::sin(polar) * libm::cos(around), libm::sin(polar) * libm::sin(around), libm::cos(polar));
         (at * f64::from(radius)).to_array().map(|c| c as f32)
     };
     let mut positions = vec![[0.0, 0.0, radius], [0.0, 0.0, -radius]];
