@@ -78,7 +78,7 @@ pub fn check(record: &MassRecord, low: [f32; 3], high: [f32; 3], uncovered: f64)
         return Err(MassError::Volume { found });
     }
     let [low, high] = [low, high].map(|corner| corner.map(f64::from));
-    let diagonal = low.iter().zip(&high).map(|(low, high)| (high - low).powi(2)).sum::<f64>().sqrt();
+    let diagonal = low.iter().zip(&high).map(|(low, high)| (high - low) * (high - low)).sum::<f64>().sqrt();
     let room = CENTRE_ROOM * diagonal + uncovered;
     for (axis, (found, (low, high))) in record.centroid.into_iter().zip(low.into_iter().zip(high)).enumerate() {
         let (low, high) = (low - room, high + room);
