@@ -81,6 +81,9 @@ pub struct BakedHull {
     pub part_count: u32,
     /// How it fits the source object; `None` if that was not measured. Only parts are measured.
     pub fit: Option<Fit>,
+    /// Mass properties of the solid that the source object's mesh bounds; `None` if it is unknown.
+    /// Of the parts of an object, the first one's counts.
+    pub mesh_mass: Option<mass::Mass>,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
@@ -166,6 +169,8 @@ pub fn bake_hull_in(
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
     let index = index::build(&hull, index.into())?;
+    // The mass of a collision part is that of the mesh that it stands for, which all parts share.
+    let mesh_mass = if points.stands_for.is_none() { fit::mesh_mass(points) } else { None };
     stage.reach(1.0);
     Ok(BakedHull {
         name: points.name.clone(),
@@ -175,6 +180,7 @@ pub fn bake_hull_in(
         part: 0,
         part_count: 0,
         fit: None,
+        mesh_mass,
         hull,
         mass,
         interior,

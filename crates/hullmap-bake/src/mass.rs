@@ -33,7 +33,7 @@ pub fn mass(hull: &Hull) -> Mass {
     let origin = DVec3::from_array(hull.vertices[0].map(f64::from));
     let vertices: Vec<DVec3> = hull.positions().iter().map(|p| *p - origin).collect();
     let at = |v: u32| vertices[v as usize];
-    let mut sum = Simplices { measure: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+    let mut sum = Simplices::ZERO;
     let mut area = 0.0;
     for (index, face) in hull.faces.iter().enumerate() {
         let root = at(face[0]);
@@ -54,40 +54,55 @@ pub fn mass(hull: &Hull) -> Mass {
     }
     let (centroid, moments) = sum.about_centroid(&vertices);
     let volume = if hull.rank == 3 { sum.measure } else { 0.0 };
-    let c = moments.to_cols_array_2d();
-    Mass {
-        volume,
-        surface_area: area,
-        centroid: (centroid + origin).to_array(),
-        second_moments: [c[0][0], c[1][1], c[2][2], c[1][2], c[2][0], c[0][1]],
-    }
+    Mass { volume, surface_area: area, centroid: (centroid + origin).to_array(), second_moments: entries(moments) }
 }
 
-/// Running integrals of 1, x and xxᵀ over simplices.
-struct Simplices {
-    measure: f64,
-    first: DVec3,
-    second: DMat3,
+/// The entries xx, yy, zz, yz, zx, xy of a symmetric matrix.
+pub(crate) fn entries(matrix: DMat3) -> [f64; 6] {
+    let c = matrix.to_cols_array_2d();
+    [c[0][0], c[1][1], c[2][2], c[1][2], c[2][0], c[0][1]]
+}
+
+/// Integrals of 1, x and xxᵀ over simplices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Simplices {
+    pub(crate) measure: f64,
+    pub(crate) first: DVec3,
+    pub(crate) second: DMat3,
 }
 
 impl Simplices {
-    fn add(&mut self, measure: f64, corners: &[DVec3]) {
+    pub(crate) const ZERO: Self = Self { measure: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+
+    /// The integrals over a simplex of this measure, negative where it counts against the others.
+    pub(crate) fn of(measure: f64, corners: &[DVec3]) -> Self {
         let k = corners.len() as f64;
         let total: DVec3 = corners.iter().sum();
         let mut squares = outer(total);
         for corner in corners {
             squares += outer(*corner);
         }
-        self.measure += measure;
-        self.first += total * (measure / k);
-        self.second += squares * (measure / (k * (k + 1.0)));
+        Self { measure, first: total * (measure / k), second: squares * (measure / (k * (k + 1.0))) }
+    }
+
+    fn add(&mut self, measure: f64, corners: &[DVec3]) {
+        let simplex = Self::of(measure, corners);
+        self.measure += simplex.measure;
+        self.first += simplex.first;
+        self.second += simplex.second;
+    }
+
+    /// Centroid, and second moments about it. Both are relative to the measure; not finite if it is
+    /// 0.
+    pub(crate) fn centroid_and_moments(&self) -> (DVec3, DMat3) {
+        let centroid = self.first / self.measure;
+        (centroid, self.second * (1.0 / self.measure) - outer(centroid))
     }
 
     /// Centroid and second moments, divided by the measure. If the measure underflows, the mean of
     /// the vertices and zero.
     fn about_centroid(&self, vertices: &[DVec3]) -> (DVec3, DMat3) {
-        let centroid = self.first / self.measure;
-        let moments = self.second * (1.0 / self.measure) - outer(centroid);
+        let (centroid, moments) = self.centroid_and_moments();
         if self.measure > 0.0 && centroid.is_finite() && moments.is_finite() {
             (centroid, moments)
         } else {
@@ -96,7 +111,8 @@ impl Simplices {
     }
 }
 
-fn outer(p: DVec3) -> DMat3 {
+/// The matrix ppᵀ.
+pub(crate) fn outer(p: DVec3) -> DMat3 {
     DMat3::from_cols(p * p.x, p * p.y, p * p.z)
 }
 

@@ -1,10 +1,11 @@
 //! Pack writer: turns baked hulls into the bytes of a pack, whole or lean.
 
 use hullmap_format::{
-    archive::{HullRecord, LEAN_FACES, Pack, Span},
+    archive::{HullRecord, LEAN_FACES, MassRecord, Pack, Span},
     check::MAX_PACK_LEN,
     edge,
     header::{HEADER_LEN, Header, options_hash},
+    mass,
 };
 use rkyv::rancor;
 
@@ -15,6 +16,7 @@ use sections::Sections;
 use crate::{
     BakeError, BakedHull, SourceRecord, bvh,
     hull::{Hull, adjacency::Adjacency, quads::quads},
+    mass::Mass,
 };
 
 /// Contents of a pack for each hull.
@@ -33,7 +35,7 @@ enum Detail {
 /// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(hulls)?;
-    write(hulls.iter().cloned(), source, Detail::Full)
+    write(mesh_masses(hulls), hulls.iter().cloned(), source, Detail::Full)
 }
 
 /// Like [`write_pack`], but takes the hulls, and frees the memory of each as soon as it is written.
@@ -43,7 +45,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
 /// The errors of [`write_pack`].
 pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(hulls.into_iter(), source, Detail::Full)
+    write(mesh_masses(&hulls), hulls.into_iter(), source, Detail::Full)
 }
 
 /// Like [`write_owned_pack`], but writes a *lean* pack: without the data that only manifolds, hints
@@ -68,7 +70,7 @@ pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<
 /// ```
 pub fn write_lean_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(hulls.into_iter(), source, Detail::Lean)
+    write(mesh_masses(&hulls), hulls.into_iter(), source, Detail::Lean)
 }
 
 fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
@@ -81,13 +83,19 @@ fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
     check_parts(hulls)
 }
 
-fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord, detail: Detail) -> Result<Vec<u8>, BakeError> {
+fn write(
+    masses: Vec<Option<MassRecord>>,
+    hulls: impl Iterator<Item = BakedHull>,
+    source: &SourceRecord,
+    detail: Detail,
+) -> Result<Vec<u8>, BakeError> {
     let options = options_text(source);
     let options_hash = options_hash(&options);
     let mut pack =
         Pack { source_path: source.path.clone().into_bytes(), options: options.into_bytes(), ..Pack::default() };
     pack.spans.push(Span::default());
-    for baked in hulls {
+    for (baked, mass) in hulls.zip(masses) {
+        pack.masses.extend(mass);
         append(&mut pack, baked, detail)?;
     }
     pack.nodes = bvh::build(&mut pack.hulls);
@@ -136,6 +144,34 @@ fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
         rest = &rest[count..];
     }
     Ok(())
+}
+
+/// The mass of the mesh of each object, at its first hull. A mass that a reader would reject is
+/// left out: the centre may be outside hulls that were modelled for another purpose than the mesh.
+fn mesh_masses(hulls: &[BakedHull]) -> Vec<Option<MassRecord>> {
+    let of_object = |(at, baked): (usize, &BakedHull)| {
+        let found = baked.mesh_mass.filter(|_| baked.part == 0)?;
+        let own = hulls.iter().skip(at).take(baked.part_count.max(1) as usize);
+        let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for [low, high] in own.map(|baked| self::bounds(&baked.hull)) {
+            bounds[0] = std::array::from_fn(|axis| bounds[0][axis].min(low[axis]));
+            bounds[1] = std::array::from_fn(|axis| bounds[1][axis].max(high[axis]));
+        }
+        let [low, high] = bounds;
+        let uncovered = baked.fit.map_or(0.0, |fit| fit.uncovered);
+        let Mass { volume, centroid, second_moments, .. } = found;
+        let record = MassRecord { volume, centroid, second_moments };
+        mass::check(&record, low, high, uncovered).is_ok().then_some(record)
+    };
+    hulls.iter().enumerate().map(of_object).collect()
+}
+
+/// Minimum and maximum coordinates of the vertices.
+fn bounds(hull: &Hull) -> [[f32; 3]; 2] {
+    let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
+        std::array::from_fn(|i| hull.vertices.iter().map(|v| v[i]).reduce(pick).unwrap_or_default())
+    };
+    [component(f32::min), component(f32::max)]
 }
 
 /// Appends a hull to every section, and its record.
@@ -215,14 +251,13 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
         edge: at(pack.edges.len())?,
         outer: at(pack.outer_vertices.len())?,
         quad: at(pack.quads.len())?,
+        mass: at(pack.masses.len())?,
     })
 }
 
 fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
     let BakedHull { hull, mass, index, interior, .. } = baked;
-    let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
-        std::array::from_fn(|i| hull.vertices.iter().map(|v| v[i]).reduce(pick).unwrap_or_default())
-    };
+    let [bounds_min, bounds_max] = bounds(hull);
     HullRecord {
         diameter: hull.diameter,
         centroid: mass.centroid,
@@ -238,8 +273,8 @@ fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
         protrusion: baked.fit.map_or(0.0, |fit| fit.protrusion),
         protrusion_at: baked.fit.map_or([0.0; 3], |fit| fit.protrusion_at),
         origin: baked.origin,
-        bounds_min: component(f32::min),
-        bounds_max: component(f32::max),
+        bounds_min,
+        bounds_max,
         rank: hull.rank,
         index_kind: index.kind.code(),
         resolution: index.kind.resolution(),

@@ -8,8 +8,7 @@ use bevy_math::Vec3;
 use bevy_reflect::Reflect;
 use hullmap::{Pack, SharedHull};
 use hullmap_parry::BakedHull;
-use parry3d::math::Pose;
-use parry3d::shape::{Compound, SharedShape};
+use parry3d::shape::SharedShape;
 
 /// A `.hullmap` pack. The [`PackLoader`](crate::PackLoader) makes it, or [`PackAsset::new`].
 ///
@@ -141,7 +140,8 @@ impl PackAsset {
 
     /// The selected hulls as one shape of parry3d: a [`BakedHull`], or a `Compound` of them.
     ///
-    /// The shape has the frame and units of the pack, times `scale`. Negative factors mirror it.
+    /// The shape has the frame and units of the pack, times `scale`. Negative factors mirror it. It
+    /// has the mass of the mesh, if all parts of the mesh are selected and the pack records it.
     ///
     /// # Errors
     /// If the pack has no such object or hull, or the scale cannot be applied.
@@ -154,12 +154,8 @@ impl PackAsset {
             let hull = BakedHull::new(hull.clone());
             if scale == Vec3::ONE { Ok(hull) } else { hull.scaled(scale).map_err(|_| ShapeError::Scale(scale)) }
         });
-        let mut hulls = hulls.collect::<Result<Vec<BakedHull>, ShapeError>>()?;
-        if hulls.len() <= 1 {
-            return hulls.pop().map(SharedShape::from).ok_or(ShapeError::Empty);
-        }
-        let parts = hulls.into_iter().map(|hull| (Pose::identity(), hull.into())).collect();
-        Ok(SharedShape::new(Compound::new(parts)))
+        let hulls = hulls.collect::<Result<Vec<BakedHull>, ShapeError>>()?;
+        hullmap_parry::union(hulls).ok_or(ShapeError::Empty)
     }
 
     /// The selected hulls as a collider of an engine: Avian's `Collider`, bevy_rapier's, or any

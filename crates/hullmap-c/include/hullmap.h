@@ -173,6 +173,25 @@ typedef uint32_t HullmapFeatureKind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// The solid that mass properties describe: HullmapMassProperties.source.
+enum HullmapMassSource
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The hulls. Parts of a mesh overlap, so their mass is too large, up to about twice.
+    HULLMAP_MASS_SOURCE_HULLS = 0,
+    // The mesh that the hulls were baked from.
+    HULLMAP_MASS_SOURCE_MESH = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapMassSource HullmapMassSource;
+#else
+typedef uint32_t HullmapMassSource;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Unit of HullmapManifoldSettings.prediction.
 enum HullmapPrediction
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -312,6 +331,18 @@ typedef struct {
     // The point of the part that protrudes most, as far as the bake found.
     HullmapVec3 protrusion_at;
 } HullmapHullFacts;
+
+// Mass properties of a rigid body, from hullmap_pack_mass_properties.
+typedef struct {
+    // Mass: density times volume.
+    double mass;
+    // Centre of mass, in the frame of the pack.
+    HullmapVec3 center_of_mass;
+    // Inertia tensor about the centre of mass, row by row; symmetric.
+    double inertia[9];
+    // A HullmapMassSource.
+    uint32_t source;
+} HullmapMassProperties;
 
 // The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the
 // pack, or a shape made from it, exists. All are aligned to 4 bytes.
@@ -689,6 +720,17 @@ HullmapResult hullmap_pack_find(const HullmapPack *pack,
 HullmapResult hullmap_pack_hull_facts(const HullmapPack *pack,
                                       size_t hull,
                                       HullmapHullFacts *facts);
+
+// Mass properties of `count` hulls from the one of index `first`, as one rigid body of uniform
+// density: mass per volume. All hulls of a pack: 0 and hullmap_pack_hull_count.
+//
+// An object whose parts are all among the hulls has the mass of its mesh, if the pack records it.
+// Others have the sum of their hulls, which counts overlaps twice; mass->source states which.
+HullmapResult hullmap_pack_mass_properties(const HullmapPack *pack,
+                                           size_t first,
+                                           size_t count,
+                                           double density,
+                                           HullmapMassProperties *mass);
 
 // The vertices, faces and neighbours of the hull of index `hull`, in place.
 HullmapResult hullmap_pack_hull_arrays(const HullmapPack *pack,

@@ -36,6 +36,7 @@ using SignedDistance = HullmapSignedDistance;
 using ManifoldPoint = HullmapManifoldPoint;
 using ManifoldPoints = HullmapManifoldPoints;
 using HullFacts = HullmapHullFacts;
+using MassProperties = HullmapMassProperties;
 using HullArrays = HullmapHullArrays;
 using Pair = HullmapPair;
 
@@ -107,6 +108,15 @@ public:
         facts.struct_size = sizeof facts;
         check(hullmap_pack_hull_facts(get(), hull, &facts));
         return facts;
+    }
+
+    // All hulls as one rigid body.
+    MassProperties mass_properties(double density) const { return mass_properties(0, hull_count(), density); }
+
+    MassProperties mass_properties(std::size_t first, std::size_t count, double density) const {
+        MassProperties mass{};
+        check(hullmap_pack_mass_properties(get(), first, count, density, &mass));
+        return mass;
     }
 
     HullArrays arrays(std::size_t hull) const {

@@ -286,6 +286,39 @@ pub struct HullFacts {
     pub protrusion_at: Vec3,
 }
 
+/// The solid that mass properties describe: HullmapMassProperties.source.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MassSource {
+    /// The hulls. Parts of a mesh overlap, so their mass is too large, up to about twice.
+    Hulls = 0,
+    /// The mesh that the hulls were baked from.
+    Mesh = 1,
+}
+
+impl From<hullmap::MassSource> for MassSource {
+    fn from(source: hullmap::MassSource) -> Self {
+        match source {
+            hullmap::MassSource::Hulls => Self::Hulls,
+            hullmap::MassSource::Mesh => Self::Mesh,
+        }
+    }
+}
+
+/// Mass properties of a rigid body, from hullmap_pack_mass_properties.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct MassProperties {
+    /// Mass: density times volume.
+    pub mass: f64,
+    /// Centre of mass, in the frame of the pack.
+    pub center_of_mass: Vec3,
+    /// Inertia tensor about the centre of mass, row by row; symmetric.
+    pub inertia: [f64; 9],
+    /// A HullmapMassSource.
+    pub source: u32,
+}
+
 /// The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the
 /// pack, or a shape made from it, exists. All are aligned to 4 bytes.
 ///

@@ -120,6 +120,7 @@ fn structs_have_one_layout() {
             interior_point inner_radius outer_radius containment_error outer_error origin
             part_count solid uncovered protrusion protrusion_at
         }
+        MassProperties { mass center_of_mass inertia source }
         HullArrays {
             vertices source_vertices neighbour_starts vertex_count neighbours neighbour_count face_starts face_count
             face_vertices face_vertex_count

@@ -493,6 +493,9 @@ pub struct ExportArgs {
     /// Prefix of file names in MJCF and URDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
+    /// Density for the mass in MJCF and URDF, in kilograms per cubic unit of the pack; default 1000
+    #[arg(long, value_name = "DENSITY", value_parser = density)]
+    pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
     #[arg(
         long,
@@ -654,6 +657,12 @@ fn up() -> impl TypedValueParser<Value = Up> {
 /// A count of at least 1.
 fn at_least_one(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|&count| count >= 1).ok_or_else(|| "expected a whole number of at least 1".to_owned())
+}
+
+/// A density: finite, and above 0.
+fn density(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|density: &f64| *density > 0.0 && density.is_finite());
+    found.ok_or_else(|| "expected a number above 0, such as 1000 or 2700".to_owned())
 }
 
 /// A number of bytes: `4096`, `500K`, `500M`, `8G`; K, M, G and T are powers of 1024.

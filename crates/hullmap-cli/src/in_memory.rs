@@ -116,9 +116,8 @@ fn bake(
     file: &str,
     stage: Stage,
 ) -> Result<(BakedPack, Imported), InMemoryError> {
-    if options.decompose().is_some() {
-        imported.give_triangles();
-    }
+    // For the mass of the mesh, and for its parts.
+    imported.give_triangles();
     let warnings = std::mem::take(&mut imported.warnings);
     let record = SourceRecord { options: options.to_string(), warnings, ..record };
     let mut pack = bake_pack(&imported.point_sets, options, &record, stage)

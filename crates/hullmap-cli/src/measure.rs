@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::{Fit, fits};
+use hullmap_bake::fit::{Fit, fits, mesh_mass};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 
@@ -99,11 +99,16 @@ fn beyond(cover: &Cover, points: &PointSet, own: &[BakedHull]) -> Option<Remark>
         .then(|| advice::beyond(&points.name, cover.max_parts, is_timed, [reached, requested, size]))
 }
 
-/// Counts and measures the parts of one mesh, and records both in their hulls. `limit` is the
+/// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
+/// mesh. `limit` is the
 /// protrusion that they were proven not to exceed; `None` if there is no proof.
 fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>) {
     let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>(), limit);
     let count = own.len() as u32;
+    // A hull of the whole mesh has its mass already.
+    if let Some(first) = own.first_mut().filter(|first| first.mesh_mass.is_none()) {
+        first.mesh_mass = mesh_mass(mesh);
+    }
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();

@@ -46,6 +46,9 @@ pub struct Pack {
     pub spans: Vec<Span>,
     /// One record per hull.
     pub hulls: Vec<HullRecord>,
+    /// Mass of the mesh of an object, in the run of its first hull: one record, or none if the mesh
+    /// bounds no solid that could be measured.
+    pub masses: Vec<MassRecord>,
     /// BVH over the hulls, see [`crate::bvh`]: the root, then the other nodes breadth first. The
     /// two children of a node are adjacent. One leaf per hull: 2H − 1 nodes for H hulls.
     pub nodes: Vec<BvhNode>,
@@ -109,6 +112,8 @@ pub struct Span {
     pub edge: u32,
     /// In [`Pack::quads`].
     pub quad: u32,
+    /// In [`Pack::masses`].
+    pub mass: u32,
 }
 
 /// Facts about one hull. Lengths are in source units, points in the hull's frame: the source's
@@ -190,6 +195,19 @@ pub struct HullRecord {
     /// Code of the kind of solid that the part was measured against: see
     /// [`SolidKind::code`](crate::SolidKind::code). 0 if it was not measured.
     pub solid: u32,
+}
+
+/// Mass properties of the solid that the mesh of an object bounds, at uniform density. The frame is
+/// that of the hulls.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
+pub struct MassRecord {
+    /// Volume, above 0.
+    pub volume: f64,
+    /// Centre of mass.
+    pub centroid: [f64; 3],
+    /// Second moments about the centre, divided by the volume: xx, yy, zz, yz, zx, xy.
+    pub second_moments: [f64; 6],
 }
 
 /// A node of the bounding volume hierarchy (BVH). Two `vec4` in a GPU buffer.

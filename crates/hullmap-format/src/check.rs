@@ -54,6 +54,7 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("names", pack.names),
         extent("spans", pack.spans),
         extent("hulls", pack.hulls),
+        extent("masses", pack.masses),
         extent("nodes", pack.nodes),
         extent("vertices", pack.vertices),
         extent("source_vertices", pack.source_vertices),
@@ -97,11 +98,11 @@ pub fn version(pack: &Sections<'_>, format_version: u32) -> Result<(), CheckErro
 /// Where a hull's runs start, in the order of [`SECTIONS`].
 fn starts(span: &ArchivedSpan) -> [u32; SECTIONS.len()] {
     let s = span;
-    [s.name, s.vertex, s.face, s.face_vertex, s.quad, s.neighbour, s.edge, s.slot, s.block, s.outer]
+    [s.name, s.vertex, s.face, s.face_vertex, s.quad, s.neighbour, s.edge, s.slot, s.block, s.outer, s.mass]
         .map(u32_le::to_native)
 }
 
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
     "names",
     "vertices",
     "faces",
@@ -112,6 +113,7 @@ const SECTIONS: [&str; 10] = [
     "slots",
     "blocks",
     "outer vertices",
+    "mass records",
 ];
 
 /// Checks that the spans divide every section into one run per hull.
@@ -154,6 +156,7 @@ fn spans(pack: &Sections<'_>) -> Result<(), CheckError> {
         pack.slots.len(),
         pack.blocks.len(),
         pack.outer_vertices.len(),
+        pack.masses.len(),
     ];
     for (section, (found, expected)) in SECTIONS.into_iter().zip(last.into_iter().zip(lengths)) {
         if found as usize != expected {

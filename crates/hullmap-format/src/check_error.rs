@@ -6,6 +6,7 @@
 use crate::{
     archive::MAX_LEVELS,
     index_kind::RecordedKindError,
+    mass::MassError,
     walk::{Cost, IndexError},
 };
 
@@ -198,6 +199,17 @@ pub enum HullError {
     /// Two parts of an object state different uncovered distances or kinds of solid.
     #[error("its uncovered distance or its kind of solid differs from the part before it")]
     PartsDiffer,
+    /// It has several mass records, or one although it is not the first hull of its object.
+    #[error("it has {found} mass records (expected at most {expected})")]
+    MassCount {
+        /// Number of its records.
+        found: usize,
+        /// 1 for the first hull of an object, 0 for its other parts.
+        expected: usize,
+    },
+    /// The mass of its mesh is not that of a solid.
+    #[error("{0}")]
+    Mass(#[from] MassError),
     /// Its frame differs from the frame of the other hulls.
     #[error("its origin is {found:?} (expected {expected:?}, the origin of the hull before it)")]
     Origin {

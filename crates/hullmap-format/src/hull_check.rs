@@ -6,10 +6,12 @@ use rkyv::rend::{f32_le, f64_le, u32_le};
 use crate::{
     adjacency::Adjacency,
     archive::{
-        ArchivedBlock, ArchivedHullRecord, ArchivedSpan, LANES, LEAN_FACES, MAX_OUTER_VERTICES, NO_SOURCE_VERTEX,
+        ArchivedBlock, ArchivedHullRecord, ArchivedSpan, LANES, LEAN_FACES, MAX_OUTER_VERTICES, MassRecord,
+        NO_SOURCE_VERTEX,
     },
     check_error::HullError,
     index_kind::IndexKind,
+    mass,
     sections::Sections,
     solid_kind::SolidKind,
     walk::{Cost, Shape, walk},
@@ -31,6 +33,7 @@ impl HullCheck<'_> {
         self.record()?;
         self.part()?;
         self.solid()?;
+        self.mass()?;
         self.vertices()?;
         self.source_vertices()?;
         self.faces()?;
@@ -159,6 +162,27 @@ impl HullCheck<'_> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// The first hull of an object may have the mass of the object's mesh, whose centre is then
+    /// within the bounds of its hulls. A file that passes has a centre and an inertia tensor that a
+    /// solid can have.
+    fn mass(&self) -> Result<(), HullError> {
+        let found = run(self.pack.masses, self.start.mass, self.end.mass);
+        let expected = usize::from(self.record.part.to_native() == 0);
+        if found.len() > expected {
+            return Err(HullError::MassCount { found: found.len(), expected });
+        }
+        let Some(found) = found.first() else { return Ok(()) };
+        let count = self.record.part_count.to_native().max(1) as usize;
+        let own = self.pack.hulls.iter().skip(self.hull).take(count);
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for record in own {
+            // NaN is ignored here, and rejected in the record itself.
+            low.iter_mut().zip(&record.bounds_min).for_each(|(low, own)| *low = low.min(own.to_native()));
+            high.iter_mut().zip(&record.bounds_max).for_each(|(high, own)| *high = high.max(own.to_native()));
+        }
+        Ok(mass::check(&MassRecord::from(found), low, high, self.record.uncovered.to_native())?)
     }
 
     fn vertices(&self) -> Result<(), HullError> {

@@ -9,6 +9,7 @@
 //! | [`cube`] | direction ↔ cell of the cube map |
 //! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
 //! | [`solid_kind`] | what counts as the inside of a mesh |
+//! | [`mass`] | whether the recorded mass of a mesh can be that of a solid |
 //! | [`slot`] | the words of a direction index |
 //! | [`node`] | the nodes of a direction index: positions of their numbers and slots |
 //! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
@@ -34,6 +35,7 @@ pub mod fan;
 pub mod header;
 mod hull_check;
 pub mod index_kind;
+pub mod mass;
 pub mod node;
 pub mod quad;
 pub mod repeats;
@@ -51,11 +53,11 @@ pub const EXTENSION: &str = "hullmap";
 /// Version of the format that this crate writes and reads.
 ///
 /// Any change to the bytes or to their meaning increments it. `docs/FORMAT.md` lists the history.
-pub const FORMAT_VERSION: u32 = 5;
+pub const FORMAT_VERSION: u32 = 7;
 
 /// Version of *lean* packs: the same format, but without neighbours, quads and edges, and without
 /// the faces of hulls of more than [`LEAN_FACES`](archive::LEAN_FACES) vertices.
 ///
 /// Lean packs have their own version, so that older programs reject them with a clear error, and
 /// all other packs keep their bytes.
-pub const LEAN_FORMAT_VERSION: u32 = 6;
+pub const LEAN_FORMAT_VERSION: u32 = 8;

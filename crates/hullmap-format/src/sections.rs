@@ -19,11 +19,14 @@ use bytemuck::Pod;
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
-    archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedPack, ArchivedQuad, ArchivedSpan},
+    archive::{
+        ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedMassRecord, ArchivedPack, ArchivedQuad,
+        ArchivedSpan,
+    },
     check_error::CheckError,
 };
 
-/// Length of the root in bytes: an offset and a count, four bytes each, for each of 18 sections.
+/// Length of the root in bytes: an offset and a count, four bytes each, for each of 19 sections.
 const ROOT_LEN: usize = size_of::<ArchivedPack>();
 
 /// The first section starts on a multiple of this many bytes in memory: a cache line.
@@ -40,6 +43,7 @@ pub struct Sections<'a> {
     pub names: &'a [u8],
     pub spans: &'a [ArchivedSpan],
     pub hulls: &'a [ArchivedHullRecord],
+    pub masses: &'a [ArchivedMassRecord],
     pub nodes: &'a [ArchivedBvhNode],
     pub vertices: &'a [[f32_le; 3]],
     pub source_vertices: &'a [u32_le],
@@ -75,6 +79,7 @@ impl<'a> Sections<'a> {
             names: cutter.cut("names", offset_of!(ArchivedPack, names))?,
             spans: cutter.cut("spans", offset_of!(ArchivedPack, spans))?,
             hulls: cutter.cut("hulls", offset_of!(ArchivedPack, hulls))?,
+            masses: cutter.cut("masses", offset_of!(ArchivedPack, masses))?,
             nodes: cutter.cut("nodes", offset_of!(ArchivedPack, nodes))?,
             vertices: cutter.cut("vertices", offset_of!(ArchivedPack, vertices))?,
             source_vertices: cutter.cut("source_vertices", offset_of!(ArchivedPack, source_vertices))?,
@@ -165,7 +170,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-const _: () = assert!(ROOT_LEN == 18 * 8, "the root is 18 offsets and counts without padding");
+const _: () = assert!(ROOT_LEN == 19 * 8, "the root is 19 offsets and counts without padding");
 
 #[cfg(test)]
 mod tests {
@@ -173,7 +178,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        archive::{Block, BvhNode, HullRecord, LANES, Pack, Quad, Span},
+        archive::{Block, BvhNode, HullRecord, LANES, MassRecord, Pack, Quad, Span},
         check,
     };
 
@@ -186,6 +191,7 @@ mod tests {
             names: b"abcd".to_vec(),
             spans: vec![Span::default(); 3],
             hulls: vec![HullRecord { diameter: 7.0, ..HullRecord::default() }; 2],
+            masses: vec![MassRecord { volume: 5.0, ..MassRecord::default() }; 2],
             nodes: vec![BvhNode::default(); 3],
             vertices: vec![[1.0, 2.0, 3.0]; 5],
             source_vertices: vec![9; 5],
@@ -218,6 +224,7 @@ mod tests {
         same(found.names, &expected.names);
         same(found.spans, &expected.spans);
         same(found.hulls, &expected.hulls);
+        same(found.masses, &expected.masses);
         same(found.nodes, &expected.nodes);
         same(found.vertices, &expected.vertices);
         same(found.source_vertices, &expected.source_vertices);

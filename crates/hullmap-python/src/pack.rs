@@ -102,6 +102,12 @@ impl Pack {
         Ok(Hull { hull })
     }
 
+    /// Mass properties of hulls as one body: mass, centre, rows of the tensor, and their source.
+    fn mass_properties(&self, hulls: Vec<usize>, density: f64) -> PyResult<Mass> {
+        let found = self.pack.mass_properties_of(hulls, density);
+        found.map(|found| mass(&found)).map_err(|error| PyIndexError::new_err(error.to_string()))
+    }
+
     /// Compares the data that the file holds twice.
     fn check_repeats(&self, py: Python<'_>) -> PyResult<()> {
         py.detach(|| self.pack.check_repeats()).map_err(|error| InvalidPack::new_err(error.to_string()))
@@ -111,6 +117,14 @@ impl Pack {
     fn shape(&self) -> Shape {
         Shape(Side::Compound(Arc::clone(&self.pack)))
     }
+}
+
+/// Mass, centre of mass, rows of the inertia tensor, and the name of their source.
+type Mass = (f64, [f64; 3], [[f64; 3]; 3], &'static str);
+
+fn mass(found: &core::MassProperties) -> Mass {
+    let inertia = found.inertia.transpose().to_cols_array_2d();
+    (found.mass, found.center_of_mass.to_array(), inertia, found.source.as_str())
 }
 
 /// A hull of a pack.
@@ -139,14 +153,14 @@ impl Hull {
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let hull = self.hull.hull();
         let facts = PyDict::new(py);
-        let mass = hull.mass_properties(1.0);
-        let inertia = mass.inertia.transpose().to_cols_array_2d();
+        let (_, _, inertia, _) = mass(&hull.mass_properties(1.0));
         facts.set_item("rank", hull.rank())?;
         facts.set_item("volume", hull.volume())?;
         facts.set_item("surface_area", hull.surface_area())?;
         facts.set_item("diameter", hull.diameter())?;
         facts.set_item("centroid", hull.centroid().to_array())?;
         facts.set_item("inertia", inertia)?;
+        facts.set_item("mesh", hull.mesh_mass_properties(1.0).as_ref().map(mass))?;
         facts.set_item("bounds", hull.bounds().map(|corner| corner.as_dvec3().to_array()))?;
         facts.set_item("containment_error", hull.containment_error())?;
         facts.set_item("outer_error", hull.outer_error())?;

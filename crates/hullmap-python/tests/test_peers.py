@@ -136,6 +136,23 @@ def test_a_model_of_mjcf_loads_and_weighs_the_same():
     assert np.allclose(inertia, expected, rtol=1e-4, atol=1e-4 * np.trace(expected))
 
 
+def test_parts_weigh_as_much_as_their_mesh():
+    """The parts of a torus overlap. MuJoCo adds their masses, unless the model states the mesh's."""
+    mujoco = pytest.importorskip("mujoco")
+    trimesh = pytest.importorskip("trimesh")
+    torus = trimesh.creation.torus(1.0, 0.35, major_sections=48, minor_sections=24)
+    pack = hullmap.bake(torus.vertices, torus.faces, decompose=True, max_error="4%")
+    model = mujoco.MjModel.from_xml_string(hullmap.to_mjcf(pack, "torus", density=500.0))
+    assert model.body_mass[1] == pytest.approx(500 * torus.volume, rel=1e-6)
+    assert np.allclose(np.sort(model.body_inertia[1]), np.sort(500 * np.diag(torus.moment_inertia)), rtol=1e-5)
+    assert sum(hull.volume for hull in pack) > 1.1 * torus.volume
+    body = pack.mass_properties(500.0)
+    assert body.source == "mesh" and body.mass == pytest.approx(model.body_mass[1])
+    assert pack[0].mesh_mass_properties(500.0).mass == body.mass
+    flat = hullmap.bake(torus.vertices, torus.faces[:-1]).mass_properties()
+    assert flat.source == "hulls" and flat.mass > torus.volume
+
+
 def test_a_link_of_urdf_loads(tmp_path):
     mujoco = pytest.importorskip("mujoco")
     pack = hullmap.bake_parts([(CUBE, None), (rock(200, 3) + [5, 0, 0], None)], names=["cube", "rock"])

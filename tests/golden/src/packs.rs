@@ -1,7 +1,8 @@
 //! The packs whose bytes are hashed, and on which the queries run.
 
 use hullmap::Pack;
-use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::fit::mesh_mass;
+use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use shapes::families::Family;
 use twox_hash::XxHash3_64;
 
@@ -26,6 +27,9 @@ const LARGE: [Recipe; 12] = [
     ("sheet-tree", Family::FlatSheet, 40, IndexKind::Tree),
     ("sphere-tree", Family::Sphere, 700, IndexKind::Tree),
 ];
+
+/// The pack that records the mass of a mesh. An interpreter would take minutes for it.
+const WITH_MASS: &str = "grid-tree";
 
 /// The small set, which an interpreter can bake: a scanned hull, a hull with a tree, a polygon.
 const SMALL: [Recipe; 3] = [
@@ -53,11 +57,30 @@ pub fn files(set: Set) -> Vec<(&'static str, Vec<u8>)> {
         let positions = family.points(count, SEED);
         let source_vertices = (0..positions.len() as u32).collect();
         let points = PointSet { name: name.to_owned(), positions, source_vertices, ..PointSet::default() };
-        let baked = bake_hull(&points, index).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut baked = bake_hull(&points, index).unwrap_or_else(|error| panic!("{name}: {error}"));
+        if name == WITH_MASS {
+            baked.mesh_mass = mesh_mass(&nested(&baked));
+            assert!(baked.mesh_mass.is_some());
+        }
         let file = write_pack(&[baked], &SourceRecord::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
         (name, file)
     };
     recipes.iter().map(bake).collect()
+}
+
+/// The surface of a hull, and the same at half the size in it: two shells that overlap.
+fn nested(baked: &BakedHull) -> PointSet {
+    let outer = &baked.hull.vertices;
+    let positions: Vec<[f32; 3]> = outer.iter().copied().chain(outer.iter().map(|p| p.map(|c| c * 0.5))).collect();
+    let count = outer.len() as u32;
+    let mut triangles = Vec::new();
+    for face in &baked.hull.faces {
+        for pair in face[1..].windows(2) {
+            triangles.extend([[face[0], pair[0], pair[1]], [face[0], pair[0], pair[1]].map(|corner| corner + count)]);
+        }
+    }
+    let source_vertices = (0..positions.len() as u32).collect();
+    PointSet { positions, source_vertices, triangles, ..PointSet::default() }
 }
 
 /// The hashes of the files, with names as in the golden file.

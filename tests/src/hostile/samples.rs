@@ -49,6 +49,7 @@ pub fn small() -> Vec<Sample> {
         sample("recentred, tree", &recentred(), IndexKind::Tree),
         simplified(),
         parts(),
+        meshes(),
         lean(),
         sample("two hulls, tree", &[point_set("a", &cube()), point_set("", &cube()[..3])], IndexKind::Tree),
     ]
@@ -135,6 +136,22 @@ fn lean() -> Sample {
     let hulls = sets.iter().map(|set| bake_hull(set, IndexKind::Tree).expect("these points can be baked"));
     let file = write_lean_pack(hulls.collect(), &source()).expect("a small pack can be written");
     Sample { name: "lean, tree".to_owned(), file }
+}
+
+/// A cube and two parts of one object, both with the mass of their mesh.
+fn meshes() -> Sample {
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let set = PointSet { triangles, ..point_set("cube", &cube()) };
+    let solid = bake_hull(&set, IndexKind::Tree).expect("a cube can be baked");
+    let mut hulls = vec![solid.clone()];
+    for part in 0..2 {
+        let mut hull = solid.clone();
+        (hull.part, hull.part_count) = (part, 2);
+        hulls.push(hull);
+    }
+    let file = write_pack(&hulls, &source()).expect("a small pack can be written");
+    Sample { name: "meshes, tree".to_owned(), file }
 }
 
 /// Three convex parts of one object beside a hull of another, as decomposition produces them.

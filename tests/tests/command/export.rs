@@ -161,6 +161,64 @@ fn parts_bake_to_the_same_hulls_under_every_name() {
     }
 }
 
+/// The numbers of an attribute in a document.
+fn numbers(text: &str, attribute: &str) -> Vec<f64> {
+    let (_, rest) = text.split_once(&format!(" {attribute}=\"")).unwrap_or_else(|| panic!("no {attribute}: {text}"));
+    let (value, _) = rest.split_once('"').unwrap();
+    value.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+#[track_caller]
+fn assert_near(found: &[f64], expected: &[f64]) {
+    let near = |(found, expected): (&f64, &f64)| (found - expected).abs() < 1e-6 * expected.abs().max(1.0);
+    assert!(found.len() == expected.len() && found.iter().zip(expected).all(near), "{found:?}, not {expected:?}");
+}
+
+/// An L has 5 of the 7 that its hull has. Closed forms: two boxes, of 3 and of 2, about their
+/// common centre.
+#[test]
+fn robots_weigh_as_much_as_their_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let open_ell = ELL.rsplit_once("f 6 1").unwrap().0;
+    fs::write(folder.path().join("ell.obj"), ELL).unwrap();
+    fs::write(folder.path().join("open.obj"), open_ell).unwrap();
+    let center = [1.1, 1.1, 0.5];
+    let xx = 3.0 / 12.0 + 3.0 * 0.36 + 2.0 * 4.0 / 12.0 + 2.0 * 0.81;
+    let xy = 3.0 * 0.4 * -0.6 + 2.0 * -0.6 * 0.9;
+    let (across, up) = (xx + 5.0 / 12.0, 2.0 * xx);
+    for options in ["", "--decompose --max-parts 1", "--decompose --max-error 1%", "--max-vertices 6 --decompose"] {
+        bake(&folder, &format!("build ell.obj {options} --out . --quiet")).expect(0);
+        let pack = open(&folder, "ell.hullmap");
+        let hulls: f64 = pack.hulls().map(|hull| hull.volume()).sum();
+        assert!(options.contains("1%") || hulls > 5.2, "{options}: the hulls have {hulls}");
+        for up_axis in ["keep", "y-to-z"] {
+            let run = bake(&folder, &format!("export ell.hullmap --for mjcf --up-axis {up_axis} --out m --force"));
+            assert!(!run.expect(0).stderr.contains("the mass is"), "{options}");
+            let text = fs::read_to_string(folder.path().join("m/ell.xml")).unwrap();
+            assert_near(&numbers(&text, "mass"), &[5000.0]);
+            let [x, y, z] = center;
+            let (pos, inertia) = match up_axis {
+                "keep" => ([x, y, z], [across, across, up, -xy, 0.0, 0.0]),
+                _ => ([x, -z, y], [across, up, across, 0.0, -xy, 0.0]),
+            };
+            assert_near(&numbers(&text, "pos"), &pos);
+            assert_near(&numbers(&text, "fullinertia"), &inertia.map(|entry| 1000.0 * entry));
+        }
+    }
+    bake(&folder, "export ell.hullmap --for urdf --density 2700 --out u").expect(0);
+    let text = fs::read_to_string(folder.path().join("u/ell.urdf")).unwrap();
+    assert_near(&numbers(&text, "value"), &[13_500.0]);
+    assert_near(&numbers(&text, "ixx"), &[2700.0 * across]);
+    assert_near(&numbers(&text, "ixy"), &[2700.0 * -xy]);
+    assert_near(&numbers(&text, "izz"), &[2700.0 * up]);
+    // Without its last face, the mesh bounds no solid.
+    bake(&folder, "build open.obj --out . --quiet").expect(0);
+    let run = bake(&folder, "export open.hullmap --for mjcf --out o").expect(0);
+    assert!(run.stderr.contains("the mass is that of the hull, because the pack does not record"), "{}", run.stderr);
+    let text = fs::read_to_string(folder.path().join("o/open.xml")).unwrap();
+    assert_near(&numbers(&text, "mass"), &[7000.0]);
+}
+
 /// A second opinion on GLB: the crate `gltf` validates the file.
 #[test]
 fn glb_files_are_valid() {
@@ -343,6 +401,7 @@ fn wrong_usage_names_the_remedy() {
         ("--format obj --out y.hullmap", "extension of packs"),
         ("--format obj --visible", "--for godot"),
         ("--format obj --mesh-prefix p", "--for mjcf"),
+        ("--format obj --density 7", "--for mjcf"),
         ("--format obj --name p", "--for"),
     ] {
         let run = bake(&folder, &format!("export x.hullmap {line}")).expect(2);

@@ -377,12 +377,22 @@ fn inspect_prints_the_documented_fields() {
         (&"cube".into(), &3.into(), &8.into(), &6.into())
     );
     assert!(near(&cube["volume"], 1.0) && near(&cube["surface_area"], 6.0) && near(&cube["diameter"], 3_f64.sqrt()));
+    // Two of its six faces do not close the cube.
+    assert!([cube, dot].iter().all(|hull| hull["mesh_volume"].is_null() && hull["mesh_inertia"].is_null()));
     assert!((0..3).all(|i| near(&cube["centroid"][i], 0.5)
         && near(&cube["bounds"][0][i], 0.0)
         && near(&cube["bounds"][1][i], 1.0)));
     assert_eq!((&dot["name"], &dot["rank"], &dot["vertices"]), (&"dot".into(), &0.into(), &1.into()));
     let text = bake(&folder, "inspect two.hullmap").expect(0);
     assert!(text.stdout.contains("cube") && text.stdout.contains("dot"));
+    assert!(text.stdout.contains("mass unknown: not a closed mesh"), "{}", text.stdout);
+    let closed = format!("{CUBE}f 1 2 6 5\nf 2 4 8 6\nf 4 3 7 8\nf 3 1 5 7\n").replace("f 1 2 4 3\n", "f 3 4 2 1\n");
+    fs::write(folder.path().join("closed.obj"), closed).unwrap();
+    bake(&folder, "build closed.obj --out .").expect(0);
+    let report = &bake(&folder, "inspect closed.hullmap --json").expect(0).json()[0];
+    let cube = &report["hulls"][0];
+    assert!(near(&cube["mesh_volume"], 1.0) && near(&cube["mesh_centroid"][2], 0.5), "{cube}");
+    assert!(near(&cube["mesh_inertia"][0][0], 1.0 / 6.0) && near(&cube["mesh_inertia"][0][1], 0.0), "{cube}");
 }
 
 /// Two unit cubes, the second moved along x; most of them overlap in y and z. The expected answer

@@ -491,7 +491,7 @@ fn packs_of_other_versions_are_rejected() {
     for version in 1..hullmap_format::FORMAT_VERSION {
         let file = std::fs::read(workspace().join(format!("tests/data/version-{version}.hullmap"))).unwrap();
         let error = Pack::from_bytes(&file).unwrap_err().to_string();
-        let start = format!("the file has format version {version}, but this build reads versions 5 and 6; ");
+        let start = format!("the file has format version {version}, but this build reads versions 7 and 8; ");
         assert!(error.starts_with(&start) && error.contains("bake the source again"), "{error}");
         // The bytes are invalid in this version, even if the header states this version.
         let mut renamed = file.clone();

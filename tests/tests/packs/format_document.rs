@@ -80,7 +80,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     assert_eq!(file.count(section::HULLS), pack.hull_count());
     assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
-    assert_eq!(file.span(0), [0; 10]);
+    assert_eq!(file.span(0), [0; 11]);
     let counts = [
         section::NAMES,
         section::VERTICES,
@@ -92,6 +92,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
         section::OUTER_VERTICES,
         section::EDGES,
         section::QUADS,
+        section::MASSES,
     ];
     assert_eq!(file.span(hulls.len()), counts.map(|section| file.count(section)));
     assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
@@ -161,6 +162,7 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert_eq!((r.outer_error, r.part, r.part_count), (theirs.outer_error(), theirs.part(), theirs.part_count()));
     assert_eq!((r.outer_error, r.part, r.part_count), (baked.outer_error, baked.part, baked.part_count));
     fit(r, theirs, baked);
+    mass(ours, theirs, baked);
     assert_eq!((r.origin, r.origin), (theirs.origin().to_array(), baked.origin));
     assert_eq!([r.bounds_min, r.bounds_max], theirs.bounds().map(|b| b.to_array()));
     assert_eq!(r.rank, theirs.rank());
@@ -187,6 +189,40 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert!(ours.vertices.iter().all(|v| from_point(v) <= r.outer_radius));
     assert!(r.rank == 3 || (r.volume == 0.0 && r.inner_radius == 0.0));
     assert!(r.rank >= 2 || r.surface_area == 0.0);
+}
+
+/// The first hull of an object has the mass of its mesh. All of its parts state it.
+fn mass(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    let found = theirs.mesh_mass_properties(1.0);
+    if ours.record.part > 0 {
+        assert!(ours.masses.is_empty());
+        return;
+    }
+    let expected = baked.mesh_mass.map(|mass| (mass.volume, mass.centroid, mass.second_moments));
+    assert_eq!(ours.masses.first().map(|mass| (mass.volume, mass.centroid, mass.second_moments)), expected);
+    let Some(reader::Mass { volume, centroid, second_moments: [xx, yy, zz, yz, zx, xy] }) = ours.masses.first() else {
+        assert_eq!(found, None);
+        return;
+    };
+    let found = found.unwrap();
+    assert_eq!((found.mass, found.center_of_mass.to_array()), (*volume, *centroid));
+    // The tensor of section 6.2.
+    let rows = [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]];
+    assert_eq!(found.inertia.transpose().to_cols_array_2d(), rows.map(|row| row.map(|entry| entry * volume)));
+}
+
+/// Meshes with a mass, without one, and parts that share one.
+#[test]
+fn masses_are_read_back() {
+    let shapes = shapes_of_all_ranks();
+    let solid = bake(&PointSet { origin: ORIGIN, ..tetrahedron() }, IndexKind::Tree);
+    assert!(solid.mesh_mass.is_some());
+    let mut hulls = vec![bake(&shapes[5], IndexKind::Tree), solid.clone()];
+    hulls.extend((0..3).map(|part| BakedHull { part, part_count: 3, ..solid.clone() }));
+    hulls.push(bake(&shapes[6], IndexKind::Tree));
+    compare(&hulls, &source("masses", ""), 500, &mut Met::default());
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    assert_eq!(File::new(&file).count(section::MASSES), 2);
 }
 
 /// Checks the claims of a part about its mesh, by the table of kinds in the document.
@@ -466,12 +502,14 @@ fn files_of_older_versions_are_rejected_with_the_remedy() {
         include_bytes!("../../data/version-2.hullmap"),
         include_bytes!("../../data/version-3.hullmap"),
         include_bytes!("../../data/version-4.hullmap"),
+        include_bytes!("../../data/version-5.hullmap"),
+        include_bytes!("../../data/version-6.hullmap"),
     ];
     for (file, version) in files.into_iter().zip(1..) {
         let error = Pack::from_bytes(file).unwrap_err().to_string();
         println!("{error}");
         let expected =
-            format!("format version {version}, but this build reads versions 5 and 6; bake the source again");
+            format!("format version {version}, but this build reads versions 7 and 8; bake the source again");
         assert!(error.contains(&expected), "{error}");
         assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
         assert_eq!(
@@ -534,10 +572,14 @@ fn tetrahedron() -> PointSet {
             numbers.try_into().unwrap()
         })
         .collect();
+    let corners =
+        |line: &str| -> Vec<u32> { line.split_whitespace().map(|corner| corner.parse::<u32>().unwrap() - 1).collect() };
+    let triangles = TETRAHEDRON.lines().filter_map(|line| line.strip_prefix("f ")).map(corners);
     PointSet {
         name: "tetrahedron".to_owned(),
         source_vertices: (0..positions.len() as u32).collect(),
         positions,
+        triangles: triangles.map(|face| face.try_into().unwrap()).collect(),
         ..PointSet::default()
     }
 }
@@ -609,11 +651,12 @@ fn tables_have_no_gaps() {
     };
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
-        ("\n### 6.1 Span\n", 40),
+        ("\n### 6.1 Span\n", 44),
         ("\n### 6.2 Hull record\n", 288),
         ("\n### 6.3 Block\n", 128),
         ("\n### 6.4 Node\n", 32),
         ("\n### 6.5 Quad\n", 24),
+        ("\n### 6.6 Mass record\n", 80),
     ] {
         let end = rows(heading).into_iter().fold(0, |end, (offset, size)| {
             assert_eq!(offset, end, "{heading}");

@@ -116,6 +116,28 @@ fn records() {
     );
 }
 
+/// The mass of a mesh is one that a solid between the hulls can have.
+#[test]
+fn masses() {
+    let pair = samples::named("meshes, tree");
+    assert_eq!(Pack::from_bytes(&pair).unwrap().hulls().filter_map(|hull| hull.mesh_mass_properties(1.0)).count(), 3);
+    for odd in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let expected = format!("hull 0: the volume of its mesh is {odd} (expected a finite number above 0)");
+        assert_eq!(rejection!(&pair, masses[0].volume = odd), expected);
+    }
+    let centre = rejection!(&pair, masses[0].centroid[1] = 1.5_f64);
+    let expected = "hull 0: coordinate 1 of its mesh's centre of mass is 1.5 (its hulls extend from -0.00000173";
+    assert!(centre.starts_with(expected), "{centre}");
+    for (place, odd) in [(0, -1.0), (1, f64::NAN), (5, 10.0), (3, f64::INFINITY)] {
+        let found = rejection!(&pair, masses[1].second_moments[place] = odd);
+        assert!(found.starts_with("hull 1: the second moments of its mesh are ["), "{found}");
+        assert!(found.ends_with("] (expected a positive semidefinite matrix)"), "{found}");
+    }
+    assert_eq!(rejection!(&pair, spans[1].mass = 2_u32), "hull 0: it has 2 mass records (expected at most 1)");
+    assert_eq!(rejection!(&pair, spans[2].mass = 1_u32), "hull 2: it has 1 mass records (expected at most 0)");
+    assert_eq!(rejection!(&pair, spans[3].mass = 3_u32), "the mass records of all hulls end at 3 (expected 2)");
+}
+
 #[test]
 fn vertices_faces_and_neighbours() {
     let cube = samples::named("cube, tree");

@@ -36,7 +36,7 @@ pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
 }
 
 /// The edges at which a mesh ends, as the multiset of edges that leave each vertex, ascending.
-fn boundary(triangles: &[[u32; 3]]) -> BTreeMap<u32, Vec<u32>> {
+pub fn boundary(triangles: &[[u32; 3]]) -> BTreeMap<u32, Vec<u32>> {
     let mut edges: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * triangles.len());
     for &[a, b, c] in triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {

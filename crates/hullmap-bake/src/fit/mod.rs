@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`solid`] | the solid that a mesh bounds, for any set of triangles |
 //! | [`winding`] | the winding number of its closed surface |
+//! | [`mesh_mass`](mod@mesh_mass) | its volume, centre and second moments |
 //! | [`closing`] | cones that close the holes of a mesh |
 //! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
 //! | [`coverage`] | proof of coverage: how far the surface lies outside all parts, at most |
@@ -22,6 +23,7 @@ pub mod closing;
 pub mod coverage;
 mod fits;
 mod looseness;
+pub mod mesh_mass;
 pub mod planes;
 pub mod protrusion;
 pub mod sides;
@@ -34,6 +36,7 @@ pub use branch::Accuracy;
 pub use coverage::{Uncovered, uncovered, uncovered_triangles};
 pub use fits::{Fit, fits};
 pub use looseness::{Looseness, looseness};
+pub use mesh_mass::mesh_mass;
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
 

@@ -37,11 +37,11 @@ use super::{
 use crate::PointSet;
 
 /// Distance below which vertices of an open boundary are merged, relative to the diagonal.
-const MERGE_DISTANCE: f64 = 1e-6;
+pub(super) const MERGE_DISTANCE: f64 = 1e-6;
 
 /// Bound on rounding errors of lengths, relative to the greatest coordinate. A point this close to
 /// a triangle is on it.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// Distance from a closing triangle at which either side is tested, relative to the diagonal.
 const BESIDE: f64 = 1e-9;
@@ -50,7 +50,7 @@ const BESIDE: f64 = 1e-9;
 const SHEET_SAMPLE: usize = 256;
 
 /// Volume of a mesh without inside, relative to its area times its diagonal.
-const SHEET: f64 = 1e-9;
+pub(super) const SHEET: f64 = 1e-9;
 
 /// The solid that a mesh bounds. Its frame is the frame of the mesh's positions.
 pub struct Solid {
@@ -272,7 +272,7 @@ impl Solid {
 }
 
 /// Distinct positions, and the mesh's triangles as their indices.
-fn merged(mesh: &PointSet, source: &[DVec3]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+pub(super) fn merged(mesh: &PointSet, source: &[DVec3]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut order: Vec<u32> = (0..source.len() as u32).collect();
     let key = |v: u32| (source[v as usize] + 0.0).to_array().map(f64::to_bits);
     order.sort_unstable_by_key(|v| (key(*v), *v));
@@ -312,7 +312,7 @@ fn chosen(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<[u32; 3]> {
 
 /// For each vertex, the vertex with which it is merged: those at `open` positions that are closer
 /// than `distance` to an earlier one. `None` if no vertices are merged.
-fn merge_open(positions: &[DVec3], open: &[DVec3], distance: f64) -> Option<Vec<u32>> {
+pub(super) fn merge_open(positions: &[DVec3], open: &[DVec3], distance: f64) -> Option<Vec<u32>> {
     let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
     let open: std::collections::HashSet<[u64; 3]> = open.iter().map(|p| bits(*p)).collect();
     let mut merged: Vec<u32> = (0..positions.len() as u32).collect();

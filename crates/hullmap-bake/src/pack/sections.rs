@@ -6,7 +6,7 @@
 
 use std::cell::Cell;
 
-use hullmap_format::archive::{Block, BvhNode, HullRecord, Pack, Quad, Span};
+use hullmap_format::archive::{Block, BvhNode, HullRecord, MassRecord, Pack, Quad, Span};
 use rkyv::{
     Archive, Place, Serialize,
     rancor::Fallible,
@@ -47,6 +47,7 @@ pub struct Sections {
     names: Section<u8>,
     spans: Section<Span>,
     hulls: Section<HullRecord>,
+    masses: Section<MassRecord>,
     nodes: Section<BvhNode>,
     vertices: Section<[f32; 3]>,
     source_vertices: Section<u32>,
@@ -71,6 +72,7 @@ impl From<Pack> for Sections {
             names,
             spans,
             hulls,
+            masses,
             nodes,
             vertices,
             source_vertices,
@@ -94,6 +96,7 @@ impl From<Pack> for Sections {
             names: section(names),
             spans: section(spans),
             hulls: section(hulls),
+            masses: section(masses),
             nodes: section(nodes),
             vertices: section(vertices),
             source_vertices: section(source_vertices),
@@ -125,6 +128,7 @@ mod tests {
             source_path: b"a/b.obj".to_vec(),
             options: b"x".to_vec(),
             hulls: vec![HullRecord { diameter: 2.5, rank: 3, ..HullRecord::default() }; 3],
+            masses: vec![MassRecord { volume: 1.5, ..MassRecord::default() }; 2],
             nodes: vec![BvhNode::default(); 5],
             vertices: vec![[1.0, -2.0, 3.5]; 7],
             outer_vertices: vec![[0.5; 3]; 2],

@@ -9,7 +9,10 @@ use hullmap::OpenError;
 use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::Pack;
-use crate::types::{Bounds, HullArrays, HullFacts, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result, Solid, Text};
+use crate::types::{
+    Bounds, HullArrays, HullFacts, MassProperties, MassSource, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result,
+    Solid, Text,
+};
 
 /// Opens a pack file. By default the file is copied into memory and checked completely, so that no
 /// file can harm a later query.
@@ -168,6 +171,43 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
             uncovered: hull.uncovered().unwrap_or(0.0),
             protrusion: hull.protrusion().unwrap_or(0.0),
             protrusion_at: hull.protrusion_at().unwrap_or_default().into(),
+        });
+        Ok(())
+    })
+}
+
+/// Mass properties of `count` hulls from the one of index `first`, as one rigid body of uniform
+/// density: mass per volume. All hulls of a pack: 0 and hullmap_pack_hull_count.
+///
+/// An object whose parts are all among the hulls has the mass of its mesh, if the pack records it.
+/// Others have the sum of their hulls, which counts overlaps twice; mass->source states which.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_pack_mass_properties(
+    pack: *const Pack,
+    first: usize,
+    count: usize,
+    density: f64,
+    mass: *mut MassProperties,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (pack, out) = unsafe { (border::handle("pack", pack)?, Out::new("mass", mass)?) };
+        // NaN takes the failing branch.
+        if !(0.0..f64::INFINITY).contains(&density) {
+            return Err(Failure::argument("density", format_args!("{density} is negative or not finite")));
+        }
+        if count == 0 {
+            return Err(Failure::argument("count", "0 hulls have no mass: pass at least 1"));
+        }
+        // The last index is in range, so all are.
+        pack.hull(first.saturating_add(count - 1))?;
+        let found = pack.pack().mass_properties_of(first..first + count, density);
+        let found = found.map_err(|error| Failure::new(Result::NotFound, error))?;
+        out.write(MassProperties {
+            mass: found.mass,
+            center_of_mass: found.center_of_mass.into(),
+            inertia: found.inertia.transpose().to_cols_array(),
+            source: MassSource::from(found.source) as u32,
         });
         Ok(())
     })

@@ -29,6 +29,21 @@ fn facts_and_arrays_match_the_pack() {
         assert_eq!(facts.bounds.max, hull.bounds()[1].as_dvec3().into());
         let unmeasured = (facts.part_count, facts.solid, facts.uncovered, facts.protrusion);
         assert_eq!(unmeasured, (0, types::Solid::Unmeasured as u32, 0.0, 0.0));
+        let mut mass = std::mem::zeroed::<types::MassProperties>();
+        assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 2, 3.0, &raw mut mass), Code::Ok);
+        let expected = twin.mass_properties(3.0);
+        assert_eq!((mass.mass, mass.center_of_mass), (expected.mass, expected.center_of_mass.into()));
+        assert_eq!(mass.inertia, expected.inertia.transpose().to_cols_array());
+        assert_eq!(mass.source, types::MassSource::Hulls as u32);
+        for (first, count, density, code) in [
+            (1, 2, 1.0, Code::NotFound),
+            (usize::MAX, 2, 1.0, Code::NotFound),
+            (0, 0, 1.0, Code::InvalidArgument),
+            (0, 1, f64::NAN, Code::InvalidArgument),
+            (0, 1, -1.0, Code::InvalidArgument),
+        ] {
+            assert_eq!(hullmap_pack_mass_properties(pack.0, first, count, density, &raw mut mass), code);
+        }
         let mut arrays = std::mem::zeroed::<types::HullArrays>();
         assert_eq!(hullmap_pack_hull_arrays(pack.0, 1, &raw mut arrays), Code::Ok);
         let vertices = std::slice::from_raw_parts(arrays.vertices, 3 * arrays.vertex_count);

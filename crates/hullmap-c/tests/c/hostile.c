@@ -183,6 +183,7 @@ static void packs(const HullmapPack *pack) {
     FAILS(HULLMAP_RESULT_NOT_FOUND, "out of range", hullmap_pack_hull_facts(pack, 99, &facts));
     FAILS(HULLMAP_RESULT_NOT_FOUND, "out of range", hullmap_pack_hull_facts(pack, SIZE_MAX, &facts));
     FAILS(HULLMAP_RESULT_NULL, "facts", hullmap_pack_hull_facts(pack, 0, NULL));
+    FAILS(HULLMAP_RESULT_NULL, "mass", hullmap_pack_mass_properties(pack, 0, 1, 1.0, NULL));
     FAILS(HULLMAP_RESULT_NULL, "pack", hullmap_pack_hull_facts(NULL, 0, &facts));
     for (size_t size = 0; size < 1000; size += 3) {
         facts.struct_size = size;

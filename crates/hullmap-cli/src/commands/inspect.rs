@@ -60,6 +60,11 @@ struct HullDescription {
     positions: Option<Vec<[f32; 3]>>,
     /// Vertex indices of each face, with `--vertices`.
     polygons: Option<Vec<Vec<u32>>>,
+    /// Volume, centre of mass and inertia tensor (about it, at density 1) of the mesh; `None` if
+    /// they are not recorded.
+    mesh_volume: Option<f64>,
+    mesh_centroid: Option<[f64; 3]>,
+    mesh_inertia: Option<[[f64; 3]; 3]>,
     index: IndexDescription,
 }
 
@@ -118,6 +123,7 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
 fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
     let worst = hull.worst_cost();
     let kind = hull.index_kind();
+    let mesh = hull.mesh_mass_properties(1.0);
     HullDescription {
         name: hull.name().to_owned(),
         rank: hull.rank(),
@@ -140,6 +146,9 @@ fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
         origin: hull.origin().to_array(),
         positions: has_vertices.then(|| positions(hull)),
         polygons: has_vertices.then(|| polygons(hull)),
+        mesh_volume: mesh.map(|mesh| mesh.mass),
+        mesh_centroid: mesh.map(|mesh| mesh.center_of_mass.to_array()),
+        mesh_inertia: mesh.map(|mesh| mesh.inertia.to_cols_array_2d()),
         index: IndexDescription {
             kind: kind.as_str().to_owned(),
             resolution: matches!(kind, IndexKind::CubeMap { .. }).then_some(kind.resolution()),
@@ -182,6 +191,12 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
         if hull.outer_error > 0.0 {
             let share = percent(hull.outer_error / hull.diameter);
             out.line(format_args!("  outer error        {} ({share} of the diameter)", short(hull.outer_error)))?;
+        }
+        if let (Some(volume), Some(centroid), 0) = (hull.mesh_volume, hull.mesh_centroid, hull.part) {
+            let centroid = centroid.map(rounded).join(" ");
+            out.line(format_args!("  mesh               volume {}, centre of mass {centroid}", rounded(volume)))?;
+        } else if hull.part == 0 {
+            out.line("  mesh               mass unknown: not a closed mesh")?;
         }
         if hull.part_count > 0 {
             write_part(hull, out)?;
@@ -244,6 +259,9 @@ mod tests {
             origin: [0.0; 3],
             positions: None,
             polygons: None,
+            mesh_volume: Some(6.5),
+            mesh_centroid: Some([0.25, 0.0, 0.0]),
+            mesh_inertia: Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
             index,
         };
         PackDescription {
@@ -277,6 +295,9 @@ mod tests {
             "bounds",
             "diameter",
             "containment_error",
+            "mesh_volume",
+            "mesh_centroid",
+            "mesh_inertia",
             "index",
         ] {
             assert!(hull.get(key).is_some(), "{key}");
@@ -297,6 +318,7 @@ mod tests {
                 && text.contains("3 (solid)")
                 && text.contains("60.0 per vertex")
                 && text.contains("containment error  0 of the diameter")
+                && text.contains("  mesh               volume 6.5, centre of mass 0.25 0 0\n")
                 && text.contains("  warning            hull cube is thin\n"),
             "{text}"
         );

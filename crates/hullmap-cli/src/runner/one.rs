@@ -233,9 +233,8 @@ impl Build<'_> {
         let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
         let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import(), &self.limits)
             .map_err(|error| Failure::rejected(error.to_string()))?;
-        if job.options.decompose().is_some() {
-            imported.give_triangles();
-        }
+        // For the mass of the mesh, and for its parts.
+        imported.give_triangles();
         row.vertices_in = Some(imported.point_count());
         row.vertices_source = Some(imported.vertex_count);
         row.vertices_unreferenced = Some(imported.unreferenced_count);

@@ -48,6 +48,20 @@ use super::parry::shape::SharedShape;
 #[derive(Clone, Debug)]
 pub struct BakedHull {
     form: Form,
+    part_mass: PartMass,
+}
+
+/// Whose mass a hull has as a shape of parry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum PartMass {
+    /// Its own. A hull of a whole mesh has the mesh's, if the pack records it.
+    #[default]
+    Hull,
+    /// That of the mesh whose parts are all in one compound: the first of them has it.
+    Mesh,
+    /// None: the first part in the compound has the mass of all.
+    Nothing,
 }
 
 /// The shape that answers queries.
@@ -74,7 +88,7 @@ impl BakedHull {
     /// # Complexity
     /// O(1).
     pub fn new(hull: SharedHull) -> Self {
-        Self { form: Form::Plain(hull) }
+        Self { form: Form::Plain(hull), part_mass: PartMass::Hull }
     }
 
     /// This shape, scaled along the axes of its frame in addition to its present scale.
@@ -96,7 +110,17 @@ impl BakedHull {
         } else {
             Form::Scaled(Scaled::new(self.shared_hull().clone(), scale)?)
         };
-        Ok(Self { form })
+        Ok(Self { form, part_mass: self.part_mass })
+    }
+
+    /// Whose mass the shape has. In the compound of all parts of a mesh, the first part has the
+    /// mass of the mesh, and the others have none: see [`union`](super::union).
+    pub fn part_mass(&self) -> PartMass {
+        self.part_mass
+    }
+
+    pub(super) fn set_part_mass(&mut self, part_mass: PartMass) {
+        self.part_mass = part_mass;
     }
 
     /// The hull, without the scale.

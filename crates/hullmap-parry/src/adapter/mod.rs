@@ -19,9 +19,9 @@ mod saved;
 mod shape;
 mod support;
 
-pub use baked_hull::BakedHull;
+pub use baked_hull::{BakedHull, PartMass};
 #[cfg(feature = "dispatcher")]
 pub use dispatcher::HullDispatcher;
-pub use objects::{Object, compound, objects};
+pub use objects::{Object, compound, objects, union};
 #[cfg(feature = "serde")]
 pub use saved::{Packs, SavedHull, SavedShape, SavedShapeError, is_custom};

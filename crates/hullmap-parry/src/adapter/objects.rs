@@ -1,11 +1,12 @@
 //! Shapes of a whole pack: one for each object of the source. An object with several convex parts
-//! is a compound.
+//! is a compound, which has the mass of the object's mesh if the pack records it.
 
 use std::sync::Arc;
 
 use hullmap::{Pack, SharedHull};
 
 use super::BakedHull;
+use super::mass::share_masses;
 use super::parry::math::Pose;
 use super::parry::shape::{Compound, SharedShape};
 
@@ -46,10 +47,15 @@ pub fn objects(pack: &Arc<Pack>) -> Vec<Object> {
             _ => objects.push((hull.hull().name().to_owned(), vec![hull])),
         }
     }
-    objects.into_iter().filter_map(|(name, parts)| Some(Object { name, shape: union(parts)? })).collect()
+    objects
+        .into_iter()
+        .filter_map(|(name, parts)| Some(Object { name, shape: union(parts.into_iter().map(BakedHull::new))? }))
+        .collect()
 }
 
 /// All hulls of a pack as one shape: their union. `None` for a pack without hulls.
+///
+/// Its mass is [`Pack::mass_properties`]: that of the meshes, where the pack records it.
 ///
 /// # Complexity
 /// As [`objects`].
@@ -69,18 +75,40 @@ pub fn objects(pack: &Arc<Pack>) -> Vec<Object> {
 /// # }
 /// ```
 pub fn compound(pack: &Arc<Pack>) -> Option<SharedShape> {
-    union(hulls(pack).collect())
+    union(hulls(pack).map(BakedHull::new))
 }
 
 fn hulls(pack: &Arc<Pack>) -> impl Iterator<Item = SharedHull> {
     (0..pack.hull_count()).filter_map(|index| pack.shared_hull(index).ok())
 }
 
-/// The union of some hulls; `None` if there are none.
-fn union(mut parts: Vec<SharedHull>) -> Option<SharedShape> {
-    if parts.len() <= 1 {
-        return parts.pop().map(|hull| BakedHull::new(hull).into());
+/// Some hulls of packs as one shape: their union. `None` if there are none.
+///
+/// Where all parts of an object follow one another, the shape has the mass of the object's mesh, if
+/// the pack records it. Otherwise it has the sum of the hulls' masses.
+///
+/// # Complexity
+/// As [`objects`].
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = std::sync::Arc::new(two_cubes());
+/// use hullmap_parry::BakedHull;
+///
+/// let hulls = [pack.shared_hull(0)?, pack.shared_hull(1)?].map(BakedHull::new);
+/// let both = hullmap_parry::union(hulls).ok_or("no hulls")?;
+/// assert!((both.mass_properties(3.0).mass() - 6.0).abs() < 1e-5);
+/// # Ok(())
+/// # }
+/// ```
+pub fn union(hulls: impl IntoIterator<Item = BakedHull>) -> Option<SharedShape> {
+    let mut hulls: Vec<BakedHull> = hulls.into_iter().collect();
+    if hulls.len() <= 1 {
+        return hulls.pop().map(SharedShape::from);
     }
-    let parts = parts.into_iter().map(|hull| (Pose::identity(), BakedHull::new(hull).into()));
+    share_masses(&mut hulls);
+    let parts = hulls.into_iter().map(|hull| (Pose::identity(), hull.into()));
     Some(SharedShape::new(Compound::new(parts.collect())))
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use hullmap::{Hull, Pack, ShapeError, SharedHull};
 use serde::{Deserialize, Serialize};
 
-use super::BakedHull;
+use super::baked_hull::{BakedHull, PartMass};
 use super::parry::math::Pose;
 use super::parry::shape::{Compound, SharedShape};
 
@@ -69,6 +69,9 @@ pub struct SavedHull {
     pub part: u32,
     /// Scale along each axis; negative values mirror the hull.
     pub scale: [f64; 3],
+    /// Whose mass the shape has; in files of earlier versions, its own.
+    #[serde(default)]
+    pub mass: PartMass,
 }
 
 /// A shape in a saved file.
@@ -207,7 +210,7 @@ impl SavedHull {
             return Err(SavedShapeError::UnknownPack { hull: name });
         };
         let scale = hull.scale_factors().to_array();
-        Ok(Self { pack, index: shared.index(), name, part: hull.hull().part(), scale })
+        Ok(Self { pack, index: shared.index(), name, part: hull.hull().part(), scale, mass: hull.part_mass() })
     }
 
     /// The hull, from `packs`.
@@ -228,7 +231,9 @@ impl SavedHull {
             let Self { pack, name, part, .. } = self.clone();
             return Err(SavedShapeError::NoSuchHull { pack, hull: name, part });
         };
-        BakedHull::new(hull).scaled_by(self.scale.into()).map_err(SavedShapeError::Scale)
+        let mut hull = BakedHull::new(hull).scaled_by(self.scale.into()).map_err(SavedShapeError::Scale)?;
+        hull.set_part_mass(self.mass);
+        Ok(hull)
     }
 }
 

@@ -13,6 +13,7 @@ from ._bake import bake, bake_parts
 from ._hullmap import ArrayError, Error
 from ._options import BakeOptions
 from ._progress import Progress
+from ._results import MassProperties
 from ._shapes import Hull, Pack
 
 if TYPE_CHECKING:
@@ -78,21 +79,32 @@ def _numbers(array: Any) -> str:
     return " ".join(np.format_float_positional(x, unique=True, trim="-") for x in np.ravel(array))
 
 
-def to_mjcf(shape: Union[Hull, Pack], name: str = "hull") -> str:
+def _mass(shape: Union[Hull, Pack], density: float) -> MassProperties:
+    """Mass properties of a hull or a pack as one body."""
+    if isinstance(shape, Hull):
+        return shape.pack._mass_of([shape.index], density)
+    return shape.mass_properties(density)
+
+
+def to_mjcf(shape: Union[Hull, Pack], name: str = "hull", *, density: float = 1000.0) -> str:
     """A MuJoCo model (MJCF) with one body: a mesh geom for each hull, with its vertices in the text.
 
     ``mujoco.MjModel.from_xml_string`` loads it, and MuJoCo's ``MjSpec`` attaches it to other models.
     MuJoCo builds the hull of the vertices again.
 
+    The inertial element is that of the mesh at uniform ``density``, if the pack records it, and
+    otherwise that of the hulls: see `Pack.mass_properties`.
+
     >>> import hullmap
     >>> corner = hullmap.bake([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], name="corner")
-    >>> print(hullmap.to_mjcf(corner, "body"))
+    >>> print(hullmap.to_mjcf(corner, "body"))  # doctest: +ELLIPSIS
     <mujoco model="body">
       <asset>
         <mesh name="body_corner" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>
       </asset>
       <worldbody>
         <body name="body">
+          <inertial pos="0.25 0.25 0.25" mass="166.66..." fullinertia="6.2..."/>
           <geom type="mesh" mesh="body_corner"/>
         </body>
       </worldbody>
@@ -106,7 +118,11 @@ def to_mjcf(shape: Union[Hull, Pack], name: str = "hull") -> str:
         assets.append(f'    <mesh name={own} vertex="{_numbers(hull.vertices)}"/>')
         geoms.append(f'      <geom type="mesh" mesh={own}/>')
     lines = [f"<mujoco model={quoteattr(name)}>", "  <asset>", *assets, "  </asset>", "  <worldbody>"]
-    lines += [f"    <body name={quoteattr(name)}>", *geoms, "    </body>", "  </worldbody>", "</mujoco>"]
+    mass = _mass(shape, density)
+    keys = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+    inertia = " ".join(repr(float(mass.inertia[at])) for at in keys)
+    inertial = f'pos="{_numbers(mass.center_of_mass)}" mass="{mass.mass!r}" fullinertia="{inertia}"'
+    lines += [f"    <body name={quoteattr(name)}>", f"      <inertial {inertial}/>", *geoms, "    </body>", "  </worldbody>", "</mujoco>"]
     return "\n".join(lines)
 
 
@@ -122,24 +138,18 @@ def to_urdf(
     ``folder``, and names them in the text as ``prefix`` and the name of the file: pass
     ``prefix="package://robot/meshes/"`` for ROS.
 
-    The inertial element is that of the hulls as solids of uniform ``density``. Where the parts of a
-    pack overlap, it counts the overlap twice.
+    The inertial element is that of the mesh at uniform ``density``, if the pack records it: see
+    `Pack.mass_properties`. Otherwise it is that of the hulls, which counts overlaps twice.
     """
     place = Path(folder)
     hulls = _hulls(shape)
     lines = [f"<link name={quoteattr(name)}>"]
-    properties = [hull.mass_properties(density) for hull in hulls]
-    mass = sum(own.mass for own in properties)
-    if mass > 0.0:
-        center = sum(own.mass * own.center_of_mass for own in properties) / mass
-        inertia = np.zeros((3, 3))
-        for own in properties:
-            arm = own.center_of_mass - center
-            inertia += own.inertia + own.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-        entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-        numbers = " ".join(f'{key}="{float(inertia[at])!r}"' for key, at in entries.items())
-        lines += ["  <inertial>", f'    <origin xyz="{_numbers(center)}" rpy="0 0 0"/>']
-        lines += [f'    <mass value="{float(mass)!r}"/>', f"    <inertia {numbers}/>", "  </inertial>"]
+    mass = _mass(shape, density)
+    if mass.mass > 0.0:
+        keys = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+        numbers = " ".join(f'{key}="{float(mass.inertia[at])!r}"' for key, at in keys.items())
+        lines += ["  <inertial>", f'    <origin xyz="{_numbers(mass.center_of_mass)}" rpy="0 0 0"/>']
+        lines += [f'    <mass value="{mass.mass!r}"/>', f"    <inertia {numbers}/>", "  </inertial>"]
     for hull in hulls:
         safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in f"{name}_{hull.name}")
         file = f"{safe}_{hull.index}.obj" if len(hulls) > 1 else f"{safe}.obj"

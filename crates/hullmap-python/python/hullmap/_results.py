@@ -339,7 +339,7 @@ class Support(_Answer):
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """Mass properties of a solid hull of uniform density."""
+    """Mass properties of a solid of uniform density."""
 
     mass: float
     """Density times volume."""
@@ -347,3 +347,5 @@ class MassProperties:
     """In the hull's frame."""
     inertia: Floats
     """Inertia tensor about the centre of mass, along the axes of the hull's frame; (3, 3)."""
+    source: str = "hulls"
+    """The solid: ``mesh``, or ``hulls`` where the mass of the mesh is not known."""

@@ -700,8 +700,17 @@ class Hull(ConvexShape):
         return str(self._facts["index_kind"])
 
     def mass_properties(self, density: float = 1.0) -> MassProperties:
-        """Mass, centre of mass and inertia tensor at this density."""
+        """Mass, centre of mass and inertia tensor of the hull at this density."""
         return MassProperties(density * self.volume, self.centroid, density * self.inertia)
+
+    def mesh_mass_properties(self, density: float = 1.0) -> Optional[MassProperties]:
+        """Mass, centre of mass and inertia tensor of the mesh that the hull, or the part, was baked
+        from. ``None`` if the pack does not record them: the mesh is not closed, or there is none."""
+        mesh = self._facts["mesh"]
+        if mesh is None:
+            return None
+        volume, center, inertia, source = mesh
+        return MassProperties(density * volume, floats("center", center), density * floats("inertia", inertia), source)
 
     def __len__(self) -> int:
         return len(self.vertices)
@@ -794,6 +803,25 @@ class Pack(_Bounded, Sequence[Hull]):
     def nbytes(self) -> int:
         """Size of the file in bytes."""
         return self._pack.byte_len
+
+    def mass_properties(self, density: float = 1.0) -> MassProperties:
+        """Mass properties of all hulls as one rigid body at this density.
+
+        Each object has the mass of its mesh, where the pack records it: convex parts overlap, so the
+        sum of their masses is too large. ``source`` is ``mesh`` if that holds for all objects.
+
+        >>> import hullmap
+        >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> pack = hullmap.bake(corner, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> body = pack.mass_properties(density=6000.0)
+        >>> round(body.mass), body.source
+        (1000, 'mesh')
+        """
+        return self._mass_of(range(len(self)), density)
+
+    def _mass_of(self, hulls: Sequence[int], density: float) -> MassProperties:
+        mass, center, inertia, source = self._pack.mass_properties(list(hulls), density)
+        return MassProperties(mass, floats("center", center), floats("inertia", inertia), source)
 
     def to_bytes(self) -> bytes:
         """A copy of the bytes of the file."""

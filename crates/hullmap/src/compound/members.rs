@@ -1,7 +1,7 @@
 //! A compound shape: the hulls of a pack, or one hull.
 
 use super::bvh::Nodes;
-use crate::hull::Hull;
+use crate::hull::{Hull, MassProperties};
 use crate::pack::Pack;
 
 /// The union of the hulls of a pack, or a single hull. A cheap copy: it borrows the pack.
@@ -45,6 +45,28 @@ impl<'a> Compound<'a> {
         match self.members {
             Members::Pack(pack) => pack.hull_count(),
             Members::One(_) => 1,
+        }
+    }
+
+    /// Mass properties at a uniform `density`, as one rigid body: see [`Pack::mass_properties`]. A
+    /// single hull has those of its mesh if it stands for the whole mesh.
+    ///
+    /// # Complexity
+    /// O(number of hulls).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+    /// # fn main() {
+    /// # let pack = two_cubes();
+    /// let both = hullmap::Compound::new(&pack);
+    /// assert!((both.mass_properties(1000.0).mass - 2000.0).abs() < 1e-9);
+    /// # }
+    /// ```
+    pub fn mass_properties(&self, density: f64) -> MassProperties {
+        match self.members {
+            Members::Pack(pack) => pack.mass_properties(density),
+            Members::One(hull) => hull.body_mass_properties(density),
         }
     }
 

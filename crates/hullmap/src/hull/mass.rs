@@ -1,9 +1,35 @@
-//! Mass properties of a hull: mass, centre of mass and inertia tensor of the solid at uniform
-//! density.
+//! Mass properties: mass, centre of mass and inertia tensor at uniform density, of a hull and of
+//! the mesh that it was baked from.
 
 use glam::{DMat3, DVec3};
 
-use super::Hull;
+use super::{Hull, vector};
+
+/// The solid that mass properties describe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MassSource {
+    /// The hulls. Parts of a mesh overlap, and hulls of concave meshes and simplified hulls are
+    /// larger than their mesh, so their mass is an upper bound, and may be twice the mesh's.
+    #[default]
+    Hulls,
+    /// The mesh that the hulls were baked from.
+    Mesh,
+}
+
+impl MassSource {
+    /// The name: `hulls` or `mesh`.
+    ///
+    /// # Examples
+    /// ```
+    /// assert_eq!(hullmap::MassSource::Mesh.as_str(), "mesh");
+    /// ```
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Hulls => "hulls",
+            Self::Mesh => "mesh",
+        }
+    }
+}
 
 /// Mass properties of a solid of uniform density, in the hull's local frame.
 ///
@@ -19,9 +45,90 @@ pub struct MassProperties {
     /// diagonal holds the moments of inertia about the axes; the other entries are the products of
     /// inertia with a minus sign, so that `inertia * angular_velocity` is the angular momentum.
     pub inertia: DMat3,
+    /// The solid that these are the properties of.
+    pub source: MassSource,
 }
 
 impl MassProperties {
+    /// Properties from the volume, the centroid, and second moments xx, yy, zz, yz, zx, xy about
+    /// it, divided by the volume.
+    fn of_solid(volume: f64, centroid: DVec3, moments: [f64; 6], density: f64, source: MassSource) -> Self {
+        let mass = density * volume;
+        let [xx, yy, zz, yz, zx, xy] = moments;
+        let inertia = DMat3::from_cols(
+            DVec3::new(yy + zz, -xy, -zx),
+            DVec3::new(-xy, zz + xx, -yz),
+            DVec3::new(-zx, -yz, xx + yy),
+        ) * mass;
+        Self { mass, center_of_mass: centroid, inertia, source }
+    }
+
+    /// Properties of several solids as one rigid body. All are in one frame. The source is
+    /// [`MassSource::Mesh`] if it is so for all of them.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+    /// # fn main() {
+    /// # let pack = two_cubes();
+    /// use hullmap::MassProperties;
+    ///
+    /// // Two unit cubes whose centres are 3 apart.
+    /// let both = MassProperties::combined(pack.hulls().map(|hull| hull.mass_properties(2.0)));
+    /// assert!((both.mass - 4.0).abs() < 1e-12 && (both.center_of_mass.x - 2.0).abs() < 1e-12);
+    /// assert!((both.inertia.z_axis.z - 4.0 * (2.0 / 12.0 + 1.5 * 1.5)).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn combined(solids: impl IntoIterator<Item = Self>) -> Self {
+        let mut solids = solids.into_iter();
+        let Some(first) = solids.next() else { return Self::default() };
+        solids.fold(first, |body, solid| {
+            let mass = body.mass + solid.mass;
+            let center = (body.center_of_mass * body.mass + solid.center_of_mass * solid.mass) / mass;
+            // Flat hulls have no mass.
+            let center_of_mass = if center.is_finite() { center } else { body.center_of_mass };
+            let both = [body.source, solid.source];
+            Self {
+                mass,
+                center_of_mass,
+                inertia: body.inertia_about(center_of_mass) + solid.inertia_about(center_of_mass),
+                source: if both == [MassSource::Mesh; 2] { MassSource::Mesh } else { MassSource::Hulls },
+            }
+        })
+    }
+
+    /// Properties of the solid scaled along the axes of the frame, at the same density. A negative
+    /// factor mirrors it.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::DVec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let slab = cube.mass_properties(1.0).scaled(DVec3::new(1.0, 1.0, 0.5));
+    /// assert!((slab.mass - 4.0).abs() < 1e-12);
+    /// assert!((slab.inertia.x_axis.x - 4.0 * (4.0 + 1.0) / 12.0).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn scaled(&self, scale: DVec3) -> Self {
+        // Scaling multiplies each second moment by the factors of its two axes.
+        let trace = self.inertia.x_axis.x + self.inertia.y_axis.y + self.inertia.z_axis.z;
+        let moments = DMat3::from_diagonal(DVec3::splat(trace / 2.0)) - self.inertia;
+        let factors = DMat3::from_diagonal(scale);
+        let volume = scale.element_product().abs();
+        let moments = factors * moments * factors * volume;
+        let trace = moments.x_axis.x + moments.y_axis.y + moments.z_axis.z;
+        Self {
+            mass: self.mass * volume,
+            center_of_mass: self.center_of_mass * scale,
+            inertia: DMat3::from_diagonal(DVec3::splat(trace)) - moments,
+            source: self.source,
+        }
+    }
+
     /// Inertia tensor about `point` (local frame) instead of the centre of mass, by the parallel
     /// axis theorem.
     ///
@@ -50,6 +157,10 @@ impl Hull<'_> {
     /// Mass, centre of mass and inertia tensor of the solid hull at a uniform `density`: mass per
     /// volume.
     ///
+    /// This is the hull's own mass. The mesh that it was baked from has
+    /// [`mesh_mass_properties`](Self::mesh_mass_properties), and a body made of all hulls of a pack
+    /// has [`Pack::mass_properties`](crate::Pack::mass_properties).
+    ///
     /// The values were recorded by the bake, in the hull's local frame. A hull of rank below 3 has
     /// no volume: its mass and inertia are 0, and its centre of mass is that of the polygon,
     /// segment or point.
@@ -74,14 +185,41 @@ impl Hull<'_> {
     /// # }
     /// ```
     pub fn mass_properties(&self, density: f64) -> MassProperties {
-        let mass = density * self.volume();
-        let [xx, yy, zz, yz, zx, xy] = self.second_moments();
-        let inertia = DMat3::from_cols(
-            DVec3::new(yy + zz, -xy, -zx),
-            DVec3::new(-xy, zz + xx, -yz),
-            DVec3::new(-zx, -yz, xx + yy),
-        ) * mass;
-        MassProperties { mass, center_of_mass: self.centroid(), inertia }
+        let (centroid, moments) = (self.centroid(), self.second_moments());
+        MassProperties::of_solid(self.volume(), centroid, moments, density, MassSource::Hulls)
+    }
+
+    /// Mass properties of the solid that the mesh of this hull bounds, at a uniform `density`: mass
+    /// per volume. The parts of an object have one mesh, and the same answer.
+    ///
+    /// `None` if the pack does not record it: the hull was baked from points, or its mesh is open,
+    /// inconsistently oriented or without volume. A mesh that is turned inside out bounds the same
+    /// solid. Where shells of a mesh overlap, they count once.
+    ///
+    /// # Complexity
+    /// O(1).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// // This cube was baked from eight points.
+    /// assert_eq!(cube.mesh_mass_properties(1000.0), None);
+    /// # }
+    /// ```
+    pub fn mesh_mass_properties(&self, density: f64) -> Option<MassProperties> {
+        let mesh = self.mesh_mass?;
+        let (volume, moments) = (mesh.volume.to_native(), mesh.second_moments.map(|m| m.to_native()));
+        Some(MassProperties::of_solid(volume, vector(&mesh.centroid), moments, density, MassSource::Mesh))
+    }
+
+    /// Mass properties of the hull as a body of its own: the mesh's, if the hull stands for the
+    /// whole mesh and they are known.
+    pub(crate) fn body_mass_properties(&self, density: f64) -> MassProperties {
+        let of_mesh = if self.part_count() <= 1 { self.mesh_mass_properties(density) } else { None };
+        of_mesh.unwrap_or_else(|| self.mass_properties(density))
     }
 
     /// Inertia tensor about the centre of mass at density 1, along the axes of the hull's local

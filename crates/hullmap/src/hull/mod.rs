@@ -13,7 +13,7 @@ use std::mem::offset_of;
 use glam::{DVec3, Vec3};
 use hullmap_format::{
     IndexKind,
-    archive::{ArchivedHullRecord, ArchivedQuad, NO_SOURCE_VERTEX},
+    archive::{ArchivedHullRecord, ArchivedMassRecord, ArchivedQuad, NO_SOURCE_VERTEX},
     sections::Sections,
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
@@ -23,7 +23,7 @@ use crate::support::index::Index;
 use crate::support::simd::{Dispatch, HOT_BYTES};
 
 pub use arrays::HullArrays;
-pub use mass::MassProperties;
+pub use mass::{MassProperties, MassSource};
 pub use shared::SharedHull;
 pub use support_mapping::SupportVertex;
 
@@ -48,6 +48,8 @@ pub struct Hull<'a> {
     neighbours: &'a [u32_le],
     neighbour_faces: &'a [u32_le],
     record: &'a ArchivedHullRecord,
+    /// The mass of the object's mesh, if it is recorded.
+    mesh_mass: Option<&'a ArchivedMassRecord>,
     name: &'a [u8],
     source_vertices: &'a [u32_le],
     face_starts: &'a [u32_le],
@@ -68,6 +70,7 @@ impl<'a> Hull<'a> {
         // always exact.
         let kind = IndexKind::of_record(record).unwrap_or(IndexKind::None);
         Some(Self {
+            mesh_mass: mesh_mass(pack, index, record),
             name: run(pack.names, start.name, end.name)?,
             record,
             vertices: pack.vertices.get(vertices.clone())?,
@@ -225,6 +228,13 @@ impl<'a> Hull<'a> {
     pub fn outer_vertices(&self) -> impl ExactSizeIterator<Item = Vec3> + 'a {
         self.outer_vertices.iter().map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
+}
+
+/// The mass of the mesh of hull `index`. The first part of an object has it.
+fn mesh_mass<'a>(pack: &Sections<'a>, index: usize, record: &ArchivedHullRecord) -> Option<&'a ArchivedMassRecord> {
+    let first = index.checked_sub(record.part.to_native() as usize)?;
+    let (start, end) = (pack.spans.get(first)?, pack.spans.get(first + 1)?);
+    run(pack.masses, start.mass, end.mass)?.first()
 }
 
 fn vector(v: &[rkyv::rend::f64_le; 3]) -> DVec3 {

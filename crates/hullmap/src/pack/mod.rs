@@ -46,6 +46,7 @@
 mod error;
 #[cfg(feature = "mmap")]
 mod map;
+mod mass;
 mod storage;
 
 use std::{fs::File, io::Read, path::Path};

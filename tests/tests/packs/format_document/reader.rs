@@ -9,13 +9,14 @@ use std::{collections::VecDeque, ops::Range};
 use hullmap::glam::DVec3;
 
 /// Sections in the order of the root's entries (4): name, bytes per element, alignment.
-pub const SECTIONS: [(&str, usize, usize); 18] = [
+pub const SECTIONS: [(&str, usize, usize); 19] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
     ("options", 1, 1),
     ("names", 1, 1),
-    ("spans", 40, 4),
+    ("spans", 44, 4),
     ("hulls", 288, 8),
+    ("masses", 80, 8),
     ("nodes", 32, 4),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
@@ -31,7 +32,7 @@ pub const SECTIONS: [(&str, usize, usize); 18] = [
 ];
 
 const HEADER: usize = 64;
-pub const ROOT: usize = 144;
+pub const ROOT: usize = 152;
 
 /// Indices of the sections in [`SECTIONS`].
 pub mod section {
@@ -41,25 +42,26 @@ pub mod section {
     pub const NAMES: usize = 3;
     pub const SPANS: usize = 4;
     pub const HULLS: usize = 5;
-    pub const NODES: usize = 6;
-    pub const VERTICES: usize = 7;
-    pub const SOURCE_VERTICES: usize = 8;
-    pub const FACE_STARTS: usize = 9;
-    pub const FACE_VERTICES: usize = 10;
-    pub const QUADS: usize = 11;
-    pub const NEIGHBOUR_STARTS: usize = 12;
-    pub const NEIGHBOURS: usize = 13;
-    pub const NEIGHBOUR_FACES: usize = 14;
-    pub const OUTER_VERTICES: usize = 15;
-    pub const SLOTS: usize = 16;
-    pub const EDGES: usize = 17;
+    pub const MASSES: usize = 6;
+    pub const NODES: usize = 7;
+    pub const VERTICES: usize = 8;
+    pub const SOURCE_VERTICES: usize = 9;
+    pub const FACE_STARTS: usize = 10;
+    pub const FACE_VERTICES: usize = 11;
+    pub const QUADS: usize = 12;
+    pub const NEIGHBOUR_STARTS: usize = 13;
+    pub const NEIGHBOURS: usize = 14;
+    pub const NEIGHBOUR_FACES: usize = 15;
+    pub const OUTER_VERTICES: usize = 16;
+    pub const SLOTS: usize = 17;
+    pub const EDGES: usize = 18;
 }
 
 /// A whole file.
 pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
-    pub sections: [Range<usize>; 18],
+    pub sections: [Range<usize>; 19],
 }
 
 /// The runs of one hull.
@@ -78,6 +80,15 @@ pub struct Hull<'a> {
     pub slots: Vec<u32>,
     pub edges: Vec<i16>,
     pub blocks: Vec<Block>,
+    pub masses: Vec<Mass>,
+}
+
+/// 6.6.
+#[derive(Debug, PartialEq)]
+pub struct Mass {
+    pub volume: f64,
+    pub centroid: [f64; 3],
+    pub second_moments: [f64; 6],
 }
 
 /// 6.5.
@@ -162,7 +173,7 @@ impl<'a> File<'a> {
     /// 3 and 4: header, except for the hashes, and positions of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        assert_eq!(u32_at(bytes, 8), 5, "format version");
+        assert_eq!(u32_at(bytes, 8), 7, "format version");
         assert_eq!(u32_at(bytes, 12), 64, "header length");
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
@@ -202,9 +213,9 @@ impl<'a> File<'a> {
         padding
     }
 
-    /// The ten numbers of span `hull` (6.1).
-    pub fn span(&self, hull: usize) -> [usize; 10] {
-        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 40 * hull + 4 * i) as usize)
+    /// The eleven numbers of span `hull` (6.1).
+    pub fn span(&self, hull: usize) -> [usize; 11] {
+        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 44 * hull + 4 * i) as usize)
     }
 
     fn run(&self, section: usize, start: usize, end: usize) -> &'a [u8] {
@@ -241,6 +252,7 @@ impl<'a> File<'a> {
             slots: words(run(section::SLOTS, 5)),
             edges: run(section::EDGES, 8).chunks(2).map(|edge| i16::from_le_bytes(array(edge, 0))).collect(),
             blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
+            masses: run(section::MASSES, 10).chunks(80).map(Mass::new).collect(),
         }
     }
 }
@@ -296,6 +308,12 @@ impl Record {
             part_count: u32_at(bytes, 280),
             solid: u32_at(bytes, 284),
         }
+    }
+}
+
+impl Mass {
+    fn new(bytes: &[u8]) -> Self {
+        Self { volume: f64_at(bytes, 0), centroid: doubles(bytes, 8), second_moments: doubles(bytes, 32) }
     }
 }
 

@@ -1,10 +1,40 @@
 //! A hull to export: name, vertices and faces, without its index.
 
-use hullmap::Hull;
+use hullmap::{Hull, MassProperties};
 use hullmap_import::UpAxis;
 use serde::Serialize;
 
 use crate::geometry::{polygons, positions};
+
+/// Mass, centre of mass, and inertia tensor about it, in the axes of the export.
+#[derive(Clone, Copy, Debug)]
+pub struct Inertial {
+    /// In kilograms, for a density in kilograms per cubic unit.
+    pub mass: f64,
+    /// The centre of mass.
+    pub center: [f64; 3],
+    /// Rows of the symmetric tensor.
+    pub inertia: [[f64; 3]; 3],
+}
+
+impl Inertial {
+    /// Mass properties, rotated; `None` for a body without mass.
+    pub fn new(properties: &MassProperties, up_axis: UpAxis) -> Option<Self> {
+        // R I Rᵀ: rotate the columns, then the rows.
+        let columns = properties.inertia.to_cols_array_2d().map(|column| rotated(column, up_axis));
+        // Without the sign of a zero.
+        let inertia = rotated_rows(columns, up_axis).map(|row| row.map(|entry| entry + 0.0));
+        // NaN takes the failing branch.
+        let has_mass = properties.mass > 0.0 && properties.mass < f64::INFINITY;
+        let center = rotated(properties.center_of_mass.to_array(), up_axis);
+        has_mass.then_some(Self { mass: properties.mass, center, inertia })
+    }
+}
+
+/// The rotation of each row of a matrix of three columns.
+fn rotated_rows(columns: [[f64; 3]; 3], up_axis: UpAxis) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|row| rotated(columns.map(|column| column[row]), up_axis))
+}
 
 /// A hull to be written. Field names are the JSON's.
 #[derive(Clone, Debug, Serialize)]
@@ -79,6 +109,19 @@ mod tests {
         for polygon in [vec![], vec![1], vec![1, 2]] {
             assert_eq!(Body { polygons: vec![polygon], ..cube.clone() }.triangles().count(), 0);
         }
+    }
+
+    /// A slab in x and y stands up: its moments about y and z are exchanged, and products change
+    /// their sign with one axis.
+    #[test]
+    fn a_tensor_turns_with_its_body() {
+        let inertia = glam::DMat3::from_cols_array(&[1.0, 0.1, 0.2, 0.1, 2.0, 0.3, 0.2, 0.3, 4.0]);
+        let center_of_mass = glam::DVec3::new(1.0, 2.0, 3.0);
+        let properties = MassProperties { mass: 5.0, center_of_mass, inertia, ..MassProperties::default() };
+        let turned = Inertial::new(&properties, UpAxis::YToZ).unwrap();
+        assert_eq!((turned.mass, turned.center), (5.0, [1.0, -3.0, 2.0]));
+        assert_eq!(turned.inertia, [[1.0, -0.2, 0.1], [-0.2, 4.0, -0.3], [0.1, -0.3, 2.0]]);
+        assert!(Inertial::new(&MassProperties::default(), UpAxis::Keep).is_none());
     }
 
     #[test]

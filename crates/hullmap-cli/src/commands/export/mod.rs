@@ -19,7 +19,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use hullmap::Pack;
+use hullmap::{MassProperties, MassSource, Pack};
 use hullmap_import::{Limits, Split};
 use serde::Serialize;
 
@@ -36,8 +36,11 @@ use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
 use crate::terminal::{self, Output};
-use body::Body;
+use body::{Body, Inertial};
 use robot::Robot;
+
+/// Density of water, and MuJoCo's default, in kilograms per cubic metre.
+const DENSITY: f64 = 1000.0;
 
 /// Maximum number of hull names in a message.
 const NAMES_IN_MESSAGE: usize = 5;
@@ -136,7 +139,7 @@ impl Export<'_> {
     fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let (args, path) = (self.args, place.path.as_path());
         let pack = open_pack(path)?;
-        let mut bodies = selected(args, path, &pack)?;
+        let (indices, mut bodies) = selected(args, path, &pack)?;
         leave_out(args, path, self.format, &mut bodies)?;
         if bodies.len() > 1 && self.format == Format::Stl && !self.is_folder {
             return Err(Failure::usage(format!(
@@ -146,7 +149,8 @@ impl Export<'_> {
             )));
         }
         self.rename(place, &pack, &mut bodies);
-        let files = files(args, path, &pack, self.format, self.is_folder, bodies)?;
+        let mass = self.mass(place, &pack, &indices);
+        let files = files(args, path, &pack, self.format, self.is_folder, bodies, mass.as_ref())?;
         let Some(target) = target else {
             let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
             return end(Exit::Done, written.map_err(Failure::from));
@@ -225,6 +229,9 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     if args.mesh_prefix.is_some() && !matches!(args.target, Some(Target::Mjcf | Target::Urdf)) {
         return usage("--mesh-prefix: only for documents that name files; add --for mjcf or --for urdf".to_owned());
     }
+    if args.density.is_some() && !matches!(args.target, Some(Target::Mjcf | Target::Urdf)) {
+        return usage("--density: only for documents with masses; add --for mjcf or --for urdf".to_owned());
+    }
     if is_many && args.name.is_some() {
         return usage("--name: several packs are exported, and each needs a name; export this one alone".to_owned());
     }
@@ -255,16 +262,17 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     Ok(())
 }
 
-/// The hulls that `--hull` names, in the order of the pack, or all.
-fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<Vec<Body>, Failure> {
+/// The hulls that `--hull` names, in the order of the pack, or all, with their indices.
+fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, Vec<Body>), Failure> {
     let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
     let mut is_chosen = vec![args.hulls.is_empty(); names.len()];
     for hull in &args.hulls {
         let selection = Selection { file: path.to_owned(), hull: Some(hull.clone()) };
         is_chosen[selection.choose(&names)?] = true;
     }
-    let chosen = pack.hulls().zip(is_chosen).filter(|(_, is_chosen)| *is_chosen);
-    let bodies: Vec<Body> = chosen.map(|(hull, _)| Body::new(&hull, args.up_axis)).collect();
+    let chosen = pack.hulls().enumerate().zip(is_chosen).filter(|(_, is_chosen)| *is_chosen);
+    let (indices, bodies): (Vec<usize>, Vec<Body>) =
+        chosen.map(|((index, hull), _)| (index, Body::new(&hull, args.up_axis))).unzip();
     if let Some(body) = bodies.iter().find(|body| body.origin != [0.0; 3]) {
         terminal::note(format_args!(
             "{}: coordinates are relative to the recorded origin, {} in the source (--recentre)",
@@ -272,7 +280,7 @@ fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<Vec<Body>, Fa
             body.origin.map(rounded).join(" ")
         ));
     }
-    Ok(bodies)
+    Ok((indices, bodies))
 }
 
 /// Removes hulls that the format or the engine cannot hold, with a warning.
@@ -301,6 +309,25 @@ fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Bo
 }
 
 impl Export<'_> {
+    /// Mass properties of the hulls of these indices as one body, for a document that states them.
+    /// Prints a note if they are not those of the mesh.
+    fn mass(&self, place: &PackPlace, pack: &Pack, indices: &[usize]) -> Option<MassProperties> {
+        if !matches!(self.args.target, Some(Target::Mjcf | Target::Urdf)) {
+            return None;
+        }
+        let density = self.args.density.unwrap_or(DENSITY);
+        let mass = pack.mass_properties_of(indices.iter().copied(), density).ok()?;
+        if mass.source == MassSource::Hulls {
+            let of = if indices.len() > 1 { "the hulls, and counts overlaps twice" } else { "the hull" };
+            terminal::note(format_args!(
+                "{}: the mass is that of {of}, because the pack does not record that of the mesh (it is not closed, or \
+                 only some of its parts are exported)",
+                place.path.display()
+            ));
+        }
+        Some(mass)
+    }
+
     /// Gives the hulls the names of the target.
     fn rename(&self, place: &PackPlace, pack: &Pack, bodies: &mut [Body]) {
         let args = self.args;
@@ -354,6 +381,7 @@ fn files(
     format: Format,
     is_folder: bool,
     bodies: Vec<Body>,
+    mass: Option<&MassProperties>,
 ) -> Result<Vec<ExportedFile>, Failure> {
     let fault = |message: String| Failure::rejected(format!("{}: {message}", path.display()));
     if !is_folder {
@@ -370,7 +398,9 @@ fn files(
         bodies.into_iter().zip(&files).map(|(body, file)| (body.name, file.name.clone())).collect();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = names::token(args.name.as_deref().unwrap_or(&stem));
-    let robot = Robot { name: &name, prefix: args.mesh_prefix.as_deref().unwrap_or_default(), meshes: &meshes };
+    let prefix = args.mesh_prefix.as_deref().unwrap_or_default();
+    let inertial = mass.and_then(|mass| Inertial::new(mass, args.up_axis));
+    let robot = Robot { name: &name, prefix, meshes: &meshes, inertial };
     let document = match args.target {
         Some(Target::Mjcf) => Some((format!("{name}.xml"), robot.mjcf())),
         Some(Target::Urdf) => Some((format!("{name}.urdf"), robot.urdf())),

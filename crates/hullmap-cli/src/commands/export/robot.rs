@@ -5,11 +5,14 @@
 //! | MJCF | `mujoco` | a `mesh` asset and a `geom` each, in one body without joints |
 //! | URDF | `robot` | a `collision` each, in one link |
 //!
-//! Both documents load as they are. Copy the elements from them into a model.
+//! Both documents load as they are. Copy the elements from them into a model. The element
+//! `inertial` has the mass, so that the simulator does not add the masses of overlapping parts.
 //!
 //! # Reference
-//! MuJoCo, "XML Reference", elements `mesh` and `geom`; ROS, "URDF XML Specification", element
-//! `collision`.
+//! MuJoCo, "XML Reference", elements `mesh`, `geom` and `inertial`; ROS, "URDF XML Specification",
+//! elements `collision` and `inertial`.
+
+use super::body::Inertial;
 
 /// Collision meshes of one body.
 #[derive(Debug)]
@@ -20,6 +23,8 @@ pub struct Robot<'a> {
     pub prefix: &'a str,
     /// Name and file of each hull.
     pub meshes: &'a [(String, String)],
+    /// Mass of the body; `None` if it has none.
+    pub inertial: Option<Inertial>,
 }
 
 impl Robot<'_> {
@@ -32,6 +37,12 @@ impl Robot<'_> {
             text += &format!("    <mesh name=\"{mesh}\" file=\"{prefix}{file}\"/>\n");
         }
         text += &format!("  </asset>\n  <worldbody>\n    <body name=\"{name}\">\n");
+        if let Some(Inertial { mass, center: [x, y, z], inertia: [[xx, xy, xz], [_, yy, yz], [.., zz]] }) =
+            self.inertial
+        {
+            text += &format!("      <inertial pos=\"{x} {y} {z}\" mass=\"{mass}\"");
+            text += &format!(" fullinertia=\"{xx} {yy} {zz} {xy} {xz} {yz}\"/>\n");
+        }
         for (mesh, _) in self.meshes {
             let mesh = escaped(mesh);
             text += &format!("      <geom name=\"{mesh}\" type=\"mesh\" mesh=\"{mesh}\"/>\n");
@@ -43,6 +54,13 @@ impl Robot<'_> {
     pub fn urdf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
         let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{name}\">\n  <link name=\"{name}\">\n");
+        if let Some(Inertial { mass, center: [x, y, z], inertia: [[xx, xy, xz], [_, yy, yz], [.., zz]] }) =
+            self.inertial
+        {
+            text += &format!("    <inertial>\n      <origin xyz=\"{x} {y} {z}\" rpy=\"0 0 0\"/>\n");
+            text += &format!("      <mass value=\"{mass}\"/>\n      <inertia ixx=\"{xx}\" ixy=\"{xy}\" ixz=\"{xz}\"");
+            text += &format!(" iyy=\"{yy}\" iyz=\"{yz}\" izz=\"{zz}\"/>\n    </inertial>\n");
+        }
         for (mesh, file) in self.meshes {
             let (mesh, file) = (escaped(mesh), escaped(file));
             text += &format!("    <collision name=\"{mesh}\">\n      <geometry>\n");
@@ -78,7 +96,7 @@ mod tests {
     #[test]
     fn names_stay_in_their_attributes() {
         let meshes = [("a\"/><evil x='\n".to_owned(), "a&b.obj".to_owned())];
-        let robot = Robot { name: "r<1>", prefix: "package://p/", meshes: &meshes };
+        let robot = Robot { name: "r<1>", prefix: "package://p/", meshes: &meshes, inertial: None };
         for text in [robot.mjcf(), robot.urdf()] {
             assert!(!text.contains("<evil") && text.contains("package://p/a&amp;b.obj"), "{text}");
             assert!(text.contains("\"r&lt;1&gt;\"") && text.contains("\"a&quot;/&gt;&lt;evil x=&apos;_\""), "{text}");

@@ -1,0 +1,94 @@
+//! Mass properties of the hulls of a pack as one rigid body.
+
+use super::{NoSuchHull, Pack};
+use crate::hull::MassProperties;
+
+impl Pack {
+    /// Mass properties of all hulls as one rigid body of uniform `density`, in the frame of the
+    /// pack.
+    ///
+    /// Each object counts with the mass of its mesh, where that is recorded: see
+    /// [`Hull::mesh_mass_properties`](crate::Hull::mesh_mass_properties). Convex parts overlap, so
+    /// the sum of their masses would be too large. Other objects count with the sum of their hulls.
+    /// [`MassProperties::source`] is [`Mesh`](crate::MassSource::Mesh) if every object has the mass
+    /// of its mesh.
+    ///
+    /// # Complexity
+    /// O(number of hulls), no allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::{MassSource, Pack};
+    /// use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+    ///
+    /// // A pyramid with a notch: the hull fills it, the mesh does not.
+    /// let notched = PointSet {
+    ///     positions: vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [1.0, 1.0, 1.0], [0.0, 0.0, 4.0]],
+    ///     source_vertices: (0..5).collect(),
+    ///     triangles: vec![[0, 2, 1], [0, 1, 4], [0, 4, 2], [1, 2, 3], [2, 4, 3], [4, 1, 3]],
+    ///     ..PointSet::default()
+    /// };
+    /// let baked = bake_hull(&notched, IndexKind::Tree)?;
+    /// let pack = Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default())?)?;
+    /// let body = pack.mass_properties(3.0);
+    /// // The tetrahedron of the corner has 4³ / 6, the notch a quarter of it.
+    /// assert!((body.mass - 3.0 * 0.75 * 64.0 / 6.0).abs() < 1e-9);
+    /// assert_eq!(body.source, MassSource::Mesh);
+    /// assert!((pack.hull(0)?.mass_properties(3.0).mass - 3.0 * 64.0 / 6.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn mass_properties(&self, density: f64) -> MassProperties {
+        // No index below the count is an error.
+        self.mass_properties_of(0..self.hull_count(), density).unwrap_or_default()
+    }
+
+    /// Mass properties of some hulls as one rigid body, like
+    /// [`mass_properties`](Self::mass_properties) of all. `hulls` are indices in ascending order.
+    ///
+    /// If all parts of an object are among the hulls, they count together, with the mass of its
+    /// mesh. Otherwise they count one by one, with the mass of the hulls.
+    ///
+    /// # Errors
+    /// [`NoSuchHull`] if an index is not below [`hull_count`](Self::hull_count).
+    ///
+    /// # Complexity
+    /// O(number of indices), no allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// # let pack = two_cubes();
+    /// let right = pack.mass_properties_of([1], 1000.0)?;
+    /// assert!((right.mass - 1000.0).abs() < 1e-9 && (right.center_of_mass.x - 3.5).abs() < 1e-12);
+    /// assert!(pack.mass_properties_of([2], 1000.0).is_err());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn mass_properties_of(
+        &self,
+        hulls: impl IntoIterator<Item = usize, IntoIter: Clone>,
+        density: f64,
+    ) -> Result<MassProperties, NoSuchHull> {
+        let mut indices = hulls.into_iter();
+        let mut body: Option<MassProperties> = None;
+        while let Some(index) = indices.next() {
+            let hull = self.hull(index)?;
+            let count = hull.part_count().max(1) as usize;
+            let is_whole =
+                hull.part() == 0 && indices.clone().take(count - 1).eq(index + 1..index.saturating_add(count));
+            let solid = match hull.mesh_mass_properties(density) {
+                Some(mesh) if is_whole => {
+                    for _ in 1..count {
+                        // The other parts exist, or the pack was not checked.
+                        self.hull(indices.next().unwrap_or_default())?;
+                    }
+                    mesh
+                }
+                _ => hull.mass_properties(density),
+            };
+            body = Some(body.map_or(solid, |body| MassProperties::combined([body, solid])));
+        }
+        Ok(body.unwrap_or_default())
+    }
+}
