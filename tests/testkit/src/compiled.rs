@@ -2,7 +2,7 @@
 //!
 //! Without optimisation, or with `opt-level = 1`, rustc exports the generic functions that a library
 //! has compiled, and crates that depend on the library use them. So the test binaries do not
-//! compile the solver again for two `dyn Shape`, for two hulls, or for a hull and a `dyn Shape`.
+//! compile the solver again for two `dyn Shape + Sync`, for two hulls, or for a compound and one of the former.
 //! Nothing calls these functions.
 
 use hullmap::batch::{self, Pair};
@@ -12,7 +12,7 @@ use hullmap::{
     ManifoldSettings, Motion, Pose, Ray, Settings, Shape, compound,
 };
 
-/// Shapes on any thread.
+/// Shapes on any thread. Without `Sync` it is another type, for which all is compiled again.
 type Shared<'s> = dyn Shape + Sync + 's;
 
 fn solve<A: Shape + ?Sized, B: Shape + ?Sized>(a: &A, b: &B, b_in_a: Pose, along: Motion, ray: &Ray) {
@@ -34,13 +34,8 @@ fn solve_all<S: Shape + Sync + ?Sized>(pairs: &[Pair<'_, S, S>], caches: &mut [C
     let _ = batch::manifolds(pairs, &ManifoldSettings::default(), caches, &mut Vec::<Manifold>::new());
 }
 
-/// Queries of two shapes behind references.
-pub fn shapes(a: &dyn Shape, b: &dyn Shape, b_in_a: Pose, along: Motion, ray: &Ray) {
-    solve(a, b, b_in_a, along, ray);
-}
-
 /// Queries of two shapes that threads may share.
-pub fn shared_shapes(a: &Shared<'_>, b: &Shared<'_>, b_in_a: Pose, along: Motion, ray: &Ray) {
+pub fn shapes(a: &Shared<'_>, b: &Shared<'_>, b_in_a: Pose, along: Motion, ray: &Ray) {
     solve(a, b, b_in_a, along, ray);
 }
 

@@ -77,9 +77,9 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
                 most = most.max(run_all(a, b, &settings, &mut scratch));
             }
             let (ball, capsule) = (Sphere::new(0.8).unwrap(), Capsule::new(0.5, 0.3).unwrap());
-            run_all::<dyn Shape>(a, &ball, &settings, &mut scratch);
-            run_all::<dyn Shape>(&capsule, a, &settings, &mut scratch);
-            run_all::<dyn Shape>(a, &Rounded::new(*a, 0.1).unwrap(), &settings, &mut scratch);
+            run_all::<dyn Shape + Sync>(a, &ball, &settings, &mut scratch);
+            run_all::<dyn Shape + Sync>(&capsule, a, &settings, &mut scratch);
+            run_all::<dyn Shape + Sync>(a, &Rounded::new(*a, 0.1).unwrap(), &settings, &mut scratch);
             black_box((a.support(Vec3::X), a.support_from(Vec3::Y, 0), a.face_towards(DVec3::Z)));
         }
         let whole = Compound::new(&pack);
