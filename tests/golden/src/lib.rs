@@ -14,5 +14,8 @@ pub mod bits;
 pub mod golden;
 pub mod packs;
 
+// It has compiled the solver for the types of the answers.
+use hullmap_testkit as _;
+
 /// The golden file, relative to this package.
 pub const FILE: &str = "golden.txt";

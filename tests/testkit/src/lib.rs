@@ -3,6 +3,7 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`compiled`] | the solver, compiled once for all tests |
 //! | [`packs`] | point sets, baked packs, valid checksums for damaged files |
 //! | [`random`] | directions, rotations and poses, seeded |
 //! | [`reach`] | how far a shape reaches in a direction, and from it the way out of a pair |
@@ -23,6 +24,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod compiled;
 pub mod depth;
 pub mod entry;
 pub mod faceless;

@@ -61,12 +61,13 @@ struct Answers {
 
 /// Slots for answers, filled with arbitrary values.
 fn result_slots(pairs: &[Pair<Any<'_>, Any<'_>>]) -> (Answers, [Vec<Cache>; 4]) {
-    let ball = Sphere::new(1.0).unwrap();
+    // As any shape, so that the solver is not compiled for spheres, too.
+    let ball: &Any<'_> = &Sphere::new(1.0).unwrap();
     let (settings, cache) = (Settings::default(), &mut Cache::new());
     let answers = Answers {
-        contacts: vec![hullmap::contact(&ball, &ball, Pose::IDENTITY, &settings, cache); pairs.len()],
-        distances: vec![hullmap::distance(&ball, &ball, Pose::IDENTITY, &settings, cache); pairs.len()],
-        intersections: vec![hullmap::intersects(&ball, &ball, Pose::IDENTITY, cache); pairs.len()],
+        contacts: vec![hullmap::contact(ball, ball, Pose::IDENTITY, &settings, cache); pairs.len()],
+        distances: vec![hullmap::distance(ball, ball, Pose::IDENTITY, &settings, cache); pairs.len()],
+        intersections: vec![hullmap::intersects(ball, ball, Pose::IDENTITY, cache); pairs.len()],
         manifolds: vec![Manifold::new(); pairs.len()],
     };
     (answers, [(); 4].map(|()| vec![Cache::new(); pairs.len()]))

@@ -1,29 +1,41 @@
 //! The queries for shapes behind references, so that the solver is compiled once for all of them.
 //!
 //! Each pair of types compiles the whole solver again, twice: for the shapes and for their cores.
-//! With 38 pairs, this program took a fifth of the time in which all tests compile. Pairs of hulls
-//! are also queried by their own type, in `lean`, `stack` and `compound`, and in batches.
+//! `hullmap_testkit::compiled` has compiled it for this type, and for hulls, which are also queried
+//! by their own type, in `lean`, `stack` and `compound`, and in batches.
 
 use hullmap::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Manifold, ManifoldSettings, Motion, Pose, Ray,
     RayHit, Settings, Shape,
 };
 
-pub fn contact(a: &dyn Shape, b: &dyn Shape, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Contact {
+pub fn contact(
+    a: &(dyn Shape + Sync),
+    b: &(dyn Shape + Sync),
+    b_in_a: Pose,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Contact {
     hullmap::contact(a, b, b_in_a, settings, cache)
 }
 
-pub fn distance(a: &dyn Shape, b: &dyn Shape, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Distance {
+pub fn distance(
+    a: &(dyn Shape + Sync),
+    b: &(dyn Shape + Sync),
+    b_in_a: Pose,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Distance {
     hullmap::distance(a, b, b_in_a, settings, cache)
 }
 
-pub fn intersects(a: &dyn Shape, b: &dyn Shape, b_in_a: Pose, cache: &mut Cache) -> Intersection {
+pub fn intersects(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), b_in_a: Pose, cache: &mut Cache) -> Intersection {
     hullmap::intersects(a, b, b_in_a, cache)
 }
 
 pub fn cast(
-    a: &dyn Shape,
-    b: &dyn Shape,
+    a: &(dyn Shape + Sync),
+    b: &(dyn Shape + Sync),
     b_in_a: Pose,
     motion: Motion,
     settings: &CastSettings,
@@ -32,14 +44,14 @@ pub fn cast(
     hullmap::cast(a, b, b_in_a, motion, settings, cache)
 }
 
-pub fn ray(shape: &dyn Shape, ray: &Ray, settings: &CastSettings) -> RayHit {
+pub fn ray(shape: &(dyn Shape + Sync), ray: &Ray, settings: &CastSettings) -> RayHit {
     hullmap::ray(shape, ray, settings)
 }
 
 pub fn update(
     manifold: &mut Manifold,
-    a: &dyn Shape,
-    b: &dyn Shape,
+    a: &(dyn Shape + Sync),
+    b: &(dyn Shape + Sync),
     b_in_a: Pose,
     settings: &ManifoldSettings,
     cache: &mut Cache,

@@ -200,7 +200,7 @@ fn a_stale_cache_never_changes_an_answer() {
     }
 }
 
-fn single_shapes(pack: &Pack) -> Vec<(&'static str, Box<dyn Shape + '_>)> {
+fn single_shapes(pack: &Pack) -> Vec<(&'static str, Box<dyn Shape + Sync + '_>)> {
     let corners = [DVec3::new(0.8, -0.2, 0.1), DVec3::new(-0.3, 0.9, 0.2), DVec3::new(-0.2, -0.4, -0.7)];
     vec![
         ("sphere", Box::new(Sphere::new(0.5).unwrap())),
@@ -346,7 +346,7 @@ fn signed_distance_is_the_minimum_over_all_parts() {
         assert!(compound::signed_distance(&Compound::new(&two), point, &settings, &mut cache).is_err());
     }
     // A single shape is a compound of one part.
-    let ball: &dyn Shape = &Sphere::new(1.0).unwrap();
+    let ball: &(dyn Shape + Sync) = &Sphere::new(1.0).unwrap();
     let ball = compound::signed_distance(ball, DVec3::X * 3.0, &settings, &mut cache).unwrap();
     assert!((ball.answer.distance - 2.0).abs() < 1e-12 && ball.pairs == 1);
 }
@@ -448,7 +448,7 @@ fn manifolds_of_shapes_and_half_spaces() {
     let many = pack(12, 1.0, 5);
     let whole = Compound::new(&many);
     let (cube, floor) = (Cuboid::new(DVec3::new(50.0, 50.0, 50.0)).unwrap(), HalfSpace::new(DVec3::Z, 50.0).unwrap());
-    let slab: &dyn Shape = &cube;
+    let slab: &(dyn Shape + Sync) = &cube;
     let settings = ManifoldSettings { prediction: Prediction::Length(0.05), ..ManifoldSettings::default() };
     let (mut on_slab, mut on_floor, mut few) =
         (CompoundManifolds::new(16), CompoundManifolds::new(16), CompoundManifolds::new(2));

@@ -195,7 +195,7 @@ fn casts_of_hulls() {
 }
 
 /// A shape and its signed distance, up to a factor: negative inside and convex.
-type Form = (&'static str, Box<dyn Shape>, Box<dyn Fn(DVec3) -> f64>);
+type Form = (&'static str, Box<dyn Shape + Sync>, Box<dyn Fn(DVec3) -> f64>);
 
 fn closed_forms() -> Vec<Form> {
     let across = |p: DVec3| (p.x * p.x + p.y * p.y).sqrt();
@@ -298,8 +298,8 @@ fn casts_of_all_shapes_by_their_distance() {
     let rock = tree_pack(&Family::Rock.points(60, 1));
     let hull = rock.hull(0).unwrap();
     let soap = Rounded::new(hull, 0.05).unwrap();
-    let mut shapes: Vec<(&str, &dyn Shape)> = forms.iter().map(|(name, shape, _)| (*name, &**shape)).collect();
-    shapes.extend([("hull", &hull as &dyn Shape), ("rounded hull", &soap)]);
+    let mut shapes: Vec<(&str, &(dyn Shape + Sync))> = forms.iter().map(|(name, shape, _)| (*name, &**shape)).collect();
+    shapes.extend([("hull", &hull as &(dyn Shape + Sync)), ("rounded hull", &soap)]);
     let mut rng = SplitMix64::new(SEED);
     let mut counts = [0; 3];
     for (name_a, a) in &shapes {
@@ -514,7 +514,7 @@ fn all_entries(size: f64, start: DVec3, velocity: DVec3, settings: &CastSettings
     let (motion, line, at) =
         (Motion::new(velocity).unwrap(), Ray::new(start, velocity).unwrap(), Pose::from_translation(start).unwrap());
     let (cube, ball) = (Cuboid::new(DVec3::splat(size)).unwrap(), Sphere::new(size).unwrap());
-    let (floor, one) = (HalfSpace::new(DVec3::X, size).unwrap(), &cube as &dyn Shape);
+    let (floor, one) = (HalfSpace::new(DVec3::X, size).unwrap(), &cube as &(dyn Shape + Sync));
     let of_ray = |found: RayHit| {
         let RayHit { hit, status, t, t_lower, t_upper, point, .. } = found;
         Impact { hit, status, t, t_lower, t_upper, point_a: point, point_b: point, ..Impact::default() }
@@ -664,7 +664,7 @@ fn vectors_that_are_not_finite_are_rejected() {
         assert_eq!(Ray::new(DVec3::X, v).unwrap_err().what, "direction");
         assert_eq!(Motion::new(v).unwrap_err().what, "velocity");
         let cube = Cuboid::new(DVec3::ONE).unwrap();
-        let found = signed_distance(&cube as &dyn Shape, v, &Settings::default(), &mut Cache::new());
+        let found = signed_distance(&cube as &(dyn Shape + Sync), v, &Settings::default(), &mut Cache::new());
         assert_eq!(found.unwrap_err().what, "point");
     }
 }

@@ -24,7 +24,7 @@ fn vertices(hull: &Hull) -> Vec<DVec3> {
     hull.vertices().map(|v| v.as_dvec3()).collect()
 }
 
-fn feature_within(shape: &dyn Shape, dir: DVec3, reach: f64) -> Feature {
+fn feature_within(shape: &(dyn Shape + Sync), dir: DVec3, reach: f64) -> Feature {
     let mut out = Feature::new();
     shape.feature_within(dir, reach, &mut out);
     out
@@ -169,7 +169,7 @@ fn primitive_shapes_keep_their_faces_within_reach() {
     let rounded = Rounded::new(cuboid, 0.01).unwrap();
     let scaled = Scaled::new(cuboid, DVec3::new(0.5, -2.0, 1.0)).unwrap();
     let ball = Sphere::new(0.05).unwrap();
-    let shapes: [(&str, &dyn Shape); 7] = [
+    let shapes: [(&str, &(dyn Shape + Sync)); 7] = [
         ("cuboid", &cuboid),
         ("cylinder", &cylinder),
         ("capsule", &capsule),
@@ -356,7 +356,7 @@ fn faces_are_merged_on_either_side_of_the_tilt() {
 }
 
 /// A shape that is never reduced: the twin.
-struct Whole<'a>(&'a dyn Shape);
+struct Whole<'a>(&'a (dyn Shape + Sync));
 
 impl SupportMap for Whole<'_> {
     fn support_point(&self, dir: DVec3) -> SupportPoint {
@@ -404,7 +404,7 @@ fn reduced_features_support_as_well_as_whole_ones() {
     let hulls: Vec<Hull> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
     let cuboid = Cuboid::new(DVec3::new(3.0, 3.0, 0.5)).unwrap();
     let cylinder = Cylinder::new(0.5, 0.8).unwrap();
-    let mut shapes: Vec<&dyn Shape> = vec![&cuboid, &cylinder];
+    let mut shapes: Vec<&(dyn Shape + Sync)> = vec![&cuboid, &cylinder];
     hulls.iter().for_each(|hull| shapes.push(hull));
     let settings = ManifoldSettings::default();
     let mut shares = Vec::new();
@@ -415,7 +415,7 @@ fn reduced_features_support_as_well_as_whole_ones() {
                 let turned = DQuat::from_rotation_z(rng.between(0.0, 6.0)) * DQuat::from_scaled_axis(side);
                 let [x, y] = [0, 1].map(|_| rng.between(-1.2, 1.2));
                 let pose = Pose::new(DVec3::new(x, y, 0.995), turned.normalize()).unwrap();
-                let spanned = |a: &dyn Shape, b: &dyn Shape| {
+                let spanned = |a: &(dyn Shape + Sync), b: &(dyn Shape + Sync)| {
                     let mut manifold = Manifold::new();
                     let contact = update(&mut manifold, a, b, pose, &settings, &mut Cache::new());
                     let points: Vec<DVec3> = manifold.points().iter().map(|p| p.point_a).collect();

@@ -16,8 +16,8 @@ fn packs() -> Vec<Pack> {
         .into()
 }
 
-fn bodies(packs: &[Pack]) -> Vec<Box<dyn Shape + '_>> {
-    let mut all: Vec<Box<dyn Shape>> = vec![
+fn bodies(packs: &[Pack]) -> Vec<Box<dyn Shape + Sync + '_>> {
+    let mut all: Vec<Box<dyn Shape + Sync>> = vec![
         Box::new(Cuboid::new(DVec3::new(0.4, 0.6, 0.9)).unwrap()),
         Box::new(Sphere::new(0.5).unwrap()),
         Box::new(Capsule::new(0.5, 0.25).unwrap()),
@@ -35,7 +35,7 @@ fn bodies(packs: &[Pack]) -> Vec<Box<dyn Shape + '_>> {
 }
 
 /// Rotations that lay a body on a face, an edge or a corner, exactly or nearly.
-fn rotation(body: &dyn Shape, rng: &mut SplitMix64, i: usize) -> DQuat {
+fn rotation(body: &(dyn Shape + Sync), rng: &mut SplitMix64, i: usize) -> DQuat {
     let down = match i % 4 {
         0 => DVec3::AXES[rng.below(3)],
         1 => DVec3::NEG_Z,

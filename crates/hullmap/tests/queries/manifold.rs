@@ -19,7 +19,7 @@ fn pose_at(x: f64, y: f64, z: f64, rotation: DQuat) -> Pose {
     Pose::new(DVec3::new(x, y, z), rotation).unwrap()
 }
 
-fn manifold(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Manifold {
+fn manifold(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose) -> Manifold {
     let mut manifold = Manifold::new();
     update(&mut manifold, a, b, pose, &ManifoldSettings::default(), &mut Cache::new());
     manifold
@@ -147,7 +147,7 @@ fn each_pair_of_features_has_the_expected_number_of_points() {
     let (root, third) = (2_f64.sqrt(), 3_f64.sqrt());
     let ball = Sphere::new(0.5).unwrap();
     for (name, shape, pose, count) in [
-        ("face", &cube as &dyn Shape, pose_at(0.0, 0.0, 1.99, up), 4),
+        ("face", &cube as &(dyn Shape + Sync), pose_at(0.0, 0.0, 1.99, up), 4),
         ("baked face", &baked, pose_at(0.0, 0.0, 1.99, up), 4),
         ("edge", &cube, pose_at(0.0, 0.0, 0.99 + root, edge), 2),
         (
@@ -207,9 +207,11 @@ fn nearly_flat_caps_are_one_face() {
         assert!(hull.face(cap).len() < n, "{n}: the cap is one face of {} corners", hull.face(cap).len());
         let rounded = Rounded::new(hull, 0.25).unwrap();
         let scaled = Scaled::new(hull, DVec3::splat(0.5)).unwrap();
-        for (name, shape, height, radius) in
-            [("hull", &hull as &dyn Shape, 1.0, 1.0), ("rounded", &rounded, 1.25, 1.0), ("scaled", &scaled, 0.5, 0.5)]
-        {
+        for (name, shape, height, radius) in [
+            ("hull", &hull as &(dyn Shape + Sync), 1.0, 1.0),
+            ("rounded", &rounded, 1.25, 1.0),
+            ("scaled", &scaled, 0.5, 0.5),
+        ] {
             let found = manifold(&floor, shape, pose_at(0.3, 0.2, 0.99 + height, turn.inverse()));
             let flat: Vec<DVec2> = found.points().iter().map(|p| p.point_b.truncate()).collect();
             let outline: Vec<DVec2> = solids::regular_polygon(n, radius).into_iter().map(DVec2::from_array).collect();
@@ -443,7 +445,7 @@ fn flat_thin_and_featureless_shapes_have_manifolds() {
     );
     let edge = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     for (name, shape, pose, count) in [
-        ("sheet", &sheet as &dyn Shape, pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
+        ("sheet", &sheet as &(dyn Shape + Sync), pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
         ("sheet on its edge", &sheet, pose_at(0.0, 0.0, 1.99, edge), 2),
         ("stick", &stick, pose_at(0.0, 0.0, 0.99, DQuat::IDENTITY), 2),
         ("stick on its end", &stick, pose_at(0.0, 0.0, 1.99, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2)), 1),

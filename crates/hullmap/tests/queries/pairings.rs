@@ -18,7 +18,7 @@ const SEED: u64 = 0x005e_ed05;
 const TRUTH_ERROR: f64 = 1e-12;
 
 /// A shape that hides its core, so that the solver works on the shape itself.
-struct Coreless<'s>(&'s dyn Shape);
+struct Coreless<'s>(&'s (dyn Shape + Sync));
 
 impl SupportMap for Coreless<'_> {
     fn support_point(&self, dir: DVec3) -> SupportPoint {
@@ -144,7 +144,7 @@ impl Effort {
 
 /// Asserts all answers for a pair with the signed distance `truth`, by the general solver and by
 /// the cores.
-fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort: &mut [Effort; 4]) {
+fn check(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose, truth: f64, at: &str, effort: &mut [Effort; 4]) {
     let size = a.outer_radius() + b.outer_radius() + pose.translation().length();
     let error = TRUTH_ERROR * size;
     let settings = Settings::default();
@@ -184,7 +184,7 @@ fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort:
 
 /// Invariants of every hit: the witness points differ by the depth along the normal, and lie on the
 /// support planes.
-fn check_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose, c: &Contact, error: f64, at: &str) {
+fn check_contact(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose, c: &Contact, error: f64, at: &str) {
     assert!((c.normal.length() - 1.0).abs() < 1e-12, "{at}");
     let top = a.support_point(c.normal).point.dot(c.normal);
     let bottom = pose.transform_point(b.support_point(pose.inverse_transform_vector(-c.normal)).point).dot(c.normal);
@@ -211,7 +211,7 @@ fn balls_against_the_formulas() {
             let (x, y, z, r) = (length(), length(), length(), length());
             let corners = [(); 3].map(|()| corners_rng.unit_vector() * corners_rng.between(0.2, 2.0) * x);
             let ends = [corners[0], corners[1]];
-            let (shape, signed): (Box<dyn Shape>, Signed) = match kind {
+            let (shape, signed): (Box<dyn Shape + Sync>, Signed) = match kind {
                 "sphere" => (Box::new(Sphere::new(x).unwrap()), Box::new(move |p: DVec3| p.length() - x)),
                 "box" => {
                     let half = DVec3::new(x, y, z);
@@ -298,8 +298,8 @@ fn packs() -> Vec<(&'static str, Pack)> {
 }
 
 /// All shapes, of about unit size.
-fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shape + 'a>)> {
-    let mut all: Vec<(&'static str, Box<dyn Shape>)> = Vec::new();
+fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shape + Sync + 'a>)> {
+    let mut all: Vec<(&'static str, Box<dyn Shape + Sync>)> = Vec::new();
     for (name, pack) in packs {
         all.push((name, Box::new(pack.hull(0).unwrap())));
     }
@@ -325,7 +325,13 @@ fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shap
 
 /// Minimum support value of A − B over many directions, including those of the answers, followed by
 /// a descent from the best one. It is an upper bound of the depth.
-fn sampled_depth(a: &dyn Shape, b: &dyn Shape, pose: Pose, rng: &mut SplitMix64, starts: [DVec3; 2]) -> f64 {
+fn sampled_depth(
+    a: &(dyn Shape + Sync),
+    b: &(dyn Shape + Sync),
+    pose: Pose,
+    rng: &mut SplitMix64,
+    starts: [DVec3; 2],
+) -> f64 {
     let value = |n: DVec3| {
         let n = n.normalize();
         let on_b = b.support_point(pose.inverse_transform_vector(-n)).point;
@@ -432,7 +438,7 @@ fn moved(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-fn solve(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Contact {
+fn solve(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose) -> Contact {
     contact(a, b, pose, &Settings::default(), &mut Cache::new())
 }
 
@@ -443,7 +449,7 @@ fn concentric() {
     let capsule = Capsule::new(1.0, 0.5).unwrap();
     let cylinder = Cylinder::new(1.0, 3.0).unwrap();
     for (a, b, depth) in [
-        (&ball as &dyn Shape, &small as &dyn Shape, 2.5),
+        (&ball as &(dyn Shape + Sync), &small as &(dyn Shape + Sync), 2.5),
         (&ball, &plate, 3.0),
         (&plate, &small, 1.5),
         (&capsule, &small, 1.0),
@@ -466,7 +472,8 @@ fn parallel_faces_and_edges_and_vertices() {
     let cube = Cuboid::new(DVec3::ONE).unwrap();
     let cylinder = Cylinder::new(1.0, 0.5).unwrap();
     let cone = Cone::new(1.0, 0.5).unwrap();
-    let lying = |shape: &dyn Shape, turn: DQuat, z: f64| solve(&cube, shape, Pose::new(DVec3::Z * z, turn).unwrap());
+    let lying =
+        |shape: &(dyn Shape + Sync), turn: DQuat, z: f64| solve(&cube, shape, Pose::new(DVec3::Z * z, turn).unwrap());
     let quarter = std::f64::consts::FRAC_PI_2;
     for (c, depth) in [
         // Face on face.
@@ -502,7 +509,7 @@ fn needle_in_plate() {
     let axis = (0..3).max_by(|i, j| along[*i].total_cmp(&along[*j])).unwrap();
     let upright = DQuat::from_rotation_arc(DVec3::AXES[axis], DVec3::Z);
     let thin = Capsule::new(1.0, 1e-4).unwrap();
-    for (shape, turn) in [(&needle as &dyn Shape, upright), (&thin, DQuat::IDENTITY)] {
+    for (shape, turn) in [(&needle as &(dyn Shape + Sync), upright), (&thin, DQuat::IDENTITY)] {
         for lean in [0.0, 0.3] {
             let pose = Pose::new(DVec3::new(0.05, 0.1, 0.02), DQuat::from_rotation_x(lean) * turn).unwrap();
             let c = solve(&plate, shape, pose);
@@ -521,7 +528,7 @@ fn extreme_sizes_and_distances() {
     let quarter = std::f64::consts::FRAC_PI_2;
     for unit in [1e-36, 1e-3, 1.0, 1e4, 1e33] {
         let floor = Cuboid::new(DVec3::new(1e4, 1e4, 1e4) * unit).unwrap();
-        let pebbles: [Box<dyn Shape>; 5] = [
+        let pebbles: [Box<dyn Shape + Sync>; 5] = [
             Box::new(Sphere::new(unit).unwrap()),
             Box::new(Cuboid::new(DVec3::splat(unit)).unwrap()),
             Box::new(Cylinder::new(unit, unit).unwrap()),
@@ -656,7 +663,7 @@ fn invalid_parameters_are_errors() {
     }
     // Zero lengths are valid.
     for shape in [
-        &Sphere::new(0.0).unwrap() as &dyn Shape,
+        &Sphere::new(0.0).unwrap() as &(dyn Shape + Sync),
         &Capsule::new(0.0, 0.0).unwrap(),
         &Cone::new(0.0, 0.0).unwrap(),
         &Segment::new(DVec3::ZERO, DVec3::ZERO).unwrap(),

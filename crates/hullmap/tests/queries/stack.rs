@@ -33,11 +33,12 @@ fn poses() -> Vec<Pose> {
     offsets.map(|offset| Pose::new(offset, turned).unwrap()).to_vec()
 }
 
-/// Runs every query and returns the maximum number of iterations of a contact.
+/// Runs every query and returns the maximum number of iterations of a contact. What the caller owns
+/// is on the heap, so that the stack is the query's.
 fn run_all<S: Shape + ?Sized>(a: &S, b: &S, settings: &Settings, scratch: &mut Option<Box<Scratch>>) -> u32 {
     let mut most = 0;
     for pose in poses() {
-        let mut cache = Cache::new();
+        let mut cache = Box::new(Cache::new());
         if let Some(scratch) = scratch.take() {
             cache.set_scratch(scratch);
         }
@@ -47,15 +48,16 @@ fn run_all<S: Shape + ?Sized>(a: &S, b: &S, settings: &Settings, scratch: &mut O
         black_box(contact(a, b, pose, settings, &mut cache));
         black_box(intersects(a, b, pose, &mut cache));
         black_box(distance(a, b, pose, settings, &mut cache));
+        let mut manifold = Box::new(Manifold::new());
         let manifold_settings = ManifoldSettings { contact: *settings, ..Default::default() };
-        black_box(Manifold::new().update(a, b, pose, &manifold_settings, &mut cache));
+        black_box(manifold.update(a, b, pose, &manifold_settings, &mut cache));
         let cast_settings = CastSettings { tolerance: 0.0, ..CastSettings::default() };
         for along in [DVec3::ZERO, DVec3::NEG_X, DVec3::new(0.3, -0.2, -1.0)] {
             black_box(cast(a, b, pose, Motion::new(along).unwrap(), &cast_settings, &mut cache));
             black_box(ray(a, &Ray::new(pose.translation(), along).unwrap(), &cast_settings));
         }
         black_box(signed_distance(a, pose.translation(), settings, &mut cache).unwrap());
-        let mut feature = Feature::new();
+        let mut feature = Box::new(Feature::new());
         a.feature(DVec3::X, &mut feature);
         black_box(feature.corners().len());
         *scratch = cache.take_scratch();
@@ -77,9 +79,9 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
                 most = most.max(run_all(a, b, &settings, &mut scratch));
             }
             let (ball, capsule) = (Sphere::new(0.8).unwrap(), Capsule::new(0.5, 0.3).unwrap());
-            run_all::<dyn Shape>(a, &ball, &settings, &mut scratch);
-            run_all::<dyn Shape>(&capsule, a, &settings, &mut scratch);
-            run_all::<dyn Shape>(a, &Rounded::new(*a, 0.1).unwrap(), &settings, &mut scratch);
+            run_all::<dyn Shape + Sync>(a, &ball, &settings, &mut scratch);
+            run_all::<dyn Shape + Sync>(&capsule, a, &settings, &mut scratch);
+            run_all::<dyn Shape + Sync>(a, &Rounded::new(*a, 0.1).unwrap(), &settings, &mut scratch);
             black_box((a.support(Vec3::X), a.support_from(Vec3::Y, 0), a.face_towards(DVec3::Z)));
         }
         let whole = Compound::new(&pack);

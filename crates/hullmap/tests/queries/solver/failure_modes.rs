@@ -11,11 +11,11 @@ fn pose_at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-fn solve_overlap(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Overlap {
+fn solve_overlap(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose) -> Overlap {
     intersects(a, b, pose, &mut Cache::new()).status
 }
 
-fn solve_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Contact {
+fn solve_contact(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose) -> Contact {
     let c = contact(a, b, pose, &Settings::default(), &mut Cache::new());
     assert!((c.normal.length() - 1.0).abs() < 1e-14, "{c:?}");
     assert!(c.point_a.is_finite() && c.point_b.is_finite(), "{c:?}");
@@ -23,7 +23,7 @@ fn solve_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Contact {
     c
 }
 
-fn solve_distance(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Distance {
+fn solve_distance(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose) -> Distance {
     let d = distance(a, b, pose, &Settings::default(), &mut Cache::new());
     assert!((d.normal.length() - 1.0).abs() < 1e-14, "{d:?}");
     assert!(0.0 <= d.lower && d.lower <= d.distance && d.distance <= d.upper, "{d:?}");

@@ -1,7 +1,7 @@
 //! Throughput of batches on one thread and on all threads, and the gain from each stage of the
 //! cascade.
 //!
-//!     cargo run --release --example throughput --package hullmap --features parallel
+//!     cargo run --release --example throughput --package hullmap-bench --features parallel
 //!
 //! Each time is the minimum over many short runs. The variants run in turn, so that other load on
 //! the machine affects them equally.
