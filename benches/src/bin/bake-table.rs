@@ -211,6 +211,7 @@ fn bake(family: Family, points: usize) -> Result<Vec<Figure>, Box<dyn Error>> {
         part: 0,
         part_count: 0,
         fit: None,
+        mesh_mass: None,
         hull,
         mass,
         interior,
