@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::body::{Body, THICKNESS};
 use super::field::Field;
 use crate::decompose::patch::Patch;
-use crate::fit::planes::HalfSpace;
+use crate::fit::planes::{self, HalfSpace};
 
 /// Maximum number of cuts that lead to a cell.
 const MAX_DEPTH: u32 = 40;
@@ -237,8 +237,17 @@ pub struct Cutting {
 pub struct Cells {
     /// The cells.
     pub cells: Vec<Patch>,
-    /// Planes of faces at concave edges, those with the longest and sharpest edges first.
-    pub planes: Vec<HalfSpace>,
+    /// Planes that may divide pieces.
+    pub planes: FacePlanes,
+}
+
+/// Planes of faces that may divide pieces.
+#[derive(Debug, Default)]
+pub struct FacePlanes {
+    /// Those of faces at concave edges, the longest and sharpest edges first.
+    pub concave: Vec<HalfSpace>,
+    /// Those of large faces, the largest first. Where shells touch, there are no concave edges.
+    pub large: Vec<HalfSpace>,
 }
 
 /// The cells of a surface; `None` if `is_over` before they are found.
@@ -254,7 +263,7 @@ pub fn cells(
         root.push(t, normal);
     }
     root.edges = concave_edges(triangles, cutting.diagonal);
-    let planes = ranked(&root).into_iter().map(|(_, plane)| plane).collect();
+    let planes = face_planes(&root);
     // Level by level, so that pieces are independent of each other.
     let mut level = vec![(root, 0_u32)];
     let mut cells = Vec::new();
@@ -426,23 +435,39 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
     best.map(|(_, plane)| plane)
 }
 
+/// Share of the area of all faces from which faces in one plane count as large.
+const LARGE: f64 = 0.005;
+
+fn face_planes(root: &Piece) -> FacePlanes {
+    let of_polygon = |(corners, normal): (&[DVec3], DVec3)| {
+        let area: f64 = planes::fan(corners).iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
+        (area, HalfSpace { normal, offset: normal.dot(corners[0]) }, corners[0])
+    };
+    let all = grouped(root, root.polygons().map(of_polygon).filter(|(area, ..)| *area > 0.0));
+    let total: f64 = all.iter().map(|(area, _)| area).sum();
+    let large = all.into_iter().take_while(|(area, _)| *area >= LARGE * total).map(|(_, plane)| plane).collect();
+    FacePlanes { concave: ranked(root).into_iter().map(|(_, plane)| plane).collect(), large }
+}
+
 /// The planes of faces at the concave edges of a piece, each with the length and sine of its edges,
-/// the greatest first. Planes that nearly agree are one.
+/// the greatest first.
 fn ranked(piece: &Piece) -> Vec<(f64, HalfSpace)> {
+    let weight = |edge: &Edge| edge.ends[0].distance(edge.ends[1]) * edge.sine;
+    grouped(piece, piece.edges.iter().flat_map(|edge| edge.planes.map(|plane| (weight(edge), plane, edge.ends[0]))))
+}
+
+/// Planes with their weights and a point of each, the greatest weight first. Planes that nearly
+/// agree are one.
+fn grouped(piece: &Piece, planes: impl Iterator<Item = (f64, HalfSpace, DVec3)>) -> Vec<(f64, HalfSpace)> {
     let (low, high) = super::body::bounds(&piece.corners);
     let diagonal = low.distance(high);
     let mut groups: BTreeMap<[i32; 4], (f64, HalfSpace)> = BTreeMap::new();
-    for edge in &piece.edges {
-        for plane in edge.planes {
-            let p = edge.ends[0] - low;
-            // One sign for both sides of a plane.
-            let sign = if plane.normal.dot(DVec3::new(1.0, 0.618, 0.381)) < 0.0 { -1.0 } else { 1.0 };
-            let n = plane.normal * sign;
-            let key = [n.x * 64.0, n.y * 64.0, n.z * 64.0, n.dot(p) / diagonal * 512.0].map(|x| x.round() as i32);
-            let offset = n.dot(edge.ends[0]);
-            let weight = edge.ends[0].distance(edge.ends[1]) * edge.sine;
-            groups.entry(key).or_insert((0.0, HalfSpace { normal: n, offset })).0 += weight;
-        }
+    for (weight, plane, at) in planes {
+        // One sign for both sides of a plane.
+        let sign = if plane.normal.dot(DVec3::new(1.0, 0.618, 0.381)) < 0.0 { -1.0 } else { 1.0 };
+        let n = plane.normal * sign;
+        let key = [n.x * 64.0, n.y * 64.0, n.z * 64.0, n.dot(at - low) / diagonal * 512.0].map(|x| x.round() as i32);
+        groups.entry(key).or_insert((0.0, HalfSpace { normal: n, offset: n.dot(at) })).0 += weight;
     }
     let mut ranked: Vec<(f64, HalfSpace)> = groups.into_values().collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));

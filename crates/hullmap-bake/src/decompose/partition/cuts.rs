@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::{
     body::{Body, longest, rough},
+    cells::FacePlanes,
     conflicts::Conflicts,
     field::Field,
     piece::{Piece, Scale},
@@ -14,7 +15,7 @@ use crate::fit::planes::HalfSpace;
 /// Number of equal slabs between the candidates across a direction.
 const SLABS: usize = 12;
 
-/// Maximum number of planes of faces at concave edges that are tried.
+/// Maximum number of planes of faces at concave edges, and of large faces, that are tried.
 const FACES: usize = 12;
 
 /// Number of forbidden points by which planes are compared.
@@ -75,13 +76,14 @@ pub fn middle(piece: &Piece) -> HalfSpace {
 }
 
 /// The planes of faces at concave edges that cut a piece, of those given, in their order.
-pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a [HalfSpace]) -> impl Iterator<Item = HalfSpace> + 'a {
+pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> impl Iterator<Item = HalfSpace> + 'a {
     let margin = 0.2 * scale.limit;
     let cuts = move |plane: &&HalfSpace| {
         let (low, high) = range(piece, plane.normal);
         low < plane.offset - margin && high > plane.offset + margin
     };
-    planes.iter().filter(cuts).take(FACES).copied()
+    let some = move |planes: &'a [HalfSpace]| planes.iter().filter(cuts).take(FACES).copied();
+    some(&planes.concave).chain(some(&planes.large))
 }
 
 /// How much two sides of a plane protrude: the sum of squares of the numbers of forbidden points in
@@ -108,7 +110,7 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
 ///
 /// Candidates are planes of faces at concave edges, and planes across the axes: first a coarse
 /// grid, then those beside the best one.
-pub fn best_plane(piece: &Piece, scale: &Scale, field: &Field, near: &[Vec<u32>], planes: &[HalfSpace]) -> Option<HalfSpace> {
+pub fn best_plane(piece: &Piece, scale: &Scale, field: &Field, near: &[Vec<u32>], planes: &FacePlanes) -> Option<HalfSpace> {
     let conflicts = Conflicts::new(piece, scale, field);
     let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
     let forbidden: Vec<DVec3> = piece.forbidden.iter().step_by(stride).copied().collect();
@@ -124,21 +126,24 @@ pub fn best_plane(piece: &Piece, scale: &Scale, field: &Field, near: &[Vec<u32>]
         wide.flat_map(|normal| (2..SLABS).step_by(2).map(move |k| (across(normal, k), Some(k)))).collect();
     candidates.extend(faces(piece, scale, planes).map(|plane| (plane, None)));
     let least = |candidates: &[(HalfSpace, Option<usize>)]| {
-        let cost = |plane: &HalfSpace| {
+        let cost = |(plane, at): &(HalfSpace, Option<usize>)| {
             let (low, high) = range(piece, plane.normal);
             let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
             let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
-            let unlike = OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED };
+            let unlike = match at {
+                Some(_) => OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED },
+                None => 0.0,
+            };
             let left = conflicts.left(piece, scale, near, plane);
             (left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane)) * (1.0 + unlike)
         };
-        let costs: Vec<f64> = candidates.par_iter().map(|(plane, _)| cost(plane)).collect();
+        let costs: Vec<f64> = candidates.par_iter().map(cost).collect();
         let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
         costs[best].is_finite().then(|| (costs[best], candidates[best]))
     };
     let (cost, (plane, at)) = least(&candidates)?;
     let beside: Vec<(HalfSpace, Option<usize>)> =
-        at.iter().flat_map(|k| [k - 1, k + 1]).map(|k| (across(plane.normal, k), None)).collect();
+        at.iter().flat_map(|k| [k - 1, k + 1]).map(|k| (across(plane.normal, k), Some(k))).collect();
     Some(match least(&beside) {
         Some((better, (plane, _))) if better < cost => plane,
         _ => plane,

@@ -137,8 +137,8 @@ pub struct Search<'a> {
     pub field: &'a Field<'a>,
     /// Lengths.
     pub scale: Scale,
-    /// Planes of faces at concave edges, those with the longest edges first.
-    pub planes: &'a [HalfSpace],
+    /// Planes of faces that may divide pieces.
+    pub planes: &'a cells::FacePlanes,
     bounds: Bounds<'a>,
 }
 

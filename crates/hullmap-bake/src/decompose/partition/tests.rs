@@ -16,6 +16,19 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
     let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
+    if bound > 1e-7 * solid.diagonal() {
+        for part in &found {
+            eprintln!("part {} atoms bound {} box {:?} {:?} hull {:?}", part.piece.atoms.len(), part.bound, part.piece.body.low, part.piece.body.high, part.hull.vertices.len());
+            let body = Body::new(&part.hull.positions(), 0.0);
+            for p in part.piece.points() {
+                let h = body.planes.iter().map(|plane| plane.height(p)).fold(f64::NEG_INFINITY, f64::max);
+                if h > 1e-8 { eprintln!("   outside by {h}"); }
+            }
+        }
+        for t in crate::fit::uncovered_triangles(mesh, &hulls, 1e-7 * solid.diagonal()) {
+            eprintln!("triangle {:?}", mesh.triangles[t].map(|v| mesh.positions[v as usize]));
+        }
+    }
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
     let mut rng = SplitMix64::new(1);
     for Part { hull, bound, .. } in &found {
