@@ -1,9 +1,9 @@
 //! The solver, compiled once for the types that most tests pass to it.
 //!
-//! Without optimisation, or with `opt-level = 1`, rustc exports the generic functions that a
-//! library has compiled, and crates that depend on the library use them. So the test binaries do
-//! not compile the solver again for two `dyn Shape + Sync`, for two hulls, or for a compound and
-//! one of the former. Nothing calls these functions.
+//! With an `opt-level` of at most 1, rustc exports the generic functions that a library has
+//! compiled, and crates that depend on the library use them. So the test binaries do not compile
+//! the solver again for two `dyn Shape + Sync`, for two hulls, or for compounds with each other and
+//! with a `dyn Shape + Sync`. Nothing calls these functions.
 
 use hullmap::batch::{self, Pair};
 use hullmap::shapes::HalfSpace;
