@@ -104,7 +104,7 @@ def to_mjcf(shape: Union[Hull, Pack], name: str = "hull", *, density: float = 10
       </asset>
       <worldbody>
         <body name="body">
-          <inertial pos="0.25 0.25 0.25" mass="166.66..." fullinertia="6.2..."/>
+          <inertial pos="0.25 0.25 0.25" mass="166.66..." fullinertia="12.5..."/>
           <geom type="mesh" mesh="body_corner"/>
         </body>
       </worldbody>
