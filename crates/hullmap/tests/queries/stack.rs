@@ -17,9 +17,10 @@ use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, point_set};
 use shapes::families::Family;
 
-/// Stack of the test itself: frames of the loops around the queries, and the start of the thread,
-/// about 7 KB.
-const OWN_FRAMES: usize = 8 * 1024;
+/// Stack that a query takes beyond [`Scratch::STACK_SIZE`], which is stated for optimised builds.
+/// Threads may reuse larger stacks of threads that have ended, so `.ci/nightly` runs the test alone
+/// in a release build.
+const UNOPTIMISED: usize = if cfg!(debug_assertions) { 8 * 1024 } else { 0 };
 
 /// Hulls whose contact takes the largest polytope, and small ones.
 fn pack() -> Pack {
@@ -160,7 +161,7 @@ fn contacts_in_flight_take_64_kb_more() {
 fn scratch_memory_makes_a_small_stack_enough() {
     for max_iterations in [0, Settings::DEFAULT_MAX_ITERATIONS] {
         let settings = Settings { max_iterations, ..Settings::default() };
-        let most = on_stack(Scratch::STACK_SIZE + OWN_FRAMES, settings, true);
+        let most = on_stack(Scratch::STACK_SIZE + UNOPTIMISED, settings, true);
         assert!(most >= max_iterations.min(900), "only {most} iterations");
     }
 }
