@@ -100,8 +100,8 @@ fn beyond(cover: &Cover, points: &PointSet, own: &[BakedHull]) -> Option<Remark>
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
-/// mesh. `limit` is the
-/// protrusion that they were proven not to exceed; `None` if there is no proof.
+/// mesh. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
+/// proof.
 fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>) {
     let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>(), limit);
     let count = own.len() as u32;
