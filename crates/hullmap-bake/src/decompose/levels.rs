@@ -6,11 +6,9 @@
 //! search down the levels ends where all lower ones have more.
 
 use super::{
-    cover::{self, CoverLimits, CoverPart, Deadline, body::THICKNESS, field::Field, wrap::Bounds},
     merge::merged,
     parameters::Cover,
-    separate::separate,
-    tighten::LOOSE,
+    partition::{self, Deadline, Part, PartitionLimits, field::Field, wrap::Bounds},
 };
 use crate::{BakeError, PointSet, fit::solid::Solid, progress::Stage};
 
@@ -33,9 +31,6 @@ const MISSES: usize = 2;
 /// Number of levels below the first that are searched at most.
 const MAX_LEVELS: i32 = 64;
 
-/// Ratio of the parts at a level to those of the best above which lower levels are hopeless.
-const HOPELESS: f64 = 1.5;
-
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
 
@@ -44,6 +39,9 @@ const STRIDE: i32 = 16;
 
 /// Number of levels between few enough parts and too many at which the search ends.
 const CLOSE_ENOUGH: i32 = 2;
+
+/// Maximum number of searches for a number of parts.
+const MAX_SEARCHES: usize = 5;
 
 /// Ratio of what parts reach to their limit below which lower limits are expected to give the same.
 const EXACT: f64 = 0.05;
@@ -65,7 +63,7 @@ fn stride(count: usize, found: usize) -> i32 {
 /// Parts, and the limit within which they were searched.
 pub struct Found {
     /// The parts.
-    pub parts: Vec<CoverPart>,
+    pub parts: Vec<Part>,
     /// Maximum protrusion.
     pub limit: f64,
 }
@@ -142,8 +140,7 @@ impl<'a> Levels<'a> {
         let error = self.parameters.max_error.of(self.diagonal());
         match self.parameters.max_parts {
             Some(count) => self.at_most(count as usize, error),
-            // Parts of a sheet are as thick as the error allows, whatever the level.
-            None => Ok(self.fewest(error).map(|found| Found { limit: found.limit.max(error), ..found })),
+            None => Ok(self.fewest(error)),
         }
     }
 
@@ -154,22 +151,16 @@ impl<'a> Levels<'a> {
         let [from, to] = [self.searches, self.searches + 1].map(|count| 1.0 - libm::exp2(-f64::from(count)));
         self.searches += 1;
         let (limit, stage) = (self.limit(level), self.stage.from_to(from, to));
-        let what = CoverLimits {
-            limit: limit * (1.0 - LOOSE),
+        let limits = PartitionLimits {
+            limit,
             max_vertices: self.max_vertices,
+            overlap: self.parameters.overlap,
             enough,
             deadline: self.deadline,
             stage,
         };
-        let mut parts = cover::search(self.mesh, &mut self.field, &what)?;
-        if !self.is_over() {
-            self.separate(&mut parts);
-        }
+        let parts = partition::search(self.mesh, &mut self.field, &limits)?;
         Some(Found { parts, limit })
-    }
-
-    fn separate(&self, parts: &mut Vec<CoverPart>) {
-        separate(parts, self.parameters.overlap, self.diagonal(), self.diagonal() * THICKNESS);
     }
 
     /// The fewest parts within `error`.
@@ -195,8 +186,9 @@ impl<'a> Levels<'a> {
                     }
                     (best, is_rough, misses) = (Some(found), false, 0);
                 }
-                Some(found) if found.parts.len() as f64 > HOPELESS * enough.unwrap_or(0) as f64 => break,
-                _ => (level, misses) = (level - STEP, misses + 1),
+                Some(_) => (level, misses) = (level - STEP, misses + 1),
+                // Far more parts are needed.
+                None => break,
             }
         }
         best
@@ -223,7 +215,7 @@ impl<'a> Levels<'a> {
         let (mut more, mut level) = (None, self.level(error, 1));
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
-        loop {
+        for _ in 0..MAX_SEARCHES {
             let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
                 return Ok(best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count)));
@@ -246,8 +238,7 @@ impl<'a> Levels<'a> {
         }
         // Of a level with more parts, the cheapest mergers may be better.
         if let Some(more) = more {
-            let mut merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
-            self.separate(&mut merged);
+            let merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
             let merged =
                 Found { limit: merged.iter().map(|part| part.bound).fold(more.limit, f64::max), parts: merged };
             // More parts with the same error are tighter elsewhere.

@@ -11,7 +11,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cover::{self, CoverPart};
+use super::partition::{Part as Found, body, piece::Scale, wrap};
 use crate::{
     BakeError, PointSet,
     fit::{Accuracy, protrusion, solid::Solid},
@@ -140,11 +140,11 @@ fn mergers_of(alive: &[Option<Part>], pairs: &[[usize; 2]], margin: f64) -> Resu
 /// Groups of `parts`, at most `max_parts`, each with its hull. Groups grow by the mergers that add
 /// the least volume.
 pub fn merged(
-    parts: Vec<CoverPart>,
+    parts: Vec<Found>,
     solid: &Solid,
     max_parts: usize,
     max_vertices: usize,
-) -> Result<Vec<CoverPart>, BakeError> {
+) -> Result<Vec<Found>, BakeError> {
     let mut sets: Vec<(PointSet, Vec<usize>)> =
         parts.iter().enumerate().map(|(index, part)| (points_of(&part.hull.vertices), vec![index])).collect();
     if sets.len() > MANY_PARTS.max(max_parts) {
@@ -152,13 +152,15 @@ pub fn merged(
     }
     let points: Vec<PointSet> = sets.iter().map(|(set, _)| set.clone()).collect();
     let groups = merge(&points, max_parts, solid.diagonal())?;
-    let part_of = |group: &Vec<usize>| -> Result<CoverPart, BakeError> {
+    let diagonal = solid.diagonal();
+    let part_of = |group: &Vec<usize>| -> Result<Found, BakeError> {
         let points: Vec<[f32; 3]> = group.iter().flat_map(|set| sets[*set].0.positions.iter().copied()).collect();
-        let hull = cover::wrap::within_vertices(hull::build(&points_of(&points))?, max_vertices);
-        let bound = protrusion(solid, &hull, &Accuracy::tight(solid.diagonal())).bound;
+        let hull = wrap::within_vertices(hull::build(&points_of(&points))?, max_vertices);
+        let bound = protrusion(solid, &hull, &Accuracy::tight(diagonal)).bound;
         let members = group.iter().flat_map(|set| &sets[*set].1);
-        let patches = members.flat_map(|part| parts[*part].patches.clone()).collect();
-        Ok(CoverPart { patches, hull, bound, planes: Vec::new() })
+        let atoms = members.flat_map(|part| parts[*part].piece.atoms.iter().cloned()).collect();
+        let piece = Scale { limit: bound, diagonal }.piece(atoms, Vec::new(), &[]);
+        Ok(Found { piece, hull, bound })
     };
     groups.par_iter().map(part_of).collect()
 }
@@ -184,8 +186,8 @@ fn clustered(sets: Vec<(PointSet, Vec<usize>)>, count: usize) -> Vec<(PointSet, 
             break;
         };
         let mut group = groups.swap_remove(largest);
-        let (low, high) = cover::body::bounds(&group.iter().map(|set| centres[*set]).collect::<Vec<_>>());
-        let axis = cover::body::longest(high - low);
+        let (low, high) = body::bounds(&group.iter().map(|set| centres[*set]).collect::<Vec<_>>());
+        let axis = body::longest(high - low);
         group.sort_by(|a, b| centres[*a][axis].total_cmp(&centres[*b][axis]).then(a.cmp(b)));
         let second = group.split_off(group.len() / 2);
         groups.extend([group, second]);

@@ -42,12 +42,6 @@ pub struct Cover {
 
 impl Default for Cover {
     fn default() -> Self {
-        Self {
-            max_error: Length::Relative(0.02),
-            max_parts: None,
-            max_vertices: 64,
-            overlap: f64::INFINITY,
-            seconds: None,
-        }
+        Self { max_error: Length::Relative(0.02), max_parts: None, max_vertices: 64, overlap: 0.05, seconds: None }
     }
 }

@@ -1,8 +1,8 @@
-//! Patches: pieces of the mesh's surface, which parts hand over to each other.
+//! Patches: pieces of the mesh's surface.
 
 use glam::DVec3;
 
-use super::cover::{body::bounds, cells::Cell};
+use super::partition::body::bounds;
 use crate::fit::planes::{self, HalfSpace};
 
 /// Convex polygons of the surface.
@@ -19,11 +19,6 @@ impl Patch {
     pub fn new(polygons: Vec<Vec<DVec3>>) -> Option<Self> {
         let points = polygons.concat();
         (!points.is_empty()).then_some(Self { polygons, points })
-    }
-
-    /// The polygons of a cell.
-    pub fn of_cell(cell: &Cell) -> Self {
-        Self { polygons: cell.polygons.clone(), points: cell.points.clone() }
     }
 
     /// The pieces in all of the half-spaces, and those outside.

@@ -144,11 +144,15 @@ pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
 /// Number of points from which points deep inside the hull are dropped before it is built.
 const MANY: usize = 256;
 
-/// The points without those deep inside the hull of the farthest points along a few directions.
-fn outer(points: &[DVec3]) -> Vec<DVec3> {
-    const STEPS: [f64; 3] = [-1.0, 0.0, 1.0];
-    let directions: Vec<DVec3> =
-        STEPS.iter().flat_map(|x| STEPS.iter().flat_map(|y| STEPS.map(|z| DVec3::new(*x, *y, z)))).collect();
+/// The farthest points along the directions of a grid with `steps` steps from the middle to its
+/// border, along each axis.
+fn extremes(points: &[DVec3], steps: i32) -> Vec<DVec3> {
+    let all = || (-steps..=steps).map(f64::from);
+    let is_border = |d: &DVec3| d.abs().max_element() == f64::from(steps);
+    let directions: Vec<DVec3> = all()
+        .flat_map(|x| all().flat_map(move |y| all().map(move |z| DVec3::new(x, y, z))))
+        .filter(is_border)
+        .collect();
     let mut farthest = vec![(f64::NEG_INFINITY, DVec3::ZERO); directions.len()];
     for p in points {
         for (direction, farthest) in directions.iter().zip(&mut farthest) {
@@ -158,7 +162,20 @@ fn outer(points: &[DVec3]) -> Vec<DVec3> {
             }
         }
     }
-    let inner = Body::new(&farthest.iter().map(|(_, p)| *p).collect::<Vec<_>>(), 0.0);
+    farthest.into_iter().map(|(_, p)| p).collect()
+}
+
+/// Points whose hull lies in the hull of all and is nearly as large, for comparisons of trials.
+pub fn rough(points: &[DVec3]) -> Vec<DVec3> {
+    if points.len() < ROUGH { points.to_vec() } else { extremes(points, 2) }
+}
+
+/// Number of points from which a trial uses some of them.
+const ROUGH: usize = 128;
+
+/// The points without those deep inside the hull of the farthest points along a few directions.
+fn outer(points: &[DVec3]) -> Vec<DVec3> {
+    let inner = Body::new(&extremes(points, 1), 0.0);
     // Far from the origin, heights above planes are off by the rounding error of the coordinates.
     let greatest = inner.low.abs().max(inner.high.abs()).max_element();
     let slack = INNER * inner.diagonal() + INNER_ROUNDING * greatest;

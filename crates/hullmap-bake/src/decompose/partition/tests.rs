@@ -4,21 +4,43 @@ use super::*;
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Solid, coverage::uncovered};
 
-fn limits(limit: f64) -> CoverLimits<'static> {
-    CoverLimits { limit, max_vertices: 64, enough: None, deadline: None, stage: Stage::default() }
+fn limits(limit: f64) -> PartitionLimits<'static> {
+    PartitionLimits { limit, max_vertices: 64, overlap: 0.05, enough: None, deadline: None, stage: Stage::default() }
 }
 
 /// Searches, and checks both promises by other means: the certified cover, and random points of the
 /// parts.
-fn checked(mesh: &PointSet, share: f64) -> Vec<CoverPart> {
+fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
     let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
     let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
+    if bound > 1e-7 * solid.diagonal() {
+        for part in &found {
+            eprintln!(
+                "part {} atoms bound {} box {:?} {:?} hull {:?}",
+                part.piece.atoms.len(),
+                part.bound,
+                part.piece.body.low,
+                part.piece.body.high,
+                part.hull.vertices.len()
+            );
+            let body = Body::new(&part.hull.positions(), 0.0);
+            for p in part.piece.points() {
+                let h = body.planes.iter().map(|plane| plane.height(p)).fold(f64::NEG_INFINITY, f64::max);
+                if h > 1e-8 {
+                    eprintln!("   outside by {h}");
+                }
+            }
+        }
+        for t in crate::fit::uncovered_triangles(mesh, &hulls, 1e-7 * solid.diagonal()) {
+            eprintln!("triangle {:?}", mesh.triangles[t].map(|v| mesh.positions[v as usize]));
+        }
+    }
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
     let mut rng = SplitMix64::new(1);
-    for CoverPart { hull, bound, .. } in &found {
+    for Part { hull, bound, .. } in &found {
         assert!(*bound <= limit && hull.vertices.len() <= 64, "{bound} {}", hull.vertices.len());
         let points = hull.positions();
         for _ in 0..2_000 {
@@ -35,7 +57,7 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<CoverPart> {
 
 #[test]
 fn boxes_become_boxes() {
-    let vertices = |found: Vec<CoverPart>| found.iter().map(|part| part.hull.vertices.len()).collect::<Vec<_>>();
+    let vertices = |found: Vec<Part>| found.iter().map(|part| part.hull.vertices.len()).collect::<Vec<_>>();
     assert_eq!(vertices(checked(&point_set(&concave::l()), 0.001)), [8, 8]);
     assert_eq!(vertices(checked(&point_set(&concave::chair()), 0.001)), [8; 8]);
     assert_eq!(vertices(checked(&point_set(&concave::open_box()), 0.001)), [8; 5]);
@@ -112,7 +134,7 @@ fn a_search_without_time_ends_with_the_hull() {
     let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
-    let what = CoverLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
+    let what = PartitionLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
     assert!(search(&mesh, &mut Field::new(&solid), &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
     assert!(found.len() == 1 && found[0].vertices.len() <= 12, "{} {}", found.len(), found[0].vertices.len());
@@ -198,7 +220,7 @@ fn progress_moves_within_a_mesh() {
     let is_done = std::sync::atomic::AtomicBool::new(false);
     let seen = std::thread::scope(|scope| {
         let watcher = scope.spawn(|| {
-            let mut seen = BTreeSet::new();
+            let mut seen = std::collections::BTreeSet::new();
             while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
                 seen.insert((1e6 * progress.share()) as u32);
                 std::thread::sleep(std::time::Duration::from_millis(1));

@@ -1,0 +1,343 @@
+//! Convex decomposition as a partition: planes divide a mesh's surface into pieces, until the hull of
+//! none protrudes from the solid by more than a limit. The hulls contain the whole surface. Both is
+//! proven: `fit/coverage.rs` certifies the cover, and `fit/protrusion.rs` the protrusion.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`cells`] | small pieces of the surface, so that few points are handled |
+//! | [`field`] | which points are too far from the solid |
+//! | [`piece`] | pieces of the surface, and how planes divide them |
+//! | [`cuts`] | the plane that divides a piece |
+//! | [`conflicts`] | pairs of points that no part may contain both |
+//! | [`peel`] | caps that are cut off a piece, one after the other |
+//! | [`join`] | mergers of parts |
+//! | [`shape`] | final hulls of pieces |
+//! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
+//! | [`body`], [`sample`] | trial hulls, points on faces |
+//!
+//! # Steps
+//! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
+//! 2. Find points that are too far from the solid: evenly spread ones, and ones beside the surface.
+//!    They are *forbidden*: no part may contain them.
+//! 3. A piece whose hull contains no forbidden point, and is proven, is a part. Divide any other
+//!    piece by the plane that leaves the fewest forbidden points in the hulls of both sides, and go
+//!    on with the connected components of the sides.
+//! 4. Where that gives a few parts, peel the piece, too, and take what has fewer parts.
+//! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts.
+//!
+//! # Why the bounds hold
+//! - The pieces are clipped triangles, and together they are the whole surface. A hull of all
+//!   corners of a piece contains the piece. Hulls are rounded outward, and tests check that they
+//!   contain all corners.
+//! - Each hull's protrusion is bounded by [`protrusion`](mod@crate::fit::protrusion). It measures
+//!   the f32 vertices that are stored.
+//! - Hulls of pieces on two sides of a plane do not overlap, except by what simplification adds.
+//!
+//! # Complexity
+//! O(n log n) for the cells of n triangles. The rest depends on the number of cells, which exceeds
+//! 3,000 only where larger cells would protrude too far, and on the number of parts.
+
+pub mod body;
+pub mod cells;
+pub mod conflicts;
+pub mod cuts;
+mod deadline;
+pub mod field;
+pub mod join;
+pub mod peel;
+pub mod piece;
+pub mod sample;
+pub mod shape;
+pub mod wrap;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use body::Body;
+use cells::Cutting;
+pub use deadline::Deadline;
+use field::Field;
+use peel::Along;
+use piece::{Atom, Piece, Scale};
+use sample::spread_points;
+use wrap::Bounds;
+
+use crate::{PointSet, decompose::patch::Patch, fit::planes::HalfSpace, hull::Hull, progress::Stage, spread::spread};
+
+/// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells take
+/// longer.
+const CELL_SHARE: f64 = 0.08;
+
+/// Share of the limit that no cell's hull may exceed, proven.
+const HARD_SHARE: f64 = 0.8;
+
+/// Share of the limit that pieces use; the rest is for simplified hulls, and for the proof.
+const RESERVE: f64 = 0.94;
+
+/// Number of cells above which cells are cut only where necessary.
+const MAX_CELLS: usize = 3000;
+
+/// Number of evenly spread points of which the forbidden ones are used.
+const SPREAD: usize = 6000;
+
+/// Approximate number of places on the surface beside which forbidden points are sought.
+const BESIDE: f64 = 3000.0;
+
+/// Maximum number of points that refute a piece's hull, and of distances by which they are sought.
+pub const REFUTING: usize = 12;
+
+/// See [`REFUTING`].
+pub const MEASURED: usize = 800;
+
+/// Maximum number of cuts that lead to a piece. Then its polygons become parts.
+const MAX_DEPTH: u32 = 40;
+
+/// Number of parts of a piece up to which it is peeled, too. The whole mesh always is.
+const PEELED: usize = 12;
+
+/// Number of parts before mergers, relative to the most that mergers may leave.
+const FEWER_LATER: f64 = 1.35;
+
+/// Share of a search after which its cells are cut, and after which all pieces are divided.
+const STAGES: [f64; 2] = [0.1, 0.95];
+
+/// Limits of a search.
+#[derive(Clone, Copy, Debug)]
+pub struct PartitionLimits<'a> {
+    /// Maximum protrusion of a part, above 0.
+    pub limit: f64,
+    /// Maximum number of vertices of a part.
+    pub max_vertices: usize,
+    /// Volume that parts may have in common, relative to the volume of all.
+    pub overlap: f64,
+    /// Number of parts above which the search gives up.
+    pub enough: Option<usize>,
+    /// When to stop.
+    pub deadline: Option<Deadline>,
+    /// The progress of the search.
+    pub stage: Stage<'a>,
+}
+
+/// A part of a partition.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The surface that it must contain.
+    pub piece: Piece,
+    /// A hull that contains it.
+    pub hull: Hull,
+    /// Proven bound on the hull's protrusion; infinite if it is not known.
+    pub bound: f64,
+}
+
+/// What the steps of a search share.
+pub struct Search<'a> {
+    /// The mesh's solid.
+    pub field: &'a Field<'a>,
+    /// Lengths.
+    pub scale: Scale,
+    /// Planes of faces that may divide pieces.
+    pub planes: &'a cells::FacePlanes,
+    bounds: Bounds<'a>,
+}
+
+/// Parts that together contain the surface of `mesh`.
+///
+/// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
+/// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
+/// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
+/// about `enough` parts are needed.
+pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Vec<Part>> {
+    let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
+    let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
+    let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
+    // Faces point outward.
+    if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
+        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    field.find_peaks(limits.limit * HARD_SHARE);
+    let field = &*field;
+    let diagonal = field.solid().diagonal();
+    let PartitionLimits { limit, max_vertices, overlap, enough, deadline, stage } = *limits;
+    let bounds = Bounds { limit, max_vertices, diagonal, deadline, stage };
+    let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
+    let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
+    stage.reach(STAGES[0]);
+    let scale = Scale { limit: limit * RESERVE, diagonal };
+    let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
+    let hull = scale.body(&piece::points(&atoms));
+    let search = Search { field, scale, planes: &planes, bounds };
+    let mut forbidden = search.forbidden(&triangles, &hull);
+    let whole = scale.piece(atoms, Vec::new(), &forbidden);
+    let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER * enough as f64) as usize + 1);
+    let parts = search.divided(whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
+    Some(join::merge(&search, parts, &mut forbidden, overlap))
+}
+
+impl Search<'_> {
+    /// Whether the deadline has passed, or the search is cancelled.
+    pub fn is_over(&self) -> bool {
+        self.bounds.is_over()
+    }
+
+    /// Points in the hull of the whole surface that are too far from the solid.
+    fn forbidden(&self, triangles: &[[DVec3; 3]], hull: &Body) -> Vec<DVec3> {
+        let size = hull.high - hull.low;
+        let mut found: Vec<DVec3> = (0..SPREAD).map(|k| hull.low + size * DVec3::from_array(spread(k))).collect();
+        let normal = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a);
+        let area: f64 = triangles.iter().map(|triangle| 0.5 * normal(triangle).length()).sum();
+        let spacing = self.scale.limit.max((area / BESIDE).sqrt());
+        for (index, p) in spread_points(triangles.iter().copied(), spacing * spacing) {
+            let up = normal(&triangles[index]).normalize_or_zero() * (1.02 * self.scale.limit);
+            found.extend([p + up, p - up]);
+        }
+        let is_forbidden = |p: &DVec3| hull.holds(*p, 0.0) && self.field.is_beyond(*p, self.scale.limit);
+        found.into_par_iter().filter(is_forbidden).collect()
+    }
+
+    /// Points of a piece's hull that are too far from the solid; none if none are found.
+    pub fn beyond(&self, piece: &Piece) -> Vec<DVec3> {
+        if !piece.forbidden.is_empty() {
+            return piece.forbidden.clone();
+        }
+        self.field.points_beyond(&piece.body.triangles, self.scale.limit, REFUTING, MEASURED)
+    }
+
+    /// The part of a piece, or the piece and a point of its hull that is too far from the solid.
+    ///
+    /// # Errors
+    /// `None` instead of a point if the hull has too many vertices.
+    pub fn shaped(&self, piece: Piece) -> Result<Part, (Piece, Option<DVec3>)> {
+        match shape::shaped(self.field, &piece.body, &self.bounds) {
+            Ok((hull, bound)) => Ok(Part { piece, hull, bound }),
+            Err(point) => Err((piece, point)),
+        }
+    }
+
+    /// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
+    /// too far from the solid are added to `known`.
+    fn divided(
+        &self,
+        piece: Piece,
+        most: usize,
+        depth: u32,
+        known: &mut Vec<DVec3>,
+        stage: Stage,
+    ) -> Option<Vec<Part>> {
+        let mut piece = piece;
+        if self.is_over() {
+            return Some(self.shaped(piece).into_iter().collect());
+        }
+        if piece.forbidden.is_empty() {
+            let mut beyond = self.beyond(&piece);
+            if beyond.is_empty() {
+                match self.shaped(piece) {
+                    Ok(part) => {
+                        stage.reach(1.0);
+                        return Some(vec![part]);
+                    }
+                    Err((same, point)) => (piece, beyond) = (same, point.into_iter().collect()),
+                }
+            }
+            known.extend_from_slice(&beyond);
+            piece.forbidden = beyond;
+        }
+        if most < 2 {
+            return None;
+        }
+        let components = self.scale.components(&piece.atoms);
+        let is_connected = components.len() == 1;
+        let sides: Vec<Piece> = if is_connected {
+            match self.halves(&piece).filter(|_| depth < MAX_DEPTH) {
+                Some(halves) => halves.into(),
+                None => return Some(self.of_polygons(&piece)).filter(|parts| parts.len() <= most),
+            }
+        } else {
+            let of = |atoms| self.scale.piece(atoms, piece.planes.clone(), &piece.forbidden);
+            components.into_iter().map(of).collect()
+        };
+        let best = self.all_divided(sides, most, depth + u32::from(is_connected), known, stage);
+        let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
+        // Without forbidden points there are only too many vertices.
+        if is_connected && is_small && !piece.forbidden.is_empty() {
+            return self.peeled(&piece, best, most);
+        }
+        best
+    }
+
+    /// The parts of several pieces.
+    fn all_divided(
+        &self,
+        pieces: Vec<Piece>,
+        most: usize,
+        depth: u32,
+        known: &mut Vec<DVec3>,
+        stage: Stage,
+    ) -> Option<Vec<Part>> {
+        let area: f64 = pieces.iter().map(Piece::area).sum();
+        let (mut parts, mut done, mut left) = (Vec::new(), 0.0, pieces.len());
+        for piece in pieces {
+            left -= 1;
+            let share = piece.area() / area;
+            // Each of the others takes one part at least.
+            let most = most.checked_sub(parts.len() + left)?;
+            parts.extend(self.divided(piece, most, depth, known, stage.from_to(done, done + share))?);
+            done += share;
+        }
+        Some(parts)
+    }
+
+    /// Both sides of the plane that divides a piece best; `None` if no plane does.
+    fn halves(&self, piece: &Piece) -> Option<[Piece; 2]> {
+        let plane = if piece.forbidden.is_empty() {
+            cuts::middle(piece)
+        } else {
+            let near = self.scale.neighbours(&piece.atoms);
+            cuts::best_plane(piece, &self.scale, self.field, &near, self.planes)?
+        };
+        let back = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+        let [below, above] = self.scale.divided(&piece.atoms, &plane);
+        if below.is_empty() || above.is_empty() {
+            return None;
+        }
+        let of = |atoms, plane| {
+            let planes = piece.planes.iter().copied().chain([plane]).collect();
+            self.scale.piece(atoms, planes, &piece.forbidden)
+        };
+        Some([of(below, plane), of(above, back)])
+    }
+
+    /// The parts of a piece by peeling, if they are fewer than `best` and at most `most`.
+    fn peeled(&self, piece: &Piece, best: Option<Vec<Part>>, most: usize) -> Option<Vec<Part>> {
+        let mut best = best;
+        let directions = cuts::directions(piece).map(Along::One);
+        for along in [Along::All].into_iter().chain(directions) {
+            let most = best.as_ref().map_or(most, |best| best.len() - 1);
+            if most < 2 {
+                break;
+            }
+            let Some(pieces) = peel::peel(self, piece, along, most) else { continue };
+            let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| self.shaped(piece)).collect();
+            best = parts.ok().or(best);
+        }
+        best
+    }
+
+    /// Parts of a piece that cannot be divided: of its polygons. A single polygon protrudes nowhere.
+    fn of_polygons(&self, piece: &Piece) -> Vec<Part> {
+        let Bounds { diagonal, max_vertices, .. } = self.bounds;
+        let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
+        let thin =
+            polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, self.bounds.thickness(), max_vertices));
+        thin.filter_map(|(polygon, hull)| {
+            let bound = wrap::prove(self.field, &hull, &self.bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+            let atoms = vec![Arc::new(Atom::new(Patch::new(vec![polygon])?))];
+            Some(Part { piece: self.scale.piece(atoms, piece.planes.clone(), &[]), hull, bound })
+        })
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! Hulls of pieces: while pieces are sought, any hull that can be proven; in the end a tight one.
+//!
+//! # Steps
+//! 1. Take the hull of the piece's surface. Simplify it by a small share of the limit.
+//! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be cut.
+//! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
+//!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
+//! 4. If that protrudes too far, take the hull that was proven before. Cut it by planes of the
+//!    piece's faces, as many as the number of vertices allows.
+
+use glam::DVec3;
+
+use super::{
+    Part,
+    body::{Body, THICKNESS},
+    field::Field,
+    wrap::{self, Bounds},
+};
+use crate::{
+    fit::planes::{self, HalfSpace},
+    hull::Hull,
+    simplify::{self, Limit},
+};
+
+/// Distance by which a simplified hull may exceed the tight one, relative to the limit.
+const LOOSE: f64 = 0.02;
+
+/// Number of vertices to which a hull is simplified before it is cut by planes, relative to the
+/// maximum. Each cut adds about two.
+const BEFORE_CUTS: f64 = 0.6;
+
+/// Maximum number of planes by which a hull is cut.
+const MAX_CUTS: usize = 48;
+
+/// Number of planes that give too many vertices after which a hull is not cut any more.
+const MAX_MISSES: usize = 6;
+
+/// Height above a piece up to which a vertex is not cut off, relative to the limit.
+const NEAR: f64 = 0.05;
+
+/// Share of the area of a hull from which a face counts as large, and stays flat.
+pub const LARGE: f64 = 0.02;
+
+/// Distance from a plane up to which a hull is not cut, relative to the diagonal.
+const FLAT: f64 = 2e-6;
+
+/// Distance by which cutting planes are moved outward, relative to the diagonal: more than rounding
+/// to f32 moves a vertex.
+const ROOM: f64 = 5e-7;
+
+/// The same, relative to the greatest coordinate.
+const ROUNDING: f64 = 2.2e-7;
+
+/// A hull, and the proven bound on its protrusion, or why there is none: a point of the tight hull
+/// that is too far from the solid; `None` if all hulls have too many vertices.
+pub type Outcome = Result<(Hull, f64), Option<DVec3>>;
+
+/// A hull of a body's points that is proven to be within the limit.
+pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
+    let Some(tight) = wrap::tight(&body.points, bounds.diagonal, bounds.thickness()) else { return Err(None) };
+    if bounds.is_over() {
+        return Ok((wrap::within_vertices(tight, bounds.max_vertices), f64::INFINITY));
+    }
+    let proof = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS);
+    if tight.vertices.len() <= bounds.max_vertices {
+        return proof(&tight).map(|bound| (tight, bound)).map_err(Some);
+    }
+    match wrap::wrap(field, body, bounds, None) {
+        Err(None) => Err(proof(&tight).err()),
+        found => found,
+    }
+}
+
+/// A tight hull of a part, or the hull that the part has. `sides` are planes of large faces of the
+/// mesh's hull.
+pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
+    let body = Body::new(&part.piece.body.points, THICKNESS * bounds.diagonal);
+    let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness());
+    let Some(tight) = tight.filter(|_| !bounds.is_over()) else { return part.hull.clone() };
+    let flat: Vec<HalfSpace> =
+        large_faces(&body).chain(part.piece.planes.iter().copied()).chain(sides.iter().copied()).collect();
+    let cuts = Cuts { body: &body, flat: &flat, bounds };
+    let is_few = |hull: &Hull| hull.vertices.len() <= bounds.max_vertices;
+    let simplified = |hull: &Hull, limit| Some(simplify::simplify(hull, limit).ok().flatten()?.hull);
+    let is_proven = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS).is_ok();
+    let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
+    if is_few(&loose) {
+        let flattened = cuts.flattened(loose);
+        if is_proven(&flattened) {
+            return flattened;
+        }
+        if is_few(&tight) {
+            return tight;
+        }
+    } else {
+        let before = ((BEFORE_CUTS * bounds.max_vertices as f64) as usize).max(simplify::MIN_VERTICES);
+        let few = simplified(&loose, Limit::Vertices(bounds.max_vertices)).filter(is_few);
+        let few = few.filter(|hull| !cuts.are_exceeded(hull));
+        let few = few.or_else(|| Some(cuts.filled(simplified(&loose, Limit::Vertices(before)).filter(is_few)?)));
+        if let Some(few) = few.filter(is_proven) {
+            return few;
+        }
+    }
+    // Cuts only remove points, but rounding moves vertices.
+    Some(cuts.filled(part.hull.clone())).filter(is_proven).unwrap_or_else(|| part.hull.clone())
+}
+
+/// The planes of a body's large faces.
+pub fn large_faces(body: &Body) -> impl Iterator<Item = HalfSpace> {
+    let total: f64 = body.areas.iter().sum();
+    body.planes.iter().zip(&body.areas).filter(move |(_, area)| **area >= LARGE * total).map(|(plane, _)| *plane)
+}
+
+/// Planes by which a hull around a body is cut.
+struct Cuts<'a> {
+    body: &'a Body,
+    /// Planes that no hull shall exceed.
+    flat: &'a [HalfSpace],
+    bounds: &'a Bounds<'a>,
+}
+
+impl Cuts<'_> {
+    fn room(&self) -> f64 {
+        let greatest = self.body.low.abs().max(self.body.high.abs()).max_element();
+        ROOM * self.bounds.diagonal + ROUNDING * greatest
+    }
+
+    /// How far points exceed a plane.
+    fn excess(points: &[DVec3], plane: &HalfSpace) -> f64 {
+        points.iter().map(|p| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether a hull exceeds a plane that it should not.
+    fn are_exceeded(&self, hull: &Hull) -> bool {
+        let points = hull.positions();
+        self.flat.iter().any(|plane| Self::excess(&points, plane) > FLAT * self.bounds.diagonal + self.room())
+    }
+
+    /// A hull cut by the planes that it exceeds, the most exceeded first, as far as the number of
+    /// vertices allows.
+    fn flattened(&self, hull: Hull) -> Hull {
+        self.cut(hull, |points| {
+            let excess = |plane: &HalfSpace| Self::excess(points, plane);
+            let exceeded = self.flat.iter().map(|plane| (excess(plane), *plane));
+            let exceeded = exceeded.filter(|(excess, _)| *excess > FLAT * self.bounds.diagonal + self.room());
+            let mut found: Vec<(f64, HalfSpace)> = exceeded.collect();
+            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            found.into_iter().map(|(_, plane)| plane).collect()
+        })
+    }
+
+    /// A flattened hull, cut by planes of the body's faces below its highest vertices, as far as the
+    /// number of vertices allows.
+    fn filled(&self, hull: Hull) -> Hull {
+        self.cut(self.flattened(hull), |points| {
+            let heights = |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).collect::<Vec<f64>>();
+            let mut found: Vec<(f64, HalfSpace)> = Vec::new();
+            for heights in points.iter().map(heights) {
+                let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                if highest > NEAR * self.bounds.limit + 2.0 * self.room() {
+                    let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);
+                    let best = high.max_by(|a, b| self.body.areas[*a].total_cmp(&self.body.areas[*b]).then(b.cmp(a)));
+                    found.extend(best.map(|face| (highest, self.body.planes[face])));
+                }
+            }
+            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            found.into_iter().map(|(_, plane)| plane).collect()
+        })
+    }
+
+    /// A hull cut by planes, of which `wanted` names the best for its points.
+    fn cut(&self, hull: Hull, wanted: impl Fn(&[DVec3]) -> Vec<HalfSpace>) -> Hull {
+        let mut points = hull.positions();
+        let mut planes = planes::half_spaces(&hull);
+        let mut missed: Vec<HalfSpace> = Vec::new();
+        let start = planes.len();
+        let middle = self.body.points.iter().sum::<DVec3>() / self.body.points.len().max(1) as f64;
+        let reach = 2.0 * self.bounds.diagonal + self.body.diagonal();
+        while planes.len() < start + MAX_CUTS && missed.len() < MAX_MISSES {
+            let Some(plane) = wanted(&points).into_iter().find(|plane| !missed.contains(plane)) else { break };
+            planes.push(plane.moved(self.room()));
+            match wrap::polytope(&planes, middle, reach, 0.4 * self.room()) {
+                Some(vertices) if vertices.len() <= self.bounds.max_vertices => points = vertices,
+                _ => {
+                    planes.pop();
+                    missed.push(plane);
+                }
+            }
+        }
+        if planes.len() == start {
+            return hull;
+        }
+        let rounded = points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
+        wrap::hull_of(rounded).filter(|hull| hull.vertices.len() <= self.bounds.max_vertices).unwrap_or(hull)
+    }
+}
