@@ -46,6 +46,9 @@ const MAX_SEARCHES: usize = 5;
 /// Ratio of what parts reach to their limit below which lower limits are expected to give the same.
 const EXACT: f64 = 0.05;
 
+/// The same for thin parts, relative to their thickness.
+const THIN: f64 = 0.6;
+
 /// Ratio of errors up to which they count as the same.
 const SAME: f64 = 1.05;
 
@@ -113,7 +116,15 @@ impl<'a> Levels<'a> {
     /// The limits of a part.
     pub fn bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
-        Bounds { limit, max_vertices, diagonal, deadline: self.deadline, stage: self.stage }
+        let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * limit);
+        Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
+    }
+
+    /// The limits of thin parts that were found within `limit`, but may be as thick as the maximum
+    /// error allows.
+    pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
+        let is_counted = self.parameters.max_parts.is_some();
+        self.bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
     }
 
     fn is_over(&self) -> bool {
@@ -155,11 +166,15 @@ impl<'a> Levels<'a> {
             limit,
             max_vertices: self.max_vertices,
             overlap: self.parameters.overlap,
+            thickness: self.bounds(limit).thickness,
             enough,
             deadline: self.deadline,
             stage,
         };
-        let parts = partition::search(self.mesh, &mut self.field, &limits)?;
+        let t = std::time::Instant::now();
+        let parts = partition::search(self.mesh, &mut self.field, &limits);
+        eprintln!("DBG {} {:?} {:?}", limit / self.diagonal(), parts.as_ref().map(Vec::len), t.elapsed());
+        let parts = parts?;
         Some(Found { parts, limit })
     }
 
@@ -178,12 +193,12 @@ impl<'a> Levels<'a> {
             }
             match found {
                 Some(found) if is_rough || enough.is_none_or(|enough| found.parts.len() <= enough) => {
-                    level -= STEP;
-                    if found.reached() < EXACT * found.limit
-                        || self.limit(level + STEP) <= LEAST_ERROR * self.diagonal()
-                    {
+                    // Thin parts protrude by half of their thickness.
+                    let exact = (EXACT * found.limit).max(THIN * self.bounds(found.limit).thickness);
+                    if found.reached() < exact || self.limit(level) <= LEAST_ERROR * self.diagonal() {
                         return Some(found);
                     }
+                    level -= STEP;
                     (best, is_rough, misses) = (Some(found), false, 0);
                 }
                 Some(_) => (level, misses) = (level - STEP, misses + 1),

@@ -138,7 +138,9 @@ fn finished(
     let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
     let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
-    let tight = |part: &Part| as_built(vertices, tightened(&levels.field, part, &sides, &bounds));
+    let thin = levels.bounds_of_thin_parts(limit);
+    let tight = |part: &Part| wrap::thick(&levels.field, tightened(&levels.field, part, &sides, &bounds), &thin);
+    let tight = |part: &Part| as_built(vertices, tight(part));
     let mut hulls: Vec<Hull> = parts.par_iter().map(tight).collect();
     for _ in 0..UNCOVERED_ROUNDS {
         let missing = uncovered_triangles(mesh, &hulls.iter().collect::<Vec<_>>(), COVERED * diagonal);
@@ -151,7 +153,7 @@ fn finished(
             if let Some((part, grown)) = absorbed(levels, &hulls, &corners, &bounds, !may_add) {
                 hulls[part] = as_built(vertices, grown);
             } else if may_add {
-                let own = wrap::of_polygon(&corners, diagonal, bounds.thickness(), bounds.max_vertices);
+                let own = wrap::of_polygon(&corners, diagonal, thin.thickness, bounds.max_vertices);
                 hulls.extend(own.into_iter().map(|(_, hull)| as_built(vertices, hull)));
             }
         }
@@ -178,7 +180,7 @@ fn absorbed(
         .map(|(index, hull)| (index, distance(hull)))
         .reduce(|best, next| if next.1 < best.1 { next } else { best })?;
     let points = [hulls[part].positions().as_slice(), corners].concat();
-    let grown = wrap::tight(&points, bounds.diagonal, bounds.thickness())?;
+    let grown = wrap::tight(&points, bounds.diagonal, bounds.thickness)?;
     let grown = wrap::within_vertices(grown, bounds.max_vertices);
     let is_proven = || wrap::prove(&levels.field, &grown, bounds, wrap::MEASUREMENTS).is_ok();
     (must || is_proven()).then_some((part, grown))

@@ -365,6 +365,7 @@ fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
         limit: cutting.hard,
         max_vertices: usize::MAX,
         diagonal: cutting.diagonal,
+        thickness: 0.0,
         deadline: None,
         stage: crate::progress::Stage::default(),
     };

@@ -15,6 +15,9 @@ const COMMON_POINTS: usize = 512;
 /// Number of parts above which none are merged, since the time grows with its square.
 const MANY: usize = 512;
 
+/// Number of parts up to which parts that are far from each other are merged, too: across others.
+const FEW: usize = 48;
+
 /// Number of mergers without a proof after which no more are tried, beside the number of parts.
 const FAILURES: usize = 16;
 
@@ -43,19 +46,20 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
     // Each pair is tried once.
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
-        let pairs: Vec<(usize, usize)> = near_pairs(&left, scale.limit).filter(|p| !mergers.contains_key(p)).collect();
+        let gap = if left.iter().flatten().count() <= FEW { f64::INFINITY } else { scale.limit };
+        let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
         let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
         mergers.extend(new);
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
         let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
+        let common = common_with_others(&left, pair, &body);
+        if common > allowed {
+            continue;
+        }
         let beyond = search.field.points_beyond(&body.triangles, scale.limit, super::REFUTING, super::MEASURED);
         if !beyond.is_empty() {
             forbidden.extend(beyond);
-            continue;
-        }
-        let common = common_with_others(&left, pair, &body);
-        if common > allowed {
             continue;
         }
         let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };

@@ -112,6 +112,8 @@ pub struct PartitionLimits<'a> {
     pub max_vertices: usize,
     /// Volume that parts may have in common, relative to the volume of all.
     pub overlap: f64,
+    /// The least thickness of a part.
+    pub thickness: f64,
     /// Number of parts above which the search gives up.
     pub enough: Option<usize>,
     /// When to stop.
@@ -159,8 +161,8 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     field.find_peaks(limits.limit * HARD_SHARE);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { limit, max_vertices, overlap, enough, deadline, stage } = *limits;
-    let bounds = Bounds { limit, max_vertices, diagonal, deadline, stage };
+    let PartitionLimits { limit, max_vertices, overlap, thickness, enough, deadline, stage } = *limits;
+    let bounds = Bounds { limit, max_vertices, diagonal, thickness, deadline, stage };
     let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
     let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
     stage.reach(STAGES[0]);
@@ -329,7 +331,7 @@ impl Search<'_> {
         let Bounds { diagonal, max_vertices, .. } = self.bounds;
         let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
         let thin =
-            polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, self.bounds.thickness(), max_vertices));
+            polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, self.bounds.thickness, max_vertices));
         thin.filter_map(|(polygon, hull)| {
             let bound = wrap::prove(self.field, &hull, &self.bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
             let atoms = vec![Arc::new(Atom::new(Patch::new(vec![polygon])?))];

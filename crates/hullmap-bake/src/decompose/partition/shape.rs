@@ -57,7 +57,7 @@ pub type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
 /// A hull of a body's points that is proven to be within the limit.
 pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
-    let Some(tight) = wrap::tight(&body.points, bounds.diagonal, bounds.thickness()) else { return Err(None) };
+    let Some(tight) = wrap::tight(&body.points, bounds.diagonal, bounds.thickness) else { return Err(None) };
     if bounds.is_over() {
         return Ok((wrap::within_vertices(tight, bounds.max_vertices), f64::INFINITY));
     }
@@ -65,7 +65,18 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     if tight.vertices.len() <= bounds.max_vertices {
         return proof(&tight).map(|bound| (tight, bound)).map_err(Some);
     }
-    match wrap::wrap(field, body, bounds, None) {
+    let mut found = wrap::wrap(field, body, bounds, None);
+    if let Err(None) = found {
+        found = wrap::simplified(field, &tight, bounds, bounds.max_vertices);
+    }
+    if let (Err(None), true) = (&found, body.diagonal() < bounds.limit) {
+        // A small piece. A flat hull has no simpler one that is near it, a thick one has.
+        let thick = wrap::tight(&body.points, bounds.diagonal, 0.5 * body.diagonal());
+        let hull = thick.map(|hull| wrap::within_vertices(hull, bounds.max_vertices));
+        let hull = hull.filter(|hull| hull.vertices.len() <= bounds.max_vertices);
+        found = hull.and_then(|hull| proof(&hull).ok().map(|bound| (hull, bound))).ok_or(None);
+    }
+    match found {
         Err(None) => Err(proof(&tight).err()),
         found => found,
     }
@@ -75,7 +86,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
 /// mesh's hull.
 pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
     let body = Body::new(&part.piece.body.points, THICKNESS * bounds.diagonal);
-    let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness());
+    let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness);
     let Some(tight) = tight.filter(|_| !bounds.is_over()) else { return part.hull.clone() };
     let flat: Vec<HalfSpace> =
         large_faces(&body).chain(part.piece.planes.iter().copied()).chain(sides.iter().copied()).collect();

@@ -46,6 +46,9 @@ const REFUTING: usize = 400;
 /// Number of vertices above which a hull is not simplified, relative to the allowed number.
 const MANY: f64 = 1.5;
 
+/// Number of vertices up to which any hull is simplified.
+const FEW: usize = 64;
+
 /// Share of all faces' area from which a face's plane is used from the start.
 const LARGE: f64 = 0.04;
 
@@ -58,9 +61,6 @@ const MEASURED: usize = 150;
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 const ROUNDING: f64 = 1.1e-7;
 
-/// Thickness of parts of a sheet, relative to the diagonal, where the limit allows it.
-const MIN_THICKNESS: f64 = 5e-3;
-
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
@@ -70,6 +70,8 @@ pub struct Bounds<'a> {
     pub max_vertices: usize,
     /// Diagonal of the mesh.
     pub diagonal: f64,
+    /// The least thickness of a part.
+    pub thickness: f64,
     /// When to stop.
     pub deadline: Option<Deadline>,
     /// The progress of the search, which may be cancelled.
@@ -77,11 +79,6 @@ pub struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// The least thickness of a part.
-    pub fn thickness(&self) -> f64 {
-        (0.5 * self.limit).min(MIN_THICKNESS * self.diagonal)
-    }
-
     /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
         self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
@@ -171,6 +168,18 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     hull_of(rounded)
 }
 
+/// The hull of a hull that is at least as thick as the bounds ask for; the hull itself if that is
+/// not proven to be within the limit.
+pub fn thick(field: &Field, hull: Hull, bounds: &Bounds) -> Hull {
+    let points = hull.positions();
+    if thinnest(&points).1 >= 0.99 * bounds.thickness {
+        return hull;
+    }
+    let thick = tight(&points, bounds.diagonal, bounds.thickness);
+    let thick = thick.map(|thick| within_vertices(thick, bounds.max_vertices));
+    thick.filter(|thick| prove(field, thick, bounds, MEASUREMENTS).is_ok()).unwrap_or(hull)
+}
+
 /// The f32 points of the box around a point: their hull contains it.
 fn around(p: DVec3) -> Vec<[f32; 3]> {
     let sides = p.to_array().map(|x| {
@@ -248,8 +257,9 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
 }
 
 /// A hull with at most `max_vertices` vertices around a hull that has a few more.
-fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, max_vertices: usize) -> Result<(Hull, f64), Option<DVec3>> {
-    if hull.vertices.len() as f64 > MANY * max_vertices as f64 || max_vertices < simplify::MIN_VERTICES {
+pub fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, max_vertices: usize) -> Result<(Hull, f64), Option<DVec3>> {
+    let most = ((MANY * max_vertices as f64) as usize).max(FEW);
+    if hull.vertices.len() > most || max_vertices < simplify::MIN_VERTICES {
         return Err(None);
     }
     let simplified = simplify::simplify(hull, simplify::Limit::Vertices(max_vertices));
