@@ -6,11 +6,10 @@
 //! search down the levels ends where all lower ones have more.
 
 use super::{
-    merge::merged,
     parameters::Cover,
     partition::{self, Deadline, Part, PartitionLimits, field::Field, wrap::Bounds},
 };
-use crate::{BakeError, PointSet, fit::solid::Solid, progress::Stage};
+use crate::{PointSet, fit::solid::Solid, progress::Stage};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -26,10 +25,7 @@ const STEP: i32 = 4;
 const LEAST_ERROR: f64 = 2e-5;
 
 /// Number of levels in a row with more parts than the best, after which no lower ones are searched.
-const MISSES: usize = 2;
-
-/// Number of levels below the first that are searched at most.
-const MAX_LEVELS: i32 = 64;
+const MISSES: usize = 3;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
@@ -43,14 +39,9 @@ const CLOSE_ENOUGH: i32 = 2;
 /// Maximum number of searches for a number of parts.
 const MAX_SEARCHES: usize = 5;
 
-/// Ratio of what parts reach to their limit below which lower limits are expected to give the same.
-const EXACT: f64 = 0.05;
-
-/// The same for thin parts, relative to their thickness.
-const THIN: f64 = 0.6;
-
-/// Ratio of errors up to which they count as the same.
-const SAME: f64 = 1.05;
+/// Smallest limit that is searched only because parts for a smaller limit are tighter, relative to
+/// the diagonal.
+const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
 
 /// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
 /// parts only follow the tessellation.
@@ -67,6 +58,8 @@ fn stride(count: usize, found: usize) -> i32 {
 pub struct Found {
     /// The parts.
     pub parts: Vec<Part>,
+    /// Number of parts to which they can be merged, about.
+    pub fewest: usize,
     /// Maximum protrusion.
     pub limit: f64,
 }
@@ -147,11 +140,11 @@ impl<'a> Levels<'a> {
     }
 
     /// The parts for the parameters; `None` if there are none in time.
-    pub fn parts(&mut self) -> Result<Option<Found>, BakeError> {
+    pub fn parts(&mut self) -> Option<Found> {
         let error = self.parameters.max_error.of(self.diagonal());
         match self.parameters.max_parts {
             Some(count) => self.at_most(count as usize, error),
-            None => Ok(self.fewest(error)),
+            None => self.fewest(error),
         }
     }
 
@@ -168,42 +161,36 @@ impl<'a> Levels<'a> {
             overlap: self.parameters.overlap,
             thickness: self.bounds(limit).thickness,
             enough,
+            wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             deadline: self.deadline,
             stage,
         };
-        let t = std::time::Instant::now();
-        let parts = partition::search(self.mesh, &mut self.field, &limits);
-        eprintln!("DBG {} {:?} {:?}", limit / self.diagonal(), parts.as_ref().map(Vec::len), t.elapsed());
-        let parts = parts?;
-        Some(Found { parts, limit })
+        let partition::Found { parts, fewest } = partition::search(self.mesh, &mut self.field, &limits)?;
+        Some(Found { parts, fewest, limit })
     }
 
     /// The fewest parts within `error`.
     fn fewest(&mut self, error: f64) -> Option<Found> {
         let first = self.level(error, STEP);
+        let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP).min(first);
         let mut best: Option<Found> = self.rough(first);
-        let mut is_rough = true;
         let (mut level, mut misses) = (first, 0);
-        while misses < MISSES && level >= first - MAX_LEVELS {
-            let enough = best.as_ref().filter(|_| !is_rough).map(|best| best.parts.len());
+        while misses < MISSES && level >= last {
+            let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.parts.len());
             let found = self.search(level, enough);
             if self.is_over() {
                 // Parts that are not proven are better than none.
                 return best.or(found);
             }
-            match found {
-                Some(found) if is_rough || enough.is_none_or(|enough| found.parts.len() <= enough) => {
-                    // Thin parts protrude by half of their thickness.
-                    let exact = (EXACT * found.limit).max(THIN * self.bounds(found.limit).thickness);
-                    if found.reached() < exact || self.limit(level) <= LEAST_ERROR * self.diagonal() {
-                        return Some(found);
-                    }
-                    level -= STEP;
-                    (best, is_rough, misses) = (Some(found), false, 0);
+            level -= STEP;
+            misses += 1;
+            if let Some(found) = found.filter(|found| enough.is_none_or(|enough| found.parts.len() <= enough)) {
+                misses = 0;
+                // The levels between would give the same.
+                if found.reached() < self.limit(last) {
+                    level = level.min(last);
                 }
-                Some(_) => (level, misses) = (level - STEP, misses + 1),
-                // Far more parts are needed.
-                None => break,
+                best = Some(found);
             }
         }
         best
@@ -224,44 +211,33 @@ impl<'a> Levels<'a> {
     }
 
     /// At most `count` parts, with the least protrusion. The search starts at `error`.
-    fn at_most(&mut self, count: usize, error: f64) -> Result<Option<Found>, BakeError> {
+    fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
-        let (mut more, mut level) = (None, self.level(error, 1));
+        let mut level = self.level(error, 1);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {
             let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
-                return Ok(best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count)));
+                return best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count));
             }
             match found {
                 Some(found) if found.parts.len() <= count => {
                     best = Some((self.level(found.reached(), 1).min(level), found));
                 }
-                found => (low, more) = (Some(level), found),
+                _ => low = Some(level),
             }
             level = match (&best, low) {
                 (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
                 (Some((best, _)), Some(low)) => low + (best - low) / 2,
-                (Some((best, found)), None) => best - stride(count, found.parts.len()),
+                (Some((best, found)), None) => best - stride(count, found.fewest),
                 (None, _) => level + STRIDE,
             };
             if level > HIGHEST || self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
                 break;
             }
         }
-        // Of a level with more parts, the cheapest mergers may be better.
-        if let Some(more) = more {
-            let merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
-            let merged =
-                Found { limit: merged.iter().map(|part| part.bound).fold(more.limit, f64::max), parts: merged };
-            // More parts with the same error are tighter elsewhere.
-            let is_better = best.as_ref().is_none_or(|(_, best)| merged.reached() < SAME * best.reached());
-            if is_better && merged.parts.len() <= count {
-                return Ok(Some(merged));
-            }
-        }
-        Ok(best.map(|(_, found)| found))
+        best.map(|(_, found)| found)
     }
 }

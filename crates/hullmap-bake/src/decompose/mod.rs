@@ -6,7 +6,6 @@
 //! | `parameters` | parameters of a cover |
 //! | `levels` | the limits for which parts are searched, and which result is taken |
 //! | [`partition`] | the parts for one limit |
-//! | `merge` | mergers of parts, where there are too many |
 //! | this one | the rest: meshes that need no parts, triangles that are not covered |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
@@ -33,7 +32,6 @@
 
 mod convex;
 mod levels;
-mod merge;
 mod parameters;
 mod part;
 pub mod partition;
@@ -100,7 +98,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
     let solid = Solid::new(mesh);
     let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage);
-    let found = if parameters.max_parts == Some(1) { None } else { levels.parts()? };
+    let found = if parameters.max_parts == Some(1) { None } else { levels.parts() };
     let hulls = match found {
         Some(parts) => finished(mesh, &vertices, &levels, parts, parameters.max_parts),
         None => vec![wrap::within_vertices(hull, max_vertices)],
@@ -132,7 +130,7 @@ fn finished(
     found: Found,
     max_parts: Option<u32>,
 ) -> Vec<Hull> {
-    let Found { parts, limit } = found;
+    let Found { parts, limit, .. } = found;
     let diagonal = levels.field.solid().diagonal();
     let bounds = levels.bounds(limit);
     let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));

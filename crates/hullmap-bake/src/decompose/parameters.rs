@@ -44,6 +44,13 @@ pub struct Cover {
 
 impl Default for Cover {
     fn default() -> Self {
-        Self { max_error: Length::Relative(0.02), max_parts: None, max_vertices: 64, overlap: 0.05, min_thickness: Length::Relative(0.005), seconds: None }
+        Self {
+            max_error: Length::Relative(0.02),
+            max_parts: None,
+            max_vertices: 64,
+            overlap: 0.05,
+            min_thickness: Length::Relative(0.005),
+            seconds: None,
+        }
     }
 }

@@ -20,16 +20,13 @@ use super::{
 use crate::fit::planes::HalfSpace;
 
 /// Maximum number of points.
-const POINTS: usize = 128;
-
-/// Number of words in a set of points.
-const WORDS: usize = POINTS / 64;
+const POINTS: usize = 64;
 
 /// Where a line is measured, the middle first.
 const MEASURED: [f64; 5] = [0.5, 0.25, 0.75, 0.125, 0.875];
 
 /// A set of points.
-type Points = [u64; WORDS];
+type Points = u64;
 
 /// Points of a piece's surface, and which of them are in conflict.
 pub struct Conflicts {
@@ -44,7 +41,7 @@ impl Conflicts {
     /// Points spread by area, and their conflicts.
     ///
     /// # Complexity
-    /// A few distances from the solid for each of at most 20,000 pairs.
+    /// A few distances from the solid for each of at most 2,016 pairs.
     pub fn new(piece: &Piece, scale: &Scale, field: &Field) -> Self {
         let atoms = piece.atoms.iter().enumerate();
         let (owners, triangles): (Vec<u32>, Vec<[DVec3; 3]>) =
@@ -54,21 +51,19 @@ impl Conflicts {
         points.truncate(POINTS);
         let is_conflict = |p: DVec3, q: DVec3| MEASURED.iter().any(|t| field.is_beyond(p.lerp(q, *t), scale.limit));
         let row = |i: usize| {
-            let mut with = [0; WORDS];
+            let mut with: Points = 0;
             for j in (0..i).filter(|j| is_conflict(points[i].0, points[*j].0)) {
-                insert(&mut with, j);
+                with |= 1 << j;
             }
             with
         };
         let mut with: Vec<Points> = (0..points.len()).into_par_iter().map(row).collect();
         for i in 0..points.len() {
             for j in 0..i {
-                if with[i][j / 64] >> (j % 64) & 1 == 1 {
-                    insert(&mut with[j], i);
-                }
+                with[j] |= (with[i] >> j & 1) << i;
             }
         }
-        let total = with.iter().map(|with| size(with)).sum();
+        let total = with.iter().map(|with| f64::from(with.count_ones())).sum();
         Self { points, with, total }
     }
 
@@ -82,29 +77,20 @@ impl Conflicts {
         for side in [plane, &back] {
             let component = scale.components_above(&piece.atoms, near, side);
             let count = component.iter().filter(|c| **c != u32::MAX).max().map_or(0, |c| *c as usize + 1);
-            let mut members = vec![[0; WORDS]; count];
+            let mut members: Vec<Points> = vec![0; count];
             let mut of: Vec<u32> = Vec::with_capacity(self.points.len());
             for (i, (p, atom)) in self.points.iter().enumerate() {
                 let is_above = side.height(*p) >= 0.0;
                 let c = if is_above { component[*atom as usize] } else { u32::MAX };
                 of.push(c);
                 if c != u32::MAX {
-                    insert(&mut members[c as usize], i);
+                    members[c as usize] |= 1 << i;
                 }
             }
             for (with, c) in self.with.iter().zip(&of).filter(|(_, c)| **c != u32::MAX) {
-                let both: Points = std::array::from_fn(|k| with[k] & members[*c as usize][k]);
-                left += size(&both);
+                left += f64::from((with & members[*c as usize]).count_ones());
             }
         }
         left / self.total
     }
-}
-
-fn insert(set: &mut Points, i: usize) {
-    set[i / 64] |= 1 << (i % 64);
-}
-
-fn size(set: &Points) -> f64 {
-    f64::from(set.iter().map(|word| word.count_ones()).sum::<u32>())
 }

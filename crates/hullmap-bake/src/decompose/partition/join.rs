@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Part, Search, body::Body, piece::Piece};
+use super::{Found, Part, Search, body::Body, piece::Piece};
 use crate::{fit::planes::HalfSpace, spread::spread};
 
 /// Number of points by which the common volume of two bodies is estimated.
@@ -30,23 +30,28 @@ struct Merger {
 }
 
 /// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
-/// `overlap` of their volume.
+/// `overlap` of their volume. The result has at least `wanted` parts, if there were as many; the
+/// other mergers are only counted.
 ///
 /// # Complexity
 /// One hull for each pair of parts that are near each other, including merged parts.
-pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, overlap: f64) -> Vec<Part> {
+pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, overlap: f64, wanted: usize) -> Found {
     let scale = &search.scale;
     let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
     if left.len() > MANY {
-        return left.into_iter().flatten().collect();
+        return Found { fewest: left.len(), parts: left.into_iter().flatten().collect() };
     }
+    let (mut count, mut enough) = (left.len(), None);
     let total: f64 = left.iter().flatten().map(|part| part.piece.body.volume()).sum();
     let mut allowed = overlap * total;
     let mut failures = FAILURES + left.len();
     // Each pair is tried once.
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
-        let gap = if left.iter().flatten().count() <= FEW { f64::INFINITY } else { scale.limit };
+        if count == wanted {
+            enough = Some(left.clone());
+        }
+        let gap = if count <= FEW { f64::INFINITY } else { scale.limit };
         let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
         let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
         mergers.extend(new);
@@ -68,6 +73,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
                 allowed -= common;
                 (left[pair.0], left[pair.1]) = (None, None);
                 left.push(Some(part));
+                count -= 1;
                 mergers.retain(|(i, j), _| [i, j].iter().all(|k| ![pair.0, pair.1].contains(k)));
             }
             Err((_, point)) => {
@@ -76,7 +82,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
             }
         }
     }
-    left.into_iter().flatten().collect()
+    Found { parts: enough.unwrap_or(left).into_iter().flatten().collect(), fewest: count }
 }
 
 /// Pairs of parts whose boxes are at most `gap` apart.

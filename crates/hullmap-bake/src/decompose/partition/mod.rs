@@ -97,8 +97,8 @@ const MAX_DEPTH: u32 = 40;
 /// Number of parts of a piece up to which it is peeled, too. The whole mesh always is.
 const PEELED: usize = 12;
 
-/// Number of parts before mergers, relative to the most that mergers may leave.
-const FEWER_LATER: f64 = 1.35;
+/// Number of parts before mergers, relative to the most that mergers may leave, and beside that.
+const FEWER_LATER: (f64, f64) = (1.35, 8.0);
 
 /// Share of a search after which its cells are cut, and after which all pieces are divided.
 const STAGES: [f64; 2] = [0.1, 0.95];
@@ -116,6 +116,8 @@ pub struct PartitionLimits<'a> {
     pub thickness: f64,
     /// Number of parts above which the search gives up.
     pub enough: Option<usize>,
+    /// Number of parts down to which they are merged, where they can be.
+    pub wanted: usize,
     /// When to stop.
     pub deadline: Option<Deadline>,
     /// The progress of the search.
@@ -131,6 +133,15 @@ pub struct Part {
     pub hull: Hull,
     /// Proven bound on the hull's protrusion; infinite if it is not known.
     pub bound: f64,
+}
+
+/// The result of a search.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parts. They are no fewer than wanted, unless they are fewer without mergers.
+    pub parts: Vec<Part>,
+    /// Number of parts to which they can be merged.
+    pub fewest: usize,
 }
 
 /// What the steps of a search share.
@@ -150,7 +161,7 @@ pub struct Search<'a> {
 /// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
 /// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
 /// about `enough` parts are needed.
-pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Vec<Part>> {
+pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
     let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
     let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
     let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
@@ -161,7 +172,7 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     field.find_peaks(limits.limit * HARD_SHARE);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { limit, max_vertices, overlap, thickness, enough, deadline, stage } = *limits;
+    let PartitionLimits { limit, max_vertices, overlap, thickness, enough, wanted, deadline, stage } = *limits;
     let bounds = Bounds { limit, max_vertices, diagonal, thickness, deadline, stage };
     let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
     let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
@@ -172,9 +183,9 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     let search = Search { field, scale, planes: &planes, bounds };
     let mut forbidden = search.forbidden(&triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
-    let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER * enough as f64) as usize + 1);
+    let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
     let parts = search.divided(whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
-    Some(join::merge(&search, parts, &mut forbidden, overlap))
+    Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
 }
 
 impl Search<'_> {

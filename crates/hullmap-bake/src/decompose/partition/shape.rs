@@ -5,8 +5,9 @@
 //! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be cut.
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If that protrudes too far, take the hull that was proven before. Cut it by planes of the
-//!    piece's faces, as many as the number of vertices allows.
+//! 4. If that protrudes too far, add planes that cut off what is too far, or take the hull that was
+//!    proven before. Cut both by planes of the piece's faces, as many as the number of vertices
+//!    allows. Take the smallest.
 
 use glam::DVec3;
 
@@ -25,9 +26,20 @@ use crate::{
 /// Distance by which a simplified hull may exceed the tight one, relative to the limit.
 const LOOSE: f64 = 0.02;
 
+/// Maximum number of measurements by which a point of a hull is sought that is too far from the
+/// solid.
+const REFUTING: usize = 20_000;
+
 /// Number of vertices to which a hull is simplified before it is cut by planes, relative to the
 /// maximum. Each cut adds about two.
 const BEFORE_CUTS: f64 = 0.6;
+
+/// Numbers of vertices to which a hull is simplified before planes are added that cut off points
+/// that are too far from the solid, relative to the maximum.
+const WRAPPED: [f64; 4] = [1.0, 0.75, 0.6, 0.5];
+
+/// Volume of a hull up to which no such hulls are tried, relative to the piece's.
+const ENOUGH: f64 = 1.03;
 
 /// Maximum number of planes by which a hull is cut.
 const MAX_CUTS: usize = 48;
@@ -52,7 +64,7 @@ const ROOM: f64 = 5e-7;
 const ROUNDING: f64 = 2.2e-7;
 
 /// A hull, and the proven bound on its protrusion, or why there is none: a point of the tight hull
-/// that is too far from the solid; `None` if all hulls have too many vertices.
+/// that is too far from the solid; `None` if hulls have too many vertices, or proofs take too long.
 pub type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
 /// A hull of a body's points that is proven to be within the limit.
@@ -63,7 +75,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     }
     let proof = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS);
     if tight.vertices.len() <= bounds.max_vertices {
-        return proof(&tight).map(|bound| (tight, bound)).map_err(Some);
+        return proof(&tight).map(|bound| (tight, bound));
     }
     let mut found = wrap::wrap(field, body, bounds, None);
     if let Err(None) = found {
@@ -77,7 +89,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
         found = hull.and_then(|hull| proof(&hull).ok().map(|bound| (hull, bound))).ok_or(None);
     }
     match found {
-        Err(None) => Err(proof(&tight).err()),
+        Err(None) => Err(wrap::prove(field, &tight, bounds, REFUTING).err().flatten()),
         found => found,
     }
 }
@@ -93,27 +105,40 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     let cuts = Cuts { body: &body, flat: &flat, bounds };
     let is_few = |hull: &Hull| hull.vertices.len() <= bounds.max_vertices;
     let simplified = |hull: &Hull, limit| Some(simplify::simplify(hull, limit).ok().flatten()?.hull);
+    let to_vertices = |hull: &Hull, share: f64| {
+        let count = ((share * bounds.max_vertices as f64) as usize).max(simplify::MIN_VERTICES);
+        simplified(hull, Limit::Vertices(count)).filter(is_few)
+    };
     let is_proven = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS).is_ok();
+    let volume = |hull: &Hull| Body::new(&hull.positions(), 0.0).volume();
+    let smallest_proven = |hulls: Vec<Hull>| {
+        let mut hulls: Vec<(f64, Hull)> = hulls.into_iter().map(|hull| (volume(&hull), hull)).collect();
+        hulls.sort_by(|a, b| a.0.total_cmp(&b.0));
+        hulls.into_iter().find(|(_, hull)| is_proven(hull))
+    };
     let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
     if is_few(&loose) {
-        let flattened = cuts.flattened(loose);
+        let flattened = cuts.flattened(loose.clone());
         if is_proven(&flattened) {
             return flattened;
         }
         if is_few(&tight) {
             return tight;
         }
-    } else {
-        let before = ((BEFORE_CUTS * bounds.max_vertices as f64) as usize).max(simplify::MIN_VERTICES);
-        let few = simplified(&loose, Limit::Vertices(bounds.max_vertices)).filter(is_few);
-        let few = few.filter(|hull| !cuts.are_exceeded(hull));
-        let few = few.or_else(|| Some(cuts.filled(simplified(&loose, Limit::Vertices(before)).filter(is_few)?)));
-        if let Some(few) = few.filter(is_proven) {
-            return few;
-        }
     }
     // Cuts only remove points, but rounding moves vertices.
-    Some(cuts.filled(part.hull.clone())).filter(is_proven).unwrap_or_else(|| part.hull.clone())
+    let found = (volume(&part.hull), part.hull.clone());
+    let smaller = |found: (f64, Hull), hulls: Vec<Hull>| {
+        smallest_proven(hulls.into_iter().filter(|hull| volume(hull) < found.0).collect()).unwrap_or(found)
+    };
+    let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
+    let filled = to_vertices(&tight, BEFORE_CUTS).map(|hull| cuts.filled(hull));
+    let found = smaller(found, [cuts.filled(part.hull.clone())].into_iter().chain(simple).chain(filled).collect());
+    if found.0 <= ENOUGH * body.volume() {
+        return found.1;
+    }
+    let wrapped = |share: &f64| Some(wrap::wrap(field, &body, bounds, Some(&to_vertices(&tight, *share)?)).ok()?.0);
+    smaller(found, WRAPPED.iter().filter_map(wrapped).map(|hull| cuts.filled(hull)).collect()).1
 }
 
 /// The planes of a body's large faces.
@@ -139,12 +164,6 @@ impl Cuts<'_> {
     /// How far points exceed a plane.
     fn excess(points: &[DVec3], plane: &HalfSpace) -> f64 {
         points.iter().map(|p| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Whether a hull exceeds a plane that it should not.
-    fn are_exceeded(&self, hull: &Hull) -> bool {
-        let points = hull.positions();
-        self.flat.iter().any(|plane| Self::excess(&points, plane) > FLAT * self.bounds.diagonal + self.room())
     }
 
     /// A hull cut by the planes that it exceeds, the most exceeded first, as far as the number of

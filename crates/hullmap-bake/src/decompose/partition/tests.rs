@@ -7,7 +7,16 @@ use crate::fit::{Solid, coverage::uncovered};
 fn limits(limit: f64) -> PartitionLimits<'static> {
     let thickness = 0.5 * limit;
     let stage = Stage::default();
-    PartitionLimits { limit, max_vertices: 64, overlap: 0.05, thickness, enough: None, deadline: None, stage }
+    PartitionLimits {
+        limit,
+        max_vertices: 64,
+        overlap: 0.05,
+        thickness,
+        enough: None,
+        wanted: 1,
+        deadline: None,
+        stage,
+    }
 }
 
 /// Searches, and checks both promises by other means: the certified cover, and random points of the
@@ -15,7 +24,7 @@ fn limits(limit: f64) -> PartitionLimits<'static> {
 fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
+    let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap().parts;
     let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
@@ -186,7 +195,7 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found = search(&mesh, &mut Field::new(&solid), &limits(limit)).unwrap();
+        let found = search(&mesh, &mut Field::new(&solid), &limits(limit)).unwrap().parts;
         let bound = uncovered(&mesh, &found.iter().map(|part| &part.hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
         assert!(found.iter().all(|part| part.bound <= limit), "seed {seed}");

@@ -31,6 +31,9 @@ use crate::{NO_SOURCE_VERTEX, PointSet, simplify};
 /// Maximum number of planes that are added.
 const MAX_STEPS: usize = 200;
 
+/// Maximum number of proofs.
+const MAX_PROOFS: usize = 6;
+
 /// Maximum number of measurements of a proof.
 pub const MEASUREMENTS: usize = 100_000;
 
@@ -88,13 +91,13 @@ impl Bounds<'_> {
 /// Proves that a hull is within the limit by at most `measurements`, and returns the bound.
 ///
 /// # Errors
-/// A point of the hull that may be too far from the solid.
-pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, DVec3> {
+/// A point of the hull that is too far from the solid; `None` if the measurements do not decide.
+pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, Option<DVec3>> {
     let usual = Accuracy::decide(bounds.limit);
     let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
     let found = protrusion_beside(field.solid(), hull, &accuracy, field.peaks());
     // Written so that NaN fails.
-    if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
+    if found.bound <= bounds.limit { Ok(found.bound) } else { Err((found.reached > bounds.limit).then_some(found.at)) }
 }
 
 /// The hull of f32 points; `None` if it cannot be built.
@@ -213,6 +216,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
     let max_vertices = bounds.max_vertices.min(body.points.len().saturating_sub(1));
     let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
     let mut planes = start.map_or_else(|| faces.largest(), planes::half_spaces);
+    let mut proofs = 0;
     for _ in 0..MAX_STEPS {
         if bounds.is_over() {
             return Err(None);
@@ -232,9 +236,12 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
                 if hull.vertices.len() > max_vertices {
                     return simplified(field, &hull, bounds, max_vertices);
                 }
+                proofs += 1;
                 match prove(field, &hull, bounds, MEASUREMENTS) {
                     Ok(bound) => return Ok((hull, bound)),
-                    Err(point) => {
+                    Err(None) => return Err(None),
+                    Err(Some(_)) if proofs == MAX_PROOFS => return Err(None),
+                    Err(Some(point)) => {
                         planes = left;
                         faces.refuted.push(point);
                         // The proof ends at the first point. Others save further proofs.
@@ -257,7 +264,12 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
 }
 
 /// A hull with at most `max_vertices` vertices around a hull that has a few more.
-pub fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, max_vertices: usize) -> Result<(Hull, f64), Option<DVec3>> {
+pub fn simplified(
+    field: &Field,
+    hull: &Hull,
+    bounds: &Bounds,
+    max_vertices: usize,
+) -> Result<(Hull, f64), Option<DVec3>> {
     let most = ((MANY * max_vertices as f64) as usize).max(FEW);
     if hull.vertices.len() > most || max_vertices < simplify::MIN_VERTICES {
         return Err(None);
