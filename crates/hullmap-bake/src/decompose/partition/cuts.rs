@@ -108,8 +108,8 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
 
 /// The plane after which the sides protrude least; `None` if no plane cuts the piece.
 ///
-/// Candidates are planes of faces at concave edges, and planes across the axes: first a coarse
-/// grid, then those beside the best one.
+/// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes across
+/// the axes.
 pub fn best_plane(
     piece: &Piece,
     scale: &Scale,
@@ -128,30 +128,19 @@ pub fn best_plane(
         let (low, high) = range(piece, *normal);
         high - low >= 2.0 * scale.limit
     });
-    let mut candidates: Vec<(HalfSpace, Option<usize>)> =
-        wide.flat_map(|normal| (2..SLABS).step_by(2).map(move |k| (across(normal, k), Some(k)))).collect();
-    candidates.extend(faces(piece, scale, planes).map(|plane| (plane, None)));
-    let least = |candidates: &[(HalfSpace, Option<usize>)]| {
-        let cost = |(plane, at): &(HalfSpace, Option<usize>)| {
-            let (low, high) = range(piece, plane.normal);
-            let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
-            let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
-            let unlike = match at {
-                Some(_) => OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED },
-                None => 0.0,
-            };
-            let left = conflicts.left(piece, scale, near, plane);
-            (left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane)) * (1.0 + unlike)
-        };
-        let costs: Vec<f64> = candidates.par_iter().map(cost).collect();
-        let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
-        costs[best].is_finite().then(|| (costs[best], candidates[best]))
+    let slices = wide.flat_map(|normal| (2..SLABS - 1).map(move |k| (across(normal, k), true)));
+    let candidates: Vec<(HalfSpace, bool)> =
+        slices.chain(faces(piece, scale, planes).map(|plane| (plane, false))).collect();
+    let cost = |(plane, is_slice): &(HalfSpace, bool)| {
+        let (low, high) = range(piece, plane.normal);
+        let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
+        let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
+        let unlike = OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED };
+        let left = conflicts.left(piece, scale, near, plane);
+        let cost = left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane);
+        if *is_slice { cost * (1.0 + unlike) } else { cost }
     };
-    let (cost, (plane, at)) = least(&candidates)?;
-    let beside: Vec<(HalfSpace, Option<usize>)> =
-        at.iter().flat_map(|k| [k - 1, k + 1]).map(|k| (across(plane.normal, k), Some(k))).collect();
-    Some(match least(&beside) {
-        Some((better, (plane, _))) if better < cost => plane,
-        _ => plane,
-    })
+    let costs: Vec<f64> = candidates.par_iter().map(cost).collect();
+    let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
+    costs[best].is_finite().then(|| candidates[best].0)
 }

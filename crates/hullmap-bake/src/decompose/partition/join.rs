@@ -68,7 +68,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
             continue;
         }
         let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };
-        match search.shaped(united(search, &a.piece, &b.piece, &body)) {
+        match search.shaped(&united(search, &a.piece, &b.piece, &body)) {
             Ok(part) => {
                 allowed -= common;
                 (left[pair.0], left[pair.1]) = (None, None);
@@ -76,7 +76,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
                 count -= 1;
                 mergers.retain(|(i, j), _| [i, j].iter().all(|k| ![pair.0, pair.1].contains(k)));
             }
-            Err((_, point)) => {
+            Err(point) => {
                 failures -= 1;
                 forbidden.extend(point);
             }

@@ -217,15 +217,13 @@ impl Search<'_> {
         self.field.points_beyond(&piece.body.triangles, self.scale.limit, REFUTING, MEASURED)
     }
 
-    /// The part of a piece, or the piece and a point of its hull that is too far from the solid.
+    /// The part of a piece.
     ///
     /// # Errors
-    /// `None` instead of a point if the hull has too many vertices.
-    pub fn shaped(&self, piece: Piece) -> Result<Part, (Piece, Option<DVec3>)> {
-        match shape::shaped(self.field, &piece.body, &self.bounds) {
-            Ok((hull, bound)) => Ok(Part { piece, hull, bound }),
-            Err(point) => Err((piece, point)),
-        }
+    /// See [`shape::Outcome`].
+    pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
+        let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;
+        Ok(Part { piece: piece.clone(), hull, bound })
     }
 
     /// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
@@ -240,17 +238,17 @@ impl Search<'_> {
     ) -> Option<Vec<Part>> {
         let mut piece = piece;
         if self.is_over() {
-            return Some(self.shaped(piece).into_iter().collect());
+            return Some(self.shaped(&piece).into_iter().collect());
         }
         if piece.forbidden.is_empty() {
             let mut beyond = self.beyond(&piece);
             if beyond.is_empty() {
-                match self.shaped(piece) {
+                match self.shaped(&piece) {
                     Ok(part) => {
                         stage.reach(1.0);
                         return Some(vec![part]);
                     }
-                    Err((same, point)) => (piece, beyond) = (same, point.into_iter().collect()),
+                    Err(point) => beyond.extend(point),
                 }
             }
             known.extend_from_slice(&beyond);
@@ -331,7 +329,7 @@ impl Search<'_> {
                 break;
             }
             let Some(pieces) = peel::peel(self, piece, along, most) else { continue };
-            let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| self.shaped(piece)).collect();
+            let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| self.shaped(&piece)).collect();
             best = parts.ok().or(best);
         }
         best
