@@ -39,7 +39,7 @@ fn cross() -> PointSet {
 /// The result for a smaller error is a candidate for a larger one.
 #[test]
 fn larger_errors_take_fewer_parts() {
-    for mesh in [concave::horseshoe(8), concave::pipe(12), concave::l()] {
+    for mesh in [concave::horseshoe(6), concave::pipe(10), concave::l()] {
         let mesh = point_set(&mesh);
         let mut last = (usize::MAX, usize::MAX);
         let mut first = None;
