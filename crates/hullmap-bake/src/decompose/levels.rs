@@ -9,7 +9,7 @@ use super::{
     parameters::Cover,
     partition::{self, Deadline, Part, PartitionLimits, field::Field, wrap::Bounds},
 };
-use crate::{PointSet, fit::solid::Solid, progress::Stage};
+use crate::{PointSet, fit::solid::Solid, mass, progress::Stage};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -23,6 +23,9 @@ const STEP: i32 = 4;
 /// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
 /// rounded and moved outward by up to a tenth of that.
 const LEAST_ERROR: f64 = 2e-5;
+
+/// Maximum number of the first parts of a search whose time is limited.
+const HALVED: usize = 8;
 
 /// Number of levels in a row with more parts than the best, after which no lower ones are searched.
 const MISSES: usize = 3;
@@ -69,9 +72,14 @@ impl Found {
     fn reached(&self) -> f64 {
         self.parts.iter().map(|part| part.bound).fold(0.0, f64::max)
     }
+}
 
-    fn is_proven(&self) -> bool {
-        self.reached() < f64::INFINITY
+/// Of results of which one may be unproven, the one whose parts have the smaller volume.
+fn tighter(best: Option<Found>, found: Option<Found>) -> Option<Found> {
+    let volume = |found: &Found| found.parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
+    match (best, found) {
+        (Some(best), Some(found)) => Some(if volume(&found) < volume(&best) { found } else { best }),
+        (best, found) => best.or(found),
     }
 }
 
@@ -179,8 +187,7 @@ impl<'a> Levels<'a> {
             let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.parts.len());
             let found = self.search(level, enough);
             if self.is_over() {
-                // Parts that are not proven are better than none.
-                return best.or(found);
+                return tighter(best, found);
             }
             level -= STEP;
             misses += 1;
@@ -198,16 +205,24 @@ impl<'a> Levels<'a> {
 
     /// Parts of a larger error, to have some when the time ends; `None` if the time has no limit.
     fn rough(&mut self, first: i32) -> Option<Found> {
-        self.deadline?;
-        let mut best = None;
+        let mut best = self.halved(HALVED);
         for octaves in [3, 1] {
-            let found = self.search(first + octaves * PER_OCTAVE, None).filter(Found::is_proven);
-            if self.is_over() {
-                return best.or(found);
+            if best.is_none() || self.is_over() {
+                break;
             }
-            best = found.or(best);
+            let found = self.search(first + octaves * PER_OCTAVE, None);
+            best = tighter(best, found);
         }
         best
+    }
+
+    /// The first parts of a search whose time is limited, at most `count`; `None` if it is not.
+    fn halved(&self, count: usize) -> Option<Found> {
+        self.deadline?;
+        let limit = f64::INFINITY;
+        let parts = partition::halved(self.mesh, &self.bounds(limit), count.min(HALVED));
+        let fewest = parts.len();
+        (fewest > 1).then_some(Found { parts, fewest, limit })
     }
 
     /// At most `count` parts, with the least protrusion. The search starts at `error`.
@@ -220,7 +235,8 @@ impl<'a> Levels<'a> {
         for _ in 0..MAX_SEARCHES {
             let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
-                return best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count));
+                let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
+                return tighter(best, found.filter(|found| found.parts.len() <= count));
             }
             match found {
                 Some(found) if found.parts.len() <= count => {

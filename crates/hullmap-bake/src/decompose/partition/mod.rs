@@ -162,13 +162,7 @@ pub struct Search<'a> {
 /// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
 /// about `enough` parts are needed.
 pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
-    let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
-    let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
-    let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
-    // Faces point outward.
-    if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
-        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    }
+    let triangles = triangles(mesh);
     field.find_peaks(limits.limit * HARD_SHARE);
     let field = &*field;
     let diagonal = field.solid().diagonal();
@@ -186,6 +180,40 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
     let parts = search.divided(whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
     Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
+}
+
+/// The mesh's triangles. Their faces point outward.
+fn triangles(mesh: &PointSet) -> Vec<[DVec3; 3]> {
+    let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
+    let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
+    let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
+    if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
+        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    triangles
+}
+
+/// At most `count` parts, whose bounds are not known: the hulls of what the surface is halved into,
+/// each time in the middle of the longest side. They take hardly more time than the mesh's hull.
+pub fn halved(mesh: &PointSet, bounds: &Bounds, count: usize) -> Vec<Part> {
+    let scale = Scale { limit: bounds.limit, diagonal: bounds.diagonal };
+    let polygons = triangles(mesh).into_iter().map(Vec::from).collect();
+    let atoms = Patch::new(polygons).map(|patch| vec![Arc::new(Atom::new(patch))]);
+    let mut pieces: Vec<Piece> = atoms.into_iter().map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
+    while !pieces.is_empty() && 2 * pieces.len() <= count {
+        let halves = |piece: &Piece| scale.divided(&piece.atoms, &cuts::middle(piece));
+        let halves = pieces.iter().flat_map(halves).filter(|atoms| !atoms.is_empty());
+        let halves: Vec<Piece> = halves.map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
+        if halves.len() == pieces.len() {
+            break;
+        }
+        pieces = halves;
+    }
+    let part = |piece: Piece| {
+        let tight = wrap::tight(&piece.body.points, bounds.diagonal, bounds.thickness)?;
+        Some(Part { hull: wrap::within_vertices(tight, bounds.max_vertices), piece, bound: f64::INFINITY })
+    };
+    pieces.into_iter().filter_map(part).collect()
 }
 
 impl Search<'_> {

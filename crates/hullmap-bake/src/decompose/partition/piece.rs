@@ -129,7 +129,7 @@ impl Scale {
             } else if low >= -self.tolerance() {
                 sides[1].push(Arc::clone(atom));
             } else {
-                let halves = atom.patch.clone().divided(&[*plane], self.tolerance());
+                let halves = atom.patch.divided(plane, self.tolerance());
                 for (side, half) in sides.iter_mut().zip(halves) {
                     side.extend(half.map(|half| Arc::new(Atom::new(half))));
                 }

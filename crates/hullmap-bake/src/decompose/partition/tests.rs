@@ -120,14 +120,20 @@ fn any_number_of_parts_is_reached() {
 }
 
 #[test]
-fn a_search_without_time_ends_with_the_hull() {
+fn a_search_without_time_ends_with_halves() {
     let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
     let what = PartitionLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
     assert!(search(&mesh, &mut Field::new(&solid), &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
-    assert!(found.len() == 1 && found[0].vertices.len() <= 12, "{} {}", found.len(), found[0].vertices.len());
+    assert!(found.len() > 2 && found.len() <= 8, "{}", found.len());
+    assert!(found.iter().all(|hull| hull.vertices.len() <= 12));
+    let volume = |hulls: &[Hull]| hulls.iter().map(|hull| crate::mass::mass(hull).volume).sum::<f64>();
+    let whole = crate::hull::build(&mesh).unwrap();
+    assert!(volume(&found) < 0.8 * volume(&[whole]), "{}", volume(&found));
+    let two = covering(&mesh, Cover { seconds: Some(1e-9), max_parts: Some(3), ..Cover::default() });
+    assert_eq!(two.len(), 2);
 }
 
 /// Whenever the time ends, there are parts, and they cover the mesh.
