@@ -21,10 +21,10 @@ const PER_OCTAVE: i32 = 16;
 const STEP: i32 = 4;
 
 /// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
-/// rounded and moved outward by up to a tenth of that.
+/// rounded and moved outward by up to a tenth of that, if the mesh is not far from the origin.
 const LEAST_ERROR: f64 = 2e-5;
 
-/// Maximum number of the first parts of a search whose time is limited.
+/// Maximum number of parts made by halving, which are there in case that the time ends at once.
 const HALVED: usize = 8;
 
 /// Number of levels in a row with more parts than the best, after which no lower ones are searched.
@@ -33,7 +33,8 @@ const MISSES: usize = 3;
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
 
-/// Number of levels between those that are tried while a number of parts is bracketed.
+/// Number of levels to the second that is tried for a number of parts. Each further stride upward is
+/// twice as long.
 const STRIDE: i32 = 16;
 
 /// Number of levels between few enough parts and too many at which the search ends.
@@ -74,11 +75,17 @@ impl Found {
     }
 }
 
-/// Of results of which one may be unproven, the one whose parts have the smaller volume.
-fn tighter(best: Option<Found>, found: Option<Found>) -> Option<Found> {
+/// The better of two results, of which the second may be unproven: one that is within the error, or
+/// the one whose parts have the smaller volume.
+fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found> {
     let volume = |found: &Found| found.parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
+    // Infinity is no proof.
+    let is_within = |found: &Found| found.reached() < f64::INFINITY && found.reached() <= error;
     match (best, found) {
-        (Some(best), Some(found)) => Some(if volume(&found) < volume(&best) { found } else { best }),
+        (Some(best), Some(found)) if is_within(&best) == is_within(&found) && !is_within(&best) => {
+            Some(if volume(&found) < volume(&best) { found } else { best })
+        }
+        (Some(best), Some(found)) => Some(if is_within(&best) { best } else { found }),
         (best, found) => best.or(found),
     }
 }
@@ -117,7 +124,9 @@ impl<'a> Levels<'a> {
     /// The limits of a part.
     pub fn bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
-        let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * limit);
+        let error = self.parameters.max_error.of(diagonal);
+        let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error) };
+        let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * allowed);
         Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 
@@ -187,7 +196,7 @@ impl<'a> Levels<'a> {
             let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.parts.len());
             let found = self.search(level, enough);
             if self.is_over() {
-                return tighter(best, found);
+                return better(best, found, error);
             }
             level -= STEP;
             misses += 1;
@@ -211,7 +220,8 @@ impl<'a> Levels<'a> {
                 break;
             }
             let found = self.search(first + octaves * PER_OCTAVE, None);
-            best = tighter(best, found);
+            // None of them is within the error.
+            best = better(best, found, 0.0);
         }
         best
     }
@@ -229,14 +239,14 @@ impl<'a> Levels<'a> {
     fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
-        let mut level = self.level(error, 1);
+        let (mut level, mut rise) = (self.level(error, 1), STRIDE / 2);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {
             let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
                 let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
-                return tighter(best, found.filter(|found| found.parts.len() <= count));
+                return better(best, found.filter(|found| found.parts.len() <= count), f64::INFINITY);
             }
             match found {
                 Some(found) if found.parts.len() <= count => {
@@ -248,9 +258,13 @@ impl<'a> Levels<'a> {
                 (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
                 (Some((best, _)), Some(low)) => low + (best - low) / 2,
                 (Some((best, found)), None) => best - stride(count, found.fewest),
-                (None, _) => level + STRIDE,
+                (None, _) if level == HIGHEST => break,
+                (None, _) => {
+                    rise *= 2;
+                    (level + rise).min(HIGHEST)
+                }
             };
-            if level > HIGHEST || self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
+            if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
                 break;
             }
         }

@@ -73,8 +73,8 @@ const UNCOVERED_ROUNDS: usize = 4;
 ///
 /// Each part is named after the mesh, with the suffix `_part_00`, `_part_01` and so on. Without a
 /// time limit, parts and their order depend on the mesh and the parameters only. A sheet, which has
-/// no inside, is covered by parts as thick as the maximum error allows, up to 0.5 % of the
-/// diagonal.
+/// no inside, is covered by parts of the minimum thickness, which is at most half of the maximum
+/// error.
 ///
 /// # Errors
 /// The errors of [`hull::build`].

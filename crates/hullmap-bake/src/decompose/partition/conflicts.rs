@@ -1,5 +1,5 @@
-//! Conflicts: pairs of points of a piece's surface that no part may contain both, because the line
-//! between them leads too far from the solid.
+//! Conflicts: pairs of points of a piece's surface that must not be in the same part, because the
+//! line between them leads too far from the solid.
 //!
 //! The fewer conflicts are left within the sides of a plane, the fewer parts the sides will take.
 //! The number of forbidden points in their hulls says less: a plane across a ring halves it, and
@@ -72,7 +72,7 @@ impl Conflicts {
         if self.total == 0.0 {
             return 0.0;
         }
-        let back = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+        let back = plane.opposite();
         let mut left = 0.0;
         for side in [plane, &back] {
             let component = scale.components_above(&piece.atoms, near, side);

@@ -24,12 +24,12 @@ const COMPARED: usize = 600;
 /// Weight of the protrusion of both sides beside that of conflicts.
 const PROTRUSION: f64 = 2.0;
 
-/// Share by which a plane at the border of a piece is dearer than one in the middle, so that
-/// symmetric meshes are cut symmetrically.
+/// Extra cost of a plane across a direction at the border of a piece, as a share, so that symmetric
+/// meshes are cut in the middle.
 const OFF_MIDDLE: f64 = 0.3;
 
-/// Share by which a plane is dearer that is not across an axis. People read cuts across an axis
-/// best.
+/// Extra cost of a plane across a direction that is not an axis, as a share. Cuts across an axis are
+/// the easiest to read.
 const SLANTED: f64 = 0.1;
 
 /// Weight of the volume beside that of forbidden points.
@@ -75,7 +75,7 @@ pub fn middle(piece: &Piece) -> HalfSpace {
     HalfSpace { normal, offset: normal.dot(0.5 * (low + high)) }
 }
 
-/// The planes of faces at concave edges that cut a piece, of those given, in their order.
+/// The planes of faces at concave edges, and of large faces, that cut a piece, in the given order.
 pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> impl Iterator<Item = HalfSpace> + 'a {
     let margin = 0.2 * scale.limit;
     let cuts = move |plane: &&HalfSpace| {
@@ -87,10 +87,10 @@ pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> imp
 }
 
 /// How much two sides of a plane protrude: the sum of squares of the numbers of forbidden points in
-/// their components, so that planes are preferred that leave little on each side. Among equal ones,
-/// the volume decides.
+/// their components, so that planes are preferred that leave little on each side, and a share of the
+/// volume.
 fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec3], plane: &HalfSpace) -> f64 {
-    let back = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+    let back = plane.opposite();
     let sides = [plane, &back].map(|plane| scale.above(&piece.atoms, near, plane));
     if sides.iter().any(Vec::is_empty) {
         return f64::INFINITY;

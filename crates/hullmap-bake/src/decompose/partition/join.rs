@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Found, Part, Search, body::Body, piece::Piece};
+use super::{body::Body, context::Search, piece::Piece, shape::Part};
 use crate::{fit::planes::HalfSpace, spread::spread};
 
 /// Number of points by which the common volume of two bodies is estimated.
@@ -18,8 +18,17 @@ const MANY: usize = 512;
 /// Number of parts up to which parts that are far from each other are merged, too: across others.
 const FEW: usize = 48;
 
-/// Number of mergers without a proof after which no more are tried, beside the number of parts.
+/// Number of mergers that may fail to be proven, in addition to one for each part.
 const FAILURES: usize = 16;
+
+/// Merged parts.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parts. They are no fewer than wanted, unless they are fewer without mergers.
+    pub parts: Vec<Part>,
+    /// Number of parts to which they can be merged.
+    pub fewest: usize,
+}
 
 /// A merger of two parts.
 struct Merger {
@@ -48,7 +57,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
     // Each pair is tried once.
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
-        if count == wanted {
+        if count <= wanted && enough.is_none() {
             enough = Some(left.clone());
         }
         let gap = if count <= FEW { f64::INFINITY } else { scale.limit };
@@ -62,7 +71,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
         if common > allowed {
             continue;
         }
-        let beyond = search.field.points_beyond(&body.triangles, scale.limit, super::REFUTING, super::MEASURED);
+        let beyond = search.points_beyond(&body);
         if !beyond.is_empty() {
             forbidden.extend(beyond);
             continue;

@@ -8,20 +8,21 @@
 //! | [`field`] | which points are too far from the solid |
 //! | [`piece`] | pieces of the surface, and how planes divide them |
 //! | [`cuts`] | the plane that divides a piece |
-//! | [`conflicts`] | pairs of points that no part may contain both |
+//! | [`conflicts`] | pairs of points that must not be in the same part |
 //! | [`peel`] | caps that are cut off a piece, one after the other |
 //! | [`join`] | mergers of parts |
+//! | [`context`] | what all steps share |
 //! | [`shape`] | final hulls of pieces |
 //! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
-//! | [`body`], [`sample`] | trial hulls, points on faces |
+//! | [`body`], [`sample`], `deadline` | trial hulls, points on faces, when to stop |
 //!
 //! # Steps
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
 //! 2. Find points that are too far from the solid: evenly spread ones, and ones beside the surface.
 //!    They are *forbidden*: no part may contain them.
 //! 3. A piece whose hull contains no forbidden point, and is proven, is a part. Divide any other
-//!    piece by the plane that leaves the fewest forbidden points in the hulls of both sides, and go
-//!    on with the connected components of the sides.
+//!    piece by the plane that leaves the fewest conflicts and forbidden points within both sides,
+//!    and go on with the connected components of the sides.
 //! 4. Where that gives a few parts, peel the piece, too, and take what has fewer parts.
 //! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts.
 //!
@@ -40,6 +41,7 @@
 pub mod body;
 pub mod cells;
 pub mod conflicts;
+pub mod context;
 pub mod cuts;
 mod deadline;
 pub mod field;
@@ -55,16 +57,17 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use body::Body;
 use cells::Cutting;
+use context::Search;
 pub use deadline::Deadline;
 use field::Field;
+pub use join::Found;
 use peel::Along;
 use piece::{Atom, Piece, Scale};
-use sample::spread_points;
+pub use shape::Part;
 use wrap::Bounds;
 
-use crate::{PointSet, decompose::patch::Patch, fit::planes::HalfSpace, hull::Hull, progress::Stage, spread::spread};
+use crate::{PointSet, decompose::patch::Patch, progress::Stage};
 
 /// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells take
 /// longer.
@@ -79,25 +82,14 @@ const RESERVE: f64 = 0.94;
 /// Number of cells above which cells are cut only where necessary.
 const MAX_CELLS: usize = 3000;
 
-/// Number of evenly spread points of which the forbidden ones are used.
-const SPREAD: usize = 6000;
-
-/// Approximate number of places on the surface beside which forbidden points are sought.
-const BESIDE: f64 = 3000.0;
-
-/// Maximum number of points that refute a piece's hull, and of distances by which they are sought.
-pub const REFUTING: usize = 12;
-
-/// See [`REFUTING`].
-pub const MEASURED: usize = 800;
-
 /// Maximum number of cuts that lead to a piece. Then its polygons become parts.
 const MAX_DEPTH: u32 = 40;
 
-/// Number of parts of a piece up to which it is peeled, too. The whole mesh always is.
+/// Number of parts of a piece up to which it is peeled, too. Components of the whole mesh always are.
 const PEELED: usize = 12;
 
-/// Number of parts before mergers, relative to the most that mergers may leave, and beside that.
+/// Maximum number of parts before mergers: so many times the number that mergers may leave, and so
+/// many more.
 const FEWER_LATER: (f64, f64) = (1.35, 8.0);
 
 /// Share of a search after which its cells are cut, and after which all pieces are divided.
@@ -124,37 +116,6 @@ pub struct PartitionLimits<'a> {
     pub stage: Stage<'a>,
 }
 
-/// A part of a partition.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// The surface that it must contain.
-    pub piece: Piece,
-    /// A hull that contains it.
-    pub hull: Hull,
-    /// Proven bound on the hull's protrusion; infinite if it is not known.
-    pub bound: f64,
-}
-
-/// The result of a search.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// The parts. They are no fewer than wanted, unless they are fewer without mergers.
-    pub parts: Vec<Part>,
-    /// Number of parts to which they can be merged.
-    pub fewest: usize,
-}
-
-/// What the steps of a search share.
-pub struct Search<'a> {
-    /// The mesh's solid.
-    pub field: &'a Field<'a>,
-    /// Lengths.
-    pub scale: Scale,
-    /// Planes of faces that may divide pieces.
-    pub planes: &'a cells::FacePlanes,
-    bounds: Bounds<'a>,
-}
-
 /// Parts that together contain the surface of `mesh`.
 ///
 /// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
@@ -178,7 +139,7 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     let mut forbidden = search.forbidden(&triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
     let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
-    let parts = search.divided(whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
+    let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
     Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
 }
 
@@ -216,166 +177,126 @@ pub fn halved(mesh: &PointSet, bounds: &Bounds, count: usize) -> Vec<Part> {
     pieces.into_iter().filter_map(part).collect()
 }
 
-impl Search<'_> {
-    /// Whether the deadline has passed, or the search is cancelled.
-    pub fn is_over(&self) -> bool {
-        self.bounds.is_over()
+/// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
+/// too far from the solid are added to `known`.
+fn divided(
+    search: &Search,
+    piece: Piece,
+    most: usize,
+    depth: u32,
+    known: &mut Vec<DVec3>,
+    stage: Stage,
+) -> Option<Vec<Part>> {
+    let mut piece = piece;
+    if search.is_over() {
+        return Some(search.shaped(&piece).into_iter().collect());
     }
-
-    /// Points in the hull of the whole surface that are too far from the solid.
-    fn forbidden(&self, triangles: &[[DVec3; 3]], hull: &Body) -> Vec<DVec3> {
-        let size = hull.high - hull.low;
-        let mut found: Vec<DVec3> = (0..SPREAD).map(|k| hull.low + size * DVec3::from_array(spread(k))).collect();
-        let normal = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a);
-        let area: f64 = triangles.iter().map(|triangle| 0.5 * normal(triangle).length()).sum();
-        let spacing = self.scale.limit.max((area / BESIDE).sqrt());
-        for (index, p) in spread_points(triangles.iter().copied(), spacing * spacing) {
-            let up = normal(&triangles[index]).normalize_or_zero() * (1.02 * self.scale.limit);
-            found.extend([p + up, p - up]);
-        }
-        let is_forbidden = |p: &DVec3| hull.holds(*p, 0.0) && self.field.is_beyond(*p, self.scale.limit);
-        found.into_par_iter().filter(is_forbidden).collect()
-    }
-
-    /// Points of a piece's hull that are too far from the solid; none if none are found.
-    pub fn beyond(&self, piece: &Piece) -> Vec<DVec3> {
-        if !piece.forbidden.is_empty() {
-            return piece.forbidden.clone();
-        }
-        self.field.points_beyond(&piece.body.triangles, self.scale.limit, REFUTING, MEASURED)
-    }
-
-    /// The part of a piece.
-    ///
-    /// # Errors
-    /// See [`shape::Outcome`].
-    pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
-        let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;
-        Ok(Part { piece: piece.clone(), hull, bound })
-    }
-
-    /// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
-    /// too far from the solid are added to `known`.
-    fn divided(
-        &self,
-        piece: Piece,
-        most: usize,
-        depth: u32,
-        known: &mut Vec<DVec3>,
-        stage: Stage,
-    ) -> Option<Vec<Part>> {
-        let mut piece = piece;
-        if self.is_over() {
-            return Some(self.shaped(&piece).into_iter().collect());
-        }
-        if piece.forbidden.is_empty() {
-            let mut beyond = self.beyond(&piece);
-            if beyond.is_empty() {
-                match self.shaped(&piece) {
-                    Ok(part) => {
-                        stage.reach(1.0);
-                        return Some(vec![part]);
-                    }
-                    Err(point) => beyond.extend(point),
+    if piece.forbidden.is_empty() {
+        let mut beyond = search.beyond(&piece);
+        if beyond.is_empty() {
+            match search.shaped(&piece) {
+                Ok(part) => {
+                    stage.reach(1.0);
+                    return Some(vec![part]);
                 }
+                Err(point) => beyond.extend(point),
             }
-            known.extend_from_slice(&beyond);
-            piece.forbidden = beyond;
         }
+        known.extend_from_slice(&beyond);
+        piece.forbidden = beyond;
+    }
+    if most < 2 {
+        return None;
+    }
+    let components = search.scale.components(&piece.atoms);
+    let is_connected = components.len() == 1;
+    let sides: Vec<Piece> = if is_connected {
+        match halves(search, &piece).filter(|_| depth < MAX_DEPTH) {
+            Some(halves) => halves.into(),
+            None => return Some(of_polygons(search, &piece)).filter(|parts| parts.len() <= most),
+        }
+    } else {
+        let of = |atoms| search.scale.piece(atoms, piece.planes.clone(), &piece.forbidden);
+        components.into_iter().map(of).collect()
+    };
+    let best = all_divided(search, sides, most, depth + u32::from(is_connected), known, stage);
+    let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
+    // Without forbidden points there are only too many vertices.
+    if is_connected && is_small && !piece.forbidden.is_empty() {
+        return peeled(search, &piece, best, most);
+    }
+    best
+}
+
+/// The parts of several pieces.
+fn all_divided(
+    search: &Search,
+    pieces: Vec<Piece>,
+    most: usize,
+    depth: u32,
+    known: &mut Vec<DVec3>,
+    stage: Stage,
+) -> Option<Vec<Part>> {
+    let area: f64 = pieces.iter().map(Piece::area).sum();
+    let (mut parts, mut done, mut left) = (Vec::new(), 0.0, pieces.len());
+    for piece in pieces {
+        left -= 1;
+        let share = piece.area() / area;
+        // Each of the others takes one part at least.
+        let most = most.checked_sub(parts.len() + left).filter(|most| *most > 0)?;
+        parts.extend(divided(search, piece, most, depth, known, stage.from_to(done, done + share))?);
+        done += share;
+    }
+    Some(parts)
+}
+
+/// Both sides of the plane that divides a piece best; `None` if no plane does.
+fn halves(search: &Search, piece: &Piece) -> Option<[Piece; 2]> {
+    let plane = if piece.forbidden.is_empty() {
+        cuts::middle(piece)
+    } else {
+        let near = search.scale.neighbours(&piece.atoms);
+        cuts::best_plane(piece, &search.scale, search.field, &near, search.planes)?
+    };
+    let back = plane.opposite();
+    let [below, above] = search.scale.divided(&piece.atoms, &plane);
+    if below.is_empty() || above.is_empty() {
+        return None;
+    }
+    let of = |atoms, plane| {
+        let planes = piece.planes.iter().copied().chain([plane]).collect();
+        search.scale.piece(atoms, planes, &piece.forbidden)
+    };
+    Some([of(below, plane), of(above, back)])
+}
+
+/// The parts of a piece by peeling, if they are fewer than `best` and at most `most`.
+fn peeled(search: &Search, piece: &Piece, best: Option<Vec<Part>>, most: usize) -> Option<Vec<Part>> {
+    let mut best = best;
+    let directions = cuts::directions(piece).map(Along::One);
+    for along in [Along::All].into_iter().chain(directions) {
+        let most = best.as_ref().map_or(most, |best| best.len().saturating_sub(1));
         if most < 2 {
-            return None;
+            break;
         }
-        let components = self.scale.components(&piece.atoms);
-        let is_connected = components.len() == 1;
-        let sides: Vec<Piece> = if is_connected {
-            match self.halves(&piece).filter(|_| depth < MAX_DEPTH) {
-                Some(halves) => halves.into(),
-                None => return Some(self.of_polygons(&piece)).filter(|parts| parts.len() <= most),
-            }
-        } else {
-            let of = |atoms| self.scale.piece(atoms, piece.planes.clone(), &piece.forbidden);
-            components.into_iter().map(of).collect()
-        };
-        let best = self.all_divided(sides, most, depth + u32::from(is_connected), known, stage);
-        let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
-        // Without forbidden points there are only too many vertices.
-        if is_connected && is_small && !piece.forbidden.is_empty() {
-            return self.peeled(&piece, best, most);
-        }
-        best
+        let Some(pieces) = peel::peel(search, piece, along, most) else { continue };
+        let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| search.shaped(&piece)).collect();
+        best = parts.ok().or(best);
     }
+    best
+}
 
-    /// The parts of several pieces.
-    fn all_divided(
-        &self,
-        pieces: Vec<Piece>,
-        most: usize,
-        depth: u32,
-        known: &mut Vec<DVec3>,
-        stage: Stage,
-    ) -> Option<Vec<Part>> {
-        let area: f64 = pieces.iter().map(Piece::area).sum();
-        let (mut parts, mut done, mut left) = (Vec::new(), 0.0, pieces.len());
-        for piece in pieces {
-            left -= 1;
-            let share = piece.area() / area;
-            // Each of the others takes one part at least.
-            let most = most.checked_sub(parts.len() + left)?;
-            parts.extend(self.divided(piece, most, depth, known, stage.from_to(done, done + share))?);
-            done += share;
-        }
-        Some(parts)
-    }
-
-    /// Both sides of the plane that divides a piece best; `None` if no plane does.
-    fn halves(&self, piece: &Piece) -> Option<[Piece; 2]> {
-        let plane = if piece.forbidden.is_empty() {
-            cuts::middle(piece)
-        } else {
-            let near = self.scale.neighbours(&piece.atoms);
-            cuts::best_plane(piece, &self.scale, self.field, &near, self.planes)?
-        };
-        let back = HalfSpace { normal: -plane.normal, offset: -plane.offset };
-        let [below, above] = self.scale.divided(&piece.atoms, &plane);
-        if below.is_empty() || above.is_empty() {
-            return None;
-        }
-        let of = |atoms, plane| {
-            let planes = piece.planes.iter().copied().chain([plane]).collect();
-            self.scale.piece(atoms, planes, &piece.forbidden)
-        };
-        Some([of(below, plane), of(above, back)])
-    }
-
-    /// The parts of a piece by peeling, if they are fewer than `best` and at most `most`.
-    fn peeled(&self, piece: &Piece, best: Option<Vec<Part>>, most: usize) -> Option<Vec<Part>> {
-        let mut best = best;
-        let directions = cuts::directions(piece).map(Along::One);
-        for along in [Along::All].into_iter().chain(directions) {
-            let most = best.as_ref().map_or(most, |best| best.len() - 1);
-            if most < 2 {
-                break;
-            }
-            let Some(pieces) = peel::peel(self, piece, along, most) else { continue };
-            let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| self.shaped(&piece)).collect();
-            best = parts.ok().or(best);
-        }
-        best
-    }
-
-    /// Parts of a piece that cannot be divided: of its polygons. A single polygon protrudes nowhere.
-    fn of_polygons(&self, piece: &Piece) -> Vec<Part> {
-        let Bounds { diagonal, max_vertices, .. } = self.bounds;
-        let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
-        let thin =
-            polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, self.bounds.thickness, max_vertices));
-        thin.filter_map(|(polygon, hull)| {
-            let bound = wrap::prove(self.field, &hull, &self.bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
-            let atoms = vec![Arc::new(Atom::new(Patch::new(vec![polygon])?))];
-            Some(Part { piece: self.scale.piece(atoms, piece.planes.clone(), &[]), hull, bound })
-        })
-        .collect()
-    }
+/// Parts of a piece that cannot be divided: of its polygons. A single polygon protrudes nowhere.
+fn of_polygons(search: &Search, piece: &Piece) -> Vec<Part> {
+    let Bounds { diagonal, max_vertices, .. } = search.bounds;
+    let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
+    let thin = polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, search.bounds.thickness, max_vertices));
+    thin.filter_map(|(polygon, hull)| {
+        let bound = wrap::prove(search.field, &hull, &search.bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+        let atoms = vec![Arc::new(Atom::new(Patch::new(vec![polygon])?))];
+        Some(Part { piece: search.scale.piece(atoms, piece.planes.clone(), &[]), hull, bound })
+    })
+    .collect()
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    Search,
     body::rough,
+    context::Search,
     cuts::{directions, faces, range},
     piece::Piece,
 };
@@ -22,11 +22,10 @@ const POSITIONS: usize = 32;
 /// Number of caps that are tried, the largest first.
 const TRIED: usize = 6;
 
-/// Number of caps from which their area tells how many will be needed.
+/// Number of caps from which the number that will be needed is estimated, by their area.
 const ENOUGH_TO_TELL: usize = 3;
 
-/// Number of caps that will be needed, relative to the most that are allowed, from which the rest is
-/// not peeled.
+/// Peeling stops when the estimated number of caps exceeds the allowed number by this factor.
 const HOPELESS: f64 = 1.2;
 
 /// The directions in which caps are cut off.
@@ -38,7 +37,7 @@ pub enum Along {
     All,
 }
 
-/// A cap, and the area of each of its components.
+/// The mean area of a cap's components, and its plane.
 type Cap = (f64, HalfSpace);
 
 /// The caps and the rest of a piece, at most `most`; `None` if there are more, or the time is over.
@@ -77,7 +76,7 @@ pub fn peel(search: &Search, piece: &Piece, along: Along, most: usize) -> Option
             if below.is_empty() || above.is_empty() {
                 return None;
             }
-            let back = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+            let back = plane.opposite();
             let inside = [planes.as_slice(), &[back]].concat();
             let cap: Vec<Piece> = scale
                 .components(&above)
@@ -142,7 +141,7 @@ fn caps(search: &Search, whole: &Piece, along: Along) -> Vec<Cap> {
     };
     let mut found: Vec<Cap> = all.par_iter().filter_map(largest).collect();
     if matches!(along, Along::All) {
-        let both = |plane: HalfSpace| [plane, HalfSpace { normal: -plane.normal, offset: -plane.offset }];
+        let both = |plane: HalfSpace| [plane, plane.opposite()];
         let planes: Vec<HalfSpace> = faces(whole, scale, search.planes).flat_map(both).collect();
         found.extend(planes.into_par_iter().filter_map(|plane| Some((area(&plane)?, plane))).collect::<Vec<_>>());
     }

@@ -60,11 +60,6 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The corners of the atoms.
-    pub fn points(&self) -> Vec<DVec3> {
-        points(&self.atoms)
-    }
-
     /// The area of the surface.
     pub fn area(&self) -> f64 {
         self.atoms.iter().map(|atom| atom.area).sum()

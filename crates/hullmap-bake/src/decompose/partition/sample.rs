@@ -32,7 +32,7 @@ pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
 }
 
 /// Halves of a triangle, cut at the middle of its longest edge.
-pub fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
+fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
     let (ab, bc, ca) = (a.distance_squared(b), b.distance_squared(c), c.distance_squared(a));
     if ab >= bc && ab >= ca {
         let m = (a + b) * 0.5;

@@ -5,16 +5,16 @@
 //! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be cut.
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If that protrudes too far, add planes that cut off what is too far, or take the hull that was
+//! 4. If there are too many vertices, and in case that the result protrudes too far, add planes that cut off what is too far, or take the hull that was
 //!    proven before. Cut both by planes of the piece's faces, as many as the number of vertices
 //!    allows. Take the smallest.
 
 use glam::DVec3;
 
 use super::{
-    Part,
-    body::{Body, THICKNESS},
+    body::Body,
     field::Field,
+    piece::Piece,
     wrap::{self, Bounds},
 };
 use crate::{
@@ -44,14 +44,14 @@ const ENOUGH: f64 = 1.03;
 /// Maximum number of planes by which a hull is cut.
 const MAX_CUTS: usize = 48;
 
-/// Number of planes that give too many vertices after which a hull is not cut any more.
+/// Number of cuts that give too many vertices after which no more are tried.
 const MAX_MISSES: usize = 6;
 
 /// Height above a piece up to which a vertex is not cut off, relative to the limit.
 const NEAR: f64 = 0.05;
 
 /// Share of the area of a hull from which a face counts as large, and stays flat.
-pub const LARGE: f64 = 0.02;
+const LARGE: f64 = 0.02;
 
 /// Distance from a plane up to which a hull is not cut, relative to the diagonal.
 const FLAT: f64 = 2e-6;
@@ -62,6 +62,17 @@ const ROOM: f64 = 5e-7;
 
 /// The same, relative to the greatest coordinate.
 const ROUNDING: f64 = 2.2e-7;
+
+/// A part of a partition.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The surface that it must contain.
+    pub piece: Piece,
+    /// A hull that contains it.
+    pub hull: Hull,
+    /// Proven bound on the hull's protrusion; infinite if it is not known.
+    pub bound: f64,
+}
 
 /// A hull, and the proven bound on its protrusion, or why there is none: a point of the tight hull
 /// that is too far from the solid; `None` if hulls have too many vertices, or proofs take too long.
@@ -97,12 +108,12 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
 /// A tight hull of a part, or the hull that the part has. `sides` are planes of large faces of the
 /// mesh's hull.
 pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
-    let body = Body::new(&part.piece.body.points, THICKNESS * bounds.diagonal);
+    let body = &part.piece.body;
     let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness);
     let Some(tight) = tight.filter(|_| !bounds.is_over()) else { return part.hull.clone() };
     let flat: Vec<HalfSpace> =
-        large_faces(&body).chain(part.piece.planes.iter().copied()).chain(sides.iter().copied()).collect();
-    let cuts = Cuts { body: &body, flat: &flat, bounds };
+        large_faces(body).chain(part.piece.planes.iter().copied()).chain(sides.iter().copied()).collect();
+    let cuts = Cuts { body, flat: &flat, bounds };
     let is_few = |hull: &Hull| hull.vertices.len() <= bounds.max_vertices;
     let simplified = |hull: &Hull, limit| Some(simplify::simplify(hull, limit).ok().flatten()?.hull);
     let to_vertices = |hull: &Hull, share: f64| {
@@ -123,7 +134,7 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
             return flattened;
         }
         if is_few(&tight) {
-            return tight;
+            return part.hull.clone();
         }
     }
     // Cuts only remove points, but rounding moves vertices.
@@ -137,7 +148,7 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     if found.0 <= ENOUGH * body.volume() {
         return found.1;
     }
-    let wrapped = |share: &f64| Some(wrap::wrap(field, &body, bounds, Some(&to_vertices(&tight, *share)?)).ok()?.0);
+    let wrapped = |share: &f64| Some(wrap::wrap(field, body, bounds, Some(&to_vertices(&tight, *share)?)).ok()?.0);
     smaller(found, WRAPPED.iter().filter_map(wrapped).map(|hull| cuts.filled(hull)).collect()).1
 }
 

@@ -1,8 +1,9 @@
 use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
-use super::*;
+use super::{body::Body, *};
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Solid, coverage::uncovered};
+use crate::hull::Hull;
 
 fn limits(limit: f64) -> PartitionLimits<'static> {
     let thickness = 0.5 * limit;
@@ -81,7 +82,7 @@ fn covering(mesh: &PointSet, cover: Cover) -> Vec<Hull> {
     hulls
 }
 
-/// Five boxes in a row, of which the last is a triangle without area.
+/// Five blocks in the shape of an L in a row, and a triangle without area.
 fn blocks() -> PointSet {
     let block = point_set(&concave::l());
     let mut all = PointSet::default();
