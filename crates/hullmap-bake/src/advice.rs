@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use crate::number::{percent, short};
-use crate::{BakedHull, Fit, SolidKind};
+use crate::{BakedHull, Fit, SolidKind, mass};
 
 /// Diameter over width above which a hull is thin: of the seven digits of f32, three are left
 /// across it.
@@ -42,10 +42,15 @@ pub struct Remark {
     weight: f64,
 }
 
+/// Excess of a hull's volume over its mesh's from which the mesh is worth decomposing. Hulls of
+/// meshes with bevels and screw heads stay below.
+const HOLLOW: f64 = 0.1;
+
 /// Warnings and notes about baked hulls, simplified hulls first.
 pub fn of_hulls(hulls: &[BakedHull]) -> Vec<Remark> {
     let measures = || hulls.iter().map(HullMeasures::of);
-    measures().filter_map(|hull| simplified(&hull)).chain(measures().flat_map(|hull| of_hull(&hull))).collect()
+    let about_shapes = measures().filter_map(|hull| simplified(&hull)).chain(hulls.iter().filter_map(concave));
+    about_shapes.chain(measures().flat_map(|hull| of_hull(&hull))).collect()
 }
 
 impl Remark {
@@ -155,6 +160,23 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     );
     let remedy = "for a closer fit, increase --max-vertices or decrease --max-error";
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
+}
+
+/// The hull of a whole mesh that fills its cavities; `None` if it hardly does, for a part, and if the
+/// mesh encloses no known volume.
+pub fn concave(baked: &BakedHull) -> Option<Remark> {
+    let mesh = baked.mesh_mass.as_ref().filter(|_| baked.fit.is_none() && baked.hull.rank == 3)?;
+    let excess = mass::mass(&baked.hull).volume / mesh.volume - 1.0;
+    // Written so that NaN is no remark.
+    if !(excess > HOLLOW) {
+        return None;
+    }
+    let (name, share) = (&baked.name, percent(excess));
+    let text = format!(
+        "{name}: the mesh is concave, and its hull has {share} more volume; for convex parts that follow the mesh, \
+         use --decompose"
+    );
+    Some(Remark { weight: excess, ..Remark::note("concave", name, text) })
 }
 
 /// How the parts of an object fit its mesh, as proven bounds; lengths.

@@ -50,13 +50,18 @@ fn points(points: &[[f32; 3]]) -> String {
 fn decomposed_meshes_state_the_error_that_was_reached() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("u.obj"), horseshoe("u")).unwrap();
+    // The U fills 7 of the 9 units of its hull.
+    let row = bake(&folder, "build u.obj --out whole --json").expect(0).json()[0].clone();
+    assert!(row["notes"].to_string().contains("28.6% more volume"), "{row}");
+    assert!(row["notes"].to_string().contains("use --decompose"), "{row}");
     let row =
         bake(&folder, "build u.obj --out few --decompose --max-parts 2 --verify --json").expect(0).json()[0].clone();
+    assert!(!row["notes"].to_string().contains("more volume"), "{row}");
     assert!((1..=2).contains(&row["hulls"].as_u64().unwrap()), "{row}");
     assert!(row["notes"].to_string().contains("with at most 2 parts"), "{row}");
     let line = "build u.obj --out late --decompose --decompose-seconds 1e-9 --verify --json";
     let row = bake(&folder, line).expect(0).json()[0].clone();
-    assert_eq!(row["hulls"], 1, "{row}");
+    assert!((2..=8).contains(&row["hulls"].as_u64().unwrap()), "{row}");
     assert!(row["warnings"].to_string().contains("--decompose-seconds; increase it"), "{row}");
     for report in bake(&folder, "verify few late --json").expect(0).json() {
         assert_eq!(report["pass"], true, "{report}");

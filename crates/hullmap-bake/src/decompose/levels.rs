@@ -6,13 +6,10 @@
 //! search down the levels ends where all lower ones have more.
 
 use super::{
-    cover::{self, CoverLimits, CoverPart, Deadline, body::THICKNESS, field::Field, wrap::Bounds},
-    merge::merged,
     parameters::Cover,
-    separate::separate,
-    tighten::LOOSE,
+    partition::{self, Deadline, Part, PartitionLimits, field::Field, wrap::Bounds},
 };
-use crate::{BakeError, PointSet, fit::solid::Solid, progress::Stage};
+use crate::{PointSet, fit::solid::Solid, mass, progress::Stage};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -24,32 +21,31 @@ const PER_OCTAVE: i32 = 16;
 const STEP: i32 = 4;
 
 /// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
-/// rounded and moved outward by up to a tenth of that.
+/// rounded and moved outward by up to a tenth of that, if the mesh is not far from the origin.
 const LEAST_ERROR: f64 = 2e-5;
 
+/// Maximum number of parts made by halving, which are there in case that the time ends at once.
+const HALVED: usize = 8;
+
 /// Number of levels in a row with more parts than the best, after which no lower ones are searched.
-const MISSES: usize = 2;
-
-/// Number of levels below the first that are searched at most.
-const MAX_LEVELS: i32 = 64;
-
-/// Ratio of the parts at a level to those of the best above which lower levels are hopeless.
-const HOPELESS: f64 = 1.5;
+const MISSES: usize = 3;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
 
-/// Number of levels between those that are tried while a number of parts is bracketed.
+/// Number of levels to the second that is tried for a number of parts. Each further stride upward is
+/// twice as long.
 const STRIDE: i32 = 16;
 
 /// Number of levels between few enough parts and too many at which the search ends.
 const CLOSE_ENOUGH: i32 = 2;
 
-/// Ratio of what parts reach to their limit below which lower limits are expected to give the same.
-const EXACT: f64 = 0.05;
+/// Maximum number of searches for a number of parts.
+const MAX_SEARCHES: usize = 5;
 
-/// Ratio of errors up to which they count as the same.
-const SAME: f64 = 1.05;
+/// Smallest limit that is searched only because parts for a smaller limit are tighter, relative to
+/// the diagonal.
+const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
 
 /// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
 /// parts only follow the tessellation.
@@ -65,7 +61,9 @@ fn stride(count: usize, found: usize) -> i32 {
 /// Parts, and the limit within which they were searched.
 pub struct Found {
     /// The parts.
-    pub parts: Vec<CoverPart>,
+    pub parts: Vec<Part>,
+    /// Number of parts to which they can be merged, about.
+    pub fewest: usize,
     /// Maximum protrusion.
     pub limit: f64,
 }
@@ -75,9 +73,20 @@ impl Found {
     fn reached(&self) -> f64 {
         self.parts.iter().map(|part| part.bound).fold(0.0, f64::max)
     }
+}
 
-    fn is_proven(&self) -> bool {
-        self.reached() < f64::INFINITY
+/// The better of two results, of which the second may be unproven: one that is within the error, or
+/// the one whose parts have the smaller volume.
+fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found> {
+    let volume = |found: &Found| found.parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
+    // Infinity is no proof.
+    let is_within = |found: &Found| found.reached() < f64::INFINITY && found.reached() <= error;
+    match (best, found) {
+        (Some(best), Some(found)) if is_within(&best) == is_within(&found) && !is_within(&best) => {
+            Some(if volume(&found) < volume(&best) { found } else { best })
+        }
+        (Some(best), Some(found)) => Some(if is_within(&best) { best } else { found }),
+        (best, found) => best.or(found),
     }
 }
 
@@ -115,7 +124,17 @@ impl<'a> Levels<'a> {
     /// The limits of a part.
     pub fn bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
-        Bounds { limit, max_vertices, diagonal, deadline: self.deadline, stage: self.stage }
+        let error = self.parameters.max_error.of(diagonal);
+        let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error) };
+        let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * allowed);
+        Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
+    }
+
+    /// The limits of thin parts that were found within `limit`, but may be as thick as the maximum
+    /// error allows.
+    pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
+        let is_counted = self.parameters.max_parts.is_some();
+        self.bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
     }
 
     fn is_over(&self) -> bool {
@@ -138,12 +157,11 @@ impl<'a> Levels<'a> {
     }
 
     /// The parts for the parameters; `None` if there are none in time.
-    pub fn parts(&mut self) -> Result<Option<Found>, BakeError> {
+    pub fn parts(&mut self) -> Option<Found> {
         let error = self.parameters.max_error.of(self.diagonal());
         match self.parameters.max_parts {
             Some(count) => self.at_most(count as usize, error),
-            // Parts of a sheet are as thick as the error allows, whatever the level.
-            None => Ok(self.fewest(error).map(|found| Found { limit: found.limit.max(error), ..found })),
+            None => self.fewest(error),
         }
     }
 
@@ -154,49 +172,41 @@ impl<'a> Levels<'a> {
         let [from, to] = [self.searches, self.searches + 1].map(|count| 1.0 - libm::exp2(-f64::from(count)));
         self.searches += 1;
         let (limit, stage) = (self.limit(level), self.stage.from_to(from, to));
-        let what = CoverLimits {
-            limit: limit * (1.0 - LOOSE),
+        let limits = PartitionLimits {
+            limit,
             max_vertices: self.max_vertices,
+            overlap: self.parameters.overlap,
+            thickness: self.bounds(limit).thickness,
             enough,
+            wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             deadline: self.deadline,
             stage,
         };
-        let mut parts = cover::search(self.mesh, &mut self.field, &what)?;
-        if !self.is_over() {
-            self.separate(&mut parts);
-        }
-        Some(Found { parts, limit })
-    }
-
-    fn separate(&self, parts: &mut Vec<CoverPart>) {
-        separate(parts, self.parameters.overlap, self.diagonal(), self.diagonal() * THICKNESS);
+        let partition::Found { parts, fewest } = partition::search(self.mesh, &mut self.field, &limits)?;
+        Some(Found { parts, fewest, limit })
     }
 
     /// The fewest parts within `error`.
     fn fewest(&mut self, error: f64) -> Option<Found> {
         let first = self.level(error, STEP);
+        let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP).min(first);
         let mut best: Option<Found> = self.rough(first);
-        let mut is_rough = true;
         let (mut level, mut misses) = (first, 0);
-        while misses < MISSES && level >= first - MAX_LEVELS {
-            let enough = best.as_ref().filter(|_| !is_rough).map(|best| best.parts.len());
+        while misses < MISSES && level >= last {
+            let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.parts.len());
             let found = self.search(level, enough);
             if self.is_over() {
-                // Parts that are not proven are better than none.
-                return best.or(found);
+                return better(best, found, error);
             }
-            match found {
-                Some(found) if is_rough || enough.is_none_or(|enough| found.parts.len() <= enough) => {
-                    level -= STEP;
-                    if found.reached() < EXACT * found.limit
-                        || self.limit(level + STEP) <= LEAST_ERROR * self.diagonal()
-                    {
-                        return Some(found);
-                    }
-                    (best, is_rough, misses) = (Some(found), false, 0);
+            level -= STEP;
+            misses += 1;
+            if let Some(found) = found.filter(|found| enough.is_none_or(|enough| found.parts.len() <= enough)) {
+                misses = 0;
+                // The levels between would give the same.
+                if found.reached() < self.limit(last) {
+                    level = level.min(last);
                 }
-                Some(found) if found.parts.len() as f64 > HOPELESS * enough.unwrap_or(0) as f64 => break,
-                _ => (level, misses) = (level - STEP, misses + 1),
+                best = Some(found);
             }
         }
         best
@@ -204,58 +214,60 @@ impl<'a> Levels<'a> {
 
     /// Parts of a larger error, to have some when the time ends; `None` if the time has no limit.
     fn rough(&mut self, first: i32) -> Option<Found> {
-        self.deadline?;
-        let mut best = None;
+        let mut best = self.halved(HALVED);
         for octaves in [3, 1] {
-            let found = self.search(first + octaves * PER_OCTAVE, None).filter(Found::is_proven);
-            if self.is_over() {
-                return best.or(found);
+            if best.is_none() || self.is_over() {
+                break;
             }
-            best = found.or(best);
+            let found = self.search(first + octaves * PER_OCTAVE, None);
+            // None of them is within the error.
+            best = better(best, found, 0.0);
         }
         best
     }
 
+    /// The first parts of a search whose time is limited, at most `count`; `None` if it is not.
+    fn halved(&self, count: usize) -> Option<Found> {
+        self.deadline?;
+        let limit = f64::INFINITY;
+        let parts = partition::halved(self.mesh, &self.bounds(limit), count.min(HALVED));
+        let fewest = parts.len();
+        (fewest > 1).then_some(Found { parts, fewest, limit })
+    }
+
     /// At most `count` parts, with the least protrusion. The search starts at `error`.
-    fn at_most(&mut self, count: usize, error: f64) -> Result<Option<Found>, BakeError> {
+    fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
-        let (mut more, mut level) = (None, self.level(error, 1));
+        let (mut level, mut rise) = (self.level(error, 1), STRIDE / 2);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
-        loop {
+        for _ in 0..MAX_SEARCHES {
             let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
-                return Ok(best.map(|(_, found)| found).or(found.filter(|found| found.parts.len() <= count)));
+                let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
+                return better(best, found.filter(|found| found.parts.len() <= count), f64::INFINITY);
             }
             match found {
                 Some(found) if found.parts.len() <= count => {
                     best = Some((self.level(found.reached(), 1).min(level), found));
                 }
-                found => (low, more) = (Some(level), found),
+                _ => low = Some(level),
             }
             level = match (&best, low) {
                 (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
                 (Some((best, _)), Some(low)) => low + (best - low) / 2,
-                (Some((best, found)), None) => best - stride(count, found.parts.len()),
-                (None, _) => level + STRIDE,
+                (Some((best, found)), None) => best - stride(count, found.fewest),
+                (None, _) if level == HIGHEST => break,
+                (None, _) => {
+                    rise *= 2;
+                    (level + rise).min(HIGHEST)
+                }
             };
-            if level > HIGHEST || self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
+            if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
                 break;
             }
         }
-        // Of a level with more parts, the cheapest mergers may be better.
-        if let Some(more) = more {
-            let mut merged = merged(more.parts, self.field.solid(), count, self.max_vertices)?;
-            self.separate(&mut merged);
-            let merged =
-                Found { limit: merged.iter().map(|part| part.bound).fold(more.limit, f64::max), parts: merged };
-            // More parts with the same error are tighter elsewhere.
-            let is_better = best.as_ref().is_none_or(|(_, best)| merged.reached() < SAME * best.reached());
-            if is_better && merged.parts.len() <= count {
-                return Ok(Some(merged));
-            }
-        }
-        Ok(best.map(|(_, found)| found))
+        best.map(|(_, found)| found)
     }
 }

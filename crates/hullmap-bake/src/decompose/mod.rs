@@ -5,10 +5,7 @@
 //! |---|---|
 //! | `parameters` | parameters of a cover |
 //! | `levels` | the limits for which parts are searched, and which result is taken |
-//! | [`cover`] | the parts for one limit |
-//! | `merge` | mergers of parts, where there are too many |
-//! | `separate` | planes between parts that overlap |
-//! | `tighten` | tight hulls of few vertices |
+//! | [`partition`] | the parts for one limit |
 //! | this one | the rest: meshes that need no parts, triangles that are not covered |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
@@ -34,27 +31,28 @@
 //! ```
 
 mod convex;
-pub mod cover;
 mod levels;
-mod merge;
 mod parameters;
 mod part;
+pub mod partition;
 mod patch;
-mod separate;
-mod tighten;
 
 use convex::is_convex;
-use cover::{CoverPart, wrap::Bounds};
 use glam::DVec3;
 use levels::{Found, Levels};
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
+use partition::{
+    Part,
+    body::Body,
+    shape::{large_faces, tightened},
+    wrap::{self, Bounds},
+};
 use rayon::prelude::*;
-use tighten::tightened;
 
 use crate::{
     BakeError, PointSet,
-    fit::{solid::Solid, uncovered_triangles},
+    fit::{planes::HalfSpace, solid::Solid, uncovered_triangles},
     hull::{self, Hull},
     progress::Stage,
     simplify::{self, nearest::Nearest},
@@ -75,14 +73,14 @@ const UNCOVERED_ROUNDS: usize = 4;
 ///
 /// Each part is named after the mesh, with the suffix `_part_00`, `_part_01` and so on. Without a
 /// time limit, parts and their order depend on the mesh and the parameters only. A sheet, which has
-/// no inside, is covered by parts as thick as the maximum error allows, up to 0.5 % of the
-/// diagonal.
+/// no inside, is covered by parts of the minimum thickness, which is at most half of the maximum
+/// error.
 ///
 /// # Errors
 /// The errors of [`hull::build`].
 ///
 /// # Complexity
-/// See [`cover`].
+/// See [`partition`].
 pub fn decompose(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>, BakeError> {
     decompose_in(mesh, parameters, Stage::default())
 }
@@ -100,10 +98,10 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
     let solid = Solid::new(mesh);
     let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage);
-    let found = if parameters.max_parts == Some(1) { None } else { levels.parts()? };
+    let found = if parameters.max_parts == Some(1) { None } else { levels.parts() };
     let hulls = match found {
         Some(parts) => finished(mesh, &vertices, &levels, parts, parameters.max_parts),
-        None => vec![cover::wrap::within_vertices(hull, max_vertices)],
+        None => vec![wrap::within_vertices(hull, max_vertices)],
     };
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
@@ -124,7 +122,7 @@ fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     hull
 }
 
-/// The tight hulls of parts. They cover the mesh, and are at most `max_parts`.
+/// The hulls of parts, and of what they do not cover. They cover the mesh, and are at most `max_parts`.
 fn finished(
     mesh: &PointSet,
     vertices: &SourceVertices,
@@ -132,14 +130,16 @@ fn finished(
     found: Found,
     max_parts: Option<u32>,
 ) -> Vec<Hull> {
-    let Found { parts, limit } = found;
+    let Found { parts, limit, .. } = found;
     let diagonal = levels.field.solid().diagonal();
     let bounds = levels.bounds(limit);
-    let tight = |part: &CoverPart| {
-        if bounds.is_over() { part.hull.clone() } else { tightened(&levels.field, part, &bounds) }
-    };
-    let mut hulls: Vec<Hull> = parts.par_iter().map(|part| as_built(vertices, tight(part))).collect();
     let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
+    let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
+    let thin = levels.bounds_of_thin_parts(limit);
+    let tight = |part: &Part| wrap::thick(&levels.field, tightened(&levels.field, part, &sides, &bounds), &thin);
+    let tight = |part: &Part| as_built(vertices, tight(part));
+    let mut hulls: Vec<Hull> = parts.par_iter().map(tight).collect();
     for _ in 0..UNCOVERED_ROUNDS {
         let missing = uncovered_triangles(mesh, &hulls.iter().collect::<Vec<_>>(), COVERED * diagonal);
         if missing.is_empty() {
@@ -151,7 +151,7 @@ fn finished(
             if let Some((part, grown)) = absorbed(levels, &hulls, &corners, &bounds, !may_add) {
                 hulls[part] = as_built(vertices, grown);
             } else if may_add {
-                let own = cover::wrap::of_polygon(&corners, diagonal, bounds.thickness(), bounds.max_vertices);
+                let own = wrap::of_polygon(&corners, diagonal, thin.thickness, bounds.max_vertices);
                 hulls.extend(own.into_iter().map(|(_, hull)| as_built(vertices, hull)));
             }
         }
@@ -178,9 +178,9 @@ fn absorbed(
         .map(|(index, hull)| (index, distance(hull)))
         .reduce(|best, next| if next.1 < best.1 { next } else { best })?;
     let points = [hulls[part].positions().as_slice(), corners].concat();
-    let grown = cover::wrap::tight(&points, bounds.diagonal, bounds.thickness())?;
-    let grown = cover::wrap::within_vertices(grown, bounds.max_vertices);
-    let is_proven = || cover::wrap::prove(&levels.field, &grown, bounds, cover::wrap::MEASUREMENTS).is_ok();
+    let grown = wrap::tight(&points, bounds.diagonal, bounds.thickness)?;
+    let grown = wrap::within_vertices(grown, bounds.max_vertices);
+    let is_proven = || wrap::prove(&levels.field, &grown, bounds, wrap::MEASUREMENTS).is_ok();
     (must || is_proven()).then_some((part, grown))
 }
 

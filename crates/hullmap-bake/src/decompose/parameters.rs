@@ -31,12 +31,14 @@ pub struct Cover {
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Allowed overlap of the parts, relative to the sum of their volumes. Parts are divided until
-    /// they overlap less, as far as that succeeds. With infinity, none is divided.
+    /// Overlap of the parts up to which they are merged, relative to the sum of their volumes.
     pub overlap: f64,
+    /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
+    /// the maximum error.
+    pub min_thickness: Length,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
-    /// its parts may exceed `max_error`. If no cover was found in time, the result is the mesh's
-    /// hull.
+    /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls of
+    /// what the surface is halved into.
     pub seconds: Option<f64>,
 }
 
@@ -46,7 +48,8 @@ impl Default for Cover {
             max_error: Length::Relative(0.02),
             max_parts: None,
             max_vertices: 64,
-            overlap: f64::INFINITY,
+            overlap: 0.05,
+            min_thickness: Length::Relative(0.005),
             seconds: None,
         }
     }

@@ -1,8 +1,7 @@
-//! Patches: pieces of the mesh's surface, which parts hand over to each other.
+//! Patches: pieces of the mesh's surface.
 
 use glam::DVec3;
 
-use super::cover::{body::bounds, cells::Cell};
 use crate::fit::planes::{self, HalfSpace};
 
 /// Convex polygons of the surface.
@@ -21,31 +20,14 @@ impl Patch {
         (!points.is_empty()).then_some(Self { polygons, points })
     }
 
-    /// The polygons of a cell.
-    pub fn of_cell(cell: &Cell) -> Self {
-        Self { polygons: cell.polygons.clone(), points: cell.points.clone() }
-    }
-
-    /// The pieces in all of the half-spaces, and those outside.
-    pub fn divided(self, planes: &[HalfSpace], tolerance: f64) -> [Option<Self>; 2] {
-        let (low, high) = bounds(&self.points);
-        let (centre, radius) = ((low + high) * 0.5, 0.5 * low.distance(high));
-        let near: Vec<HalfSpace> =
-            planes.iter().filter(|plane| plane.height(centre) + radius > tolerance).copied().collect();
-        let is_behind = |plane: &HalfSpace| self.points.iter().all(|p| plane.height(*p) <= tolerance);
-        if near.iter().all(is_behind) {
-            return [Some(self), None];
-        }
-        let is_in_front = |plane: &HalfSpace| self.points.iter().all(|p| plane.height(*p) >= -tolerance);
-        if near.iter().any(|plane| is_in_front(plane) && !is_behind(plane)) {
-            return [None, Some(self)];
-        }
-        let (mut inside, mut outside) = (Vec::new(), Vec::new());
+    /// The pieces on both sides of a plane.
+    pub fn divided(&self, plane: &HalfSpace, tolerance: f64) -> [Option<Self>; 2] {
+        let (mut behind, mut in_front) = (Vec::new(), Vec::new());
         for polygon in &self.polygons {
-            let (within, rest) = planes::divide(polygon, &near, tolerance);
-            inside.extend((!within.is_empty()).then_some(within));
-            outside.extend(rest);
+            let (within, rest) = planes::divide(polygon, &[*plane], tolerance);
+            behind.extend((!within.is_empty()).then_some(within));
+            in_front.extend(rest);
         }
-        [Self::new(inside), Self::new(outside)]
+        [Self::new(behind), Self::new(in_front)]
     }
 }

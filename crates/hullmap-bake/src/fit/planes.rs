@@ -19,6 +19,11 @@ impl HalfSpace {
         self.normal.dot(p) - self.offset
     }
 
+    /// The half-space on the other side of the plane.
+    pub fn opposite(self) -> Self {
+        Self { normal: -self.normal, offset: -self.offset }
+    }
+
     /// The half-space grown by a distance.
     pub fn moved(self, distance: f64) -> Self {
         Self { offset: self.offset + distance, ..self }

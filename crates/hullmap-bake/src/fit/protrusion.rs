@@ -219,7 +219,7 @@ fn planes_around(triangle: &Triangle, distance: f64) -> Vec<HalfSpace> {
     };
     let corners: Vec<HalfSpace> = edges.iter().enumerate().filter_map(corner).collect();
     let beside = edges.into_iter().chain(corners);
-    let slab = [plane, HalfSpace { normal: -plane.normal, offset: -plane.offset }];
+    let slab = [plane, plane.opposite()];
     let slab = slab.map(|plane| plane.moved(ABOVE * distance));
     slab.into_iter().chain(beside.map(|plane| plane.moved(BESIDE_EDGES * distance))).collect()
 }

@@ -82,7 +82,7 @@ impl Polygon {
             return None;
         }
         // A polygon that only touches an edge does not cross.
-        let slab = [*plane, HalfSpace { normal: -plane.normal, offset: -plane.offset }].map(|side| side.moved(margin));
+        let slab = [*plane, plane.opposite()].map(|side| side.moved(margin));
         let edges = planes::around(&self.corners, plane.normal).into_iter().map(|edge| edge.moved(-2.0 * margin));
         let inner: Vec<HalfSpace> = slab.into_iter().chain(edges).collect();
         let mut pieces = vec![self.corners.clone()];

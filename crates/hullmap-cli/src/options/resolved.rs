@@ -10,6 +10,10 @@ use super::layer::{Clash, OptionLayer};
 use super::table::{DefaultValue, OPTIONS, position};
 use super::value::Value;
 
+/// Thickness of parts where no minimum is asked for, relative to the diagonal: they have an inside
+/// in spite of rounding.
+const THINNEST: f64 = 1e-5;
+
 /// Resolved options: those without a value have their defaults, and those that do not apply are
 /// reset to them.
 ///
@@ -112,7 +116,8 @@ impl BuildOptions {
             max_error: self.max_error().unwrap_or(Cover::default().max_error),
             max_parts: self.optional_count("max_parts"),
             max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
-            overlap: self.optional_number("overlap").unwrap_or(Cover::default().overlap),
+            overlap: self.optional_number("overlap").unwrap_or(f64::INFINITY),
+            min_thickness: self.length("min_thickness").unwrap_or(Length::Relative(THINNEST)),
             seconds: self.optional_number("decompose_seconds"),
         })
     }
@@ -129,7 +134,11 @@ impl BuildOptions {
     }
 
     fn max_error(&self) -> Option<Length> {
-        match self.0.get("max_error") {
+        self.length("max_error")
+    }
+
+    fn length(&self, key: &str) -> Option<Length> {
+        match self.0.get(key) {
             Some(Value::Number(error)) => Some(Length::Absolute(error)),
             Some(Value::Percent(percent)) => Some(Length::Relative(percent / 100.0)),
             _ => None,
@@ -274,6 +283,9 @@ pub mod tests {
         assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
         assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
         assert_eq!(cover("overlap", "0.1"), Some(Cover { overlap: 0.1, ..usual }));
+        assert_eq!(cover("overlap", "none"), Some(Cover { overlap: f64::INFINITY, ..usual }));
+        assert_eq!(cover("min_thickness", "1%"), Some(Cover { min_thickness: Length::Relative(0.01), ..usual }));
+        assert_eq!(cover("min_thickness", "0.5"), Some(Cover { min_thickness: Length::Absolute(0.5), ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
     }

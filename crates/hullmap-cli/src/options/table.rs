@@ -259,9 +259,20 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "overlap",
         syntax: PositiveOrNone,
-        default: DefaultValue::Value("none"),
+        default: DefaultValue::Value("0.05"),
         value_name: "SHARE",
-        help: "Divide parts until they overlap by at most this share of their volume, such as 0.05, as far as that succeeds",
+        help: "Merge parts only while they overlap by at most this share of their volume; none for any overlap",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
+    BuildOption {
+        key: "min_thickness",
+        syntax: LengthOrNone,
+        default: DefaultValue::Value("0.5%"),
+        value_name: "T|T%",
+        help: "Thickness of parts of a sheet: a length, or a share of the mesh's diagonal; at most half of the maximum error",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -302,7 +313,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 17;
+pub const OPTION_COUNT: usize = 18;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

@@ -50,6 +50,6 @@ pub fn template() -> String {
 /// Default or example of an option, as TOML.
 fn toml_value(option: &BuildOption) -> String {
     let (DefaultValue::Value(value) | DefaultValue::Unset { example: value }) = option.default;
-    let is_string = matches!(option.syntax, Syntax::Words(_)) || value == "none";
+    let is_string = matches!(option.syntax, Syntax::Words(_)) || value == "none" || value.ends_with('%');
     if is_string { format!("\"{value}\"") } else { value.to_owned() }
 }

@@ -44,7 +44,8 @@ def indices(name: str, array: npt.NDArray[Any], noun: str) -> Counts:
     low, high = array.min(), array.max()
     if low < 0 or high >= 2**32:
         raise ArrayError(f"{name}: index {low if low < 0 else high} is out of range: {noun} are counted from 0")
-    return np.ascontiguousarray(array.reshape(-1), dtype=np.uint32)
+    # `ascontiguousarray` does not copy an array of this type that starts at an odd byte.
+    return np.require(array.reshape(-1), np.uint32, "CA")
 
 
 def number(name: str, value: float) -> float:

@@ -32,7 +32,10 @@ class BakeOptions(TypedDict, total=False):
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""
     overlap: Optional[float]
-    """Divide parts until they overlap by at most this share of their volume, as far as that succeeds."""
+    """Merge parts only while they overlap by at most this share of their volume; 0.05 by default."""
+    min_thickness: Optional[Union[float, str]]
+    """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
+    ``max_error``."""
     decompose_seconds: Optional[float]
     """Time after which the search for parts stops. Packs may then differ from run to run."""
     vertices: Optional[Literal["referenced", "all"]]

@@ -807,7 +807,7 @@ class Pack(_Bounded, Sequence[Hull]):
     def mass_properties(self, density: float = 1.0) -> MassProperties:
         """Mass properties of all hulls as one rigid body at this density.
 
-        Each object has the mass of its mesh, where the pack records it: convex parts overlap, so the
+        Each object has the mass of its mesh, where the pack records it: convex parts protrude, so the
         sum of their masses is too large. ``source`` is ``mesh`` if that holds for all objects.
 
         >>> import hullmap

@@ -4,11 +4,12 @@
 //! 1. Find the deepest point of the shape: one support query.
 //! 2. Find the feature of the shape that faces the plane. Its corners are the points: the plane has
 //!    no sides that would clip them.
-//! 3. Select and match points as for two shapes.
+//! 3. Select and match points as for two shapes. A manifold that had no points also has the deepest
+//!    point itself, since there are none that should stay.
 
 use super::clip::{FACE, Frame, Part, Patch, PatchPoint};
 use super::surface::settle_b;
-use super::{Lengths, Manifold, ManifoldSettings, farther_out, part, tips};
+use super::{Lengths, Manifold, ManifoldSettings, SAME_DEPTH, farther_out, part, tips};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, HalfSpace, Shape};
 use crate::solver::Contact;
@@ -20,7 +21,9 @@ impl Manifold {
     /// contact.
     ///
     /// As [`update`](Self::update), without a cache: the contact needs none. A prediction relative
-    /// to the smaller shape is relative to `b`.
+    /// to the smaller shape is relative to `b`. If there were no points before, one of the points
+    /// is as deep as the contact, to within 1e-4 of the outer radius of `b`. Later, the deepest
+    /// may be less deep by up to a tenth of the prediction.
     ///
     /// # Complexity
     /// One support query and one feature of `b`. No allocation.
@@ -50,6 +53,17 @@ impl Manifold {
         b: &B,
         b_in_a: Pose,
         settings: &ManifoldSettings,
+    ) -> Contact {
+        self.update_half_space_from((a, b, b_in_a), settings, self.points().is_empty())
+    }
+
+    /// The same for adapters whose engine keeps the points: `is_new` if it had none.
+    #[doc(hidden)]
+    pub fn update_half_space_from<B: Shape + ?Sized>(
+        &mut self,
+        (a, b, b_in_a): (&HalfSpace, &B, Pose),
+        settings: &ManifoldSettings,
+        is_new: bool,
     ) -> Contact {
         let reach = b.outer_radius();
         let prediction = settings.prediction.length(reach);
@@ -83,7 +97,8 @@ impl Manifold {
         // The plane has no sides: no corner of the whole feature is needed.
         b.reduced_feature_within(dir, prediction, &mut feature);
         feature.corners().iter().for_each(|corner| add(&mut patch, *corner, feature.has_exact_corners()));
-        if depth > patch.deepest() + lengths.slight() {
+        let equal = if is_new { SAME_DEPTH * reach } else { lengths.slight() };
+        if depth > patch.deepest() + equal {
             // A touching body may be above the plane by a rounding error, and has a point in any
             // case.
             patch.put(place(b_in_a.inverse().transform_point(contact.point_b), part(&feature)));
@@ -96,7 +111,11 @@ impl Manifold {
             }
             choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
         }
-        let choice = choice.with_deepest(&patch.spots(), lengths.slight() - (depth - patch.deepest()).max(0.0));
+        let choice = if is_new {
+            choice.with_exact_deepest(&patch.spots(), center, lengths.slight())
+        } else {
+            choice.with_deepest(&patch.spots(), lengths.slight() - (depth - patch.deepest()).max(0.0))
+        };
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }

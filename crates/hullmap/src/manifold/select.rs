@@ -108,11 +108,42 @@ impl Choice {
 
     /// With the deepest of `spots`, unless it has one that is as deep within `slight`, a length.
     pub(super) fn with_deepest(mut self, spots: &[Spot], slight: f64) -> Self {
-        let deep = (0..spots.len()).fold(0, |deep, i| if spots[i].depth > spots[deep].depth { i } else { deep });
-        if self.indices().iter().all(|i| spots[*i].depth < spots[deep].depth - slight) {
+        if let Some(deep) = self.missing_deepest(spots, slight) {
             self.insert(spots, deep);
         }
         self
+    }
+
+    /// With the deepest of `spots`, however little deeper it is than the others. No point that is
+    /// left out is below the plane on which the body rests by more than `slight` allows, see
+    /// [`choose`], unless one is without it as well.
+    pub(super) fn with_exact_deepest(self, spots: &[Spot], center: DVec2, slight: f64) -> Self {
+        let Some(deep) = self.missing_deepest(spots, 0.0) else { return self };
+        if self.count < 4 {
+            let mut all = self;
+            all.push(deep);
+            return all;
+        }
+        let allowed = LEFT_OUT * slight;
+        let left_out = |choice: &Self| choice.left_out(spots, center).map_or(f64::INFINITY, |(below, _)| below);
+        let order = |p: &Self, q: &Self| {
+            let [below_p, below_q] = [p, q].map(|choice| left_out(choice).max(allowed));
+            below_p.total_cmp(&below_q).then(q.area(spots).total_cmp(&p.area(spots)))
+        };
+        let exchanged = (0..4).map(|slot| self.with(slot, deep)).min_by(order).unwrap_or(self);
+        if left_out(&exchanged) <= left_out(&self).max(allowed) {
+            return exchanged;
+        }
+        // No point is below the plane of the lowest triangle, so the fourth point can be any.
+        let lowest = lowest(spots, self, center);
+        if lowest.missing_deepest(spots, 0.0).is_none() { lowest } else { lowest.with(lowest.count - 1, deep) }
+    }
+
+    /// The deepest of `spots`, unless one of the chosen is as deep within `slight`, a length.
+    fn missing_deepest(&self, spots: &[Spot], slight: f64) -> Option<usize> {
+        let deep = (0..spots.len()).fold(0, |deep, i| if spots[i].depth > spots[deep].depth { i } else { deep });
+        let is_less = |i: &usize| spots[*i].depth < spots[deep].depth - slight;
+        (!spots.is_empty() && self.indices().iter().all(is_less)).then_some(deep)
     }
 
     /// With `index` in place of one of the four.
@@ -424,6 +455,29 @@ mod tests {
             exchanged += usize::from(chosen != largest(&spots, slight));
         }
         assert!(exchanged > 200, "the largest area alone would do in all but {exchanged} trials");
+    }
+
+    /// Of points whose depths differ by less than the tolerance, the largest area decided, and the
+    /// deepest point was missing.
+    #[test]
+    fn the_exact_deepest_point_joins_without_leaving_out_a_deep_one() {
+        let (mut seed, mut joined, mut supported) = (5_u64, 0, 0);
+        for trial in 0..2000 {
+            let spots = bowl(&mut seed, 1 + trial % 32, 0.01);
+            let center = DVec2::new(random(&mut seed) - 0.5, random(&mut seed) - 0.5) * 0.4;
+            let slight = 0.002;
+            let before = choose(&spots, center, slight, None);
+            let chosen = before.with_exact_deepest(&spots, center, slight);
+            assert_eq!(chosen.missing_deepest(&spots, 0.0), None, "{trial}");
+            assert!(chosen.indices().len() >= before.indices().len(), "{trial}");
+            joined += usize::from(chosen != before);
+            if before.is_below(&spots, center) {
+                let below = chosen.left_out(&spots, center).map(|(below, _)| below);
+                assert!(below.is_some_and(|below| below <= LEFT_OUT * slight), "{trial}: {below:?}");
+                supported += 1;
+            }
+        }
+        assert!(joined > 200 && supported > 1000, "{joined} joined, {supported} supported");
     }
 
     /// Last frame's points stay while the body rocks by less than the tolerance, and are replaced

@@ -8,7 +8,7 @@ impl Pack {
     /// pack.
     ///
     /// Each object counts with the mass of its mesh, where that is recorded: see
-    /// [`Hull::mesh_mass_properties`](crate::Hull::mesh_mass_properties). Convex parts overlap, so
+    /// [`Hull::mesh_mass_properties`](crate::Hull::mesh_mass_properties). Convex parts protrude, so
     /// the sum of their masses would be too large. Other objects count with the sum of their hulls.
     /// [`MassProperties::source`] is [`Mesh`](crate::MassSource::Mesh) if every object has the mass
     /// of its mesh.

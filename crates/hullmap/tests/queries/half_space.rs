@@ -102,6 +102,34 @@ fn a_half_space_equals_a_large_box() {
     assert!(several > total / 8 && separated > total / 10, "{several} and {separated} of {total}");
 }
 
+/// The deepest vertex of a rock was missing, since other points are nearly as deep and span more
+/// area. Points that have been there may be preferred to it, but a new manifold has none.
+#[test]
+fn a_new_manifold_has_the_deepest_point() {
+    println!("seed {SEED:#x}");
+    let packs = packs();
+    let floor = HalfSpace::new(DVec3::Z, 0.0).unwrap();
+    let settings = ManifoldSettings { prediction: Prediction::Length(0.05), ..Default::default() };
+    let mut rng = SplitMix64::new(SEED + 1);
+    let mut many = 0;
+    for (which, body) in bodies(&packs).iter().enumerate() {
+        for i in 0..200 {
+            let pose = Pose::new(DVec3::Z * rng.between(-0.5, 0.5), rotation(&**body, &mut rng, i)).unwrap();
+            let mut manifold = Manifold::new();
+            let contact = manifold.update_half_space(&floor, &**body, pose, &settings);
+            if manifold.points().is_empty() {
+                continue;
+            }
+            let signed = (contact.point_a - contact.point_b).dot(contact.normal);
+            let deepest = manifold.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
+            let off = (deepest - signed).abs() / body.outer_radius();
+            assert!(off <= 1e-4, "body {which}, {i}, {pose:?}: {off:e}, {manifold:?}");
+            many += usize::from(manifold.points().len() == 4);
+        }
+    }
+    assert!(many > 500, "{many}");
+}
+
 /// A box slides and rocks on the plane: its points keep id, impulse and user data.
 #[test]
 fn points_are_kept_from_frame_to_frame() {

@@ -67,7 +67,8 @@ pub(super) fn update_plane<M, C: Default + Copy>(
     out: &mut ContactManifold<M, C>,
 ) {
     stamp(kept, out);
-    kept.update_half_space(plane, *hull, placement.b_in_a, &settings(prediction));
+    let is_new = out.points.is_empty();
+    kept.update_half_space_from((plane, *hull, placement.b_in_a), &settings(prediction), is_new);
     write(kept, placement, out);
 }
 

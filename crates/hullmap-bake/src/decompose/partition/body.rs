@@ -144,11 +144,15 @@ pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
 /// Number of points from which points deep inside the hull are dropped before it is built.
 const MANY: usize = 256;
 
-/// The points without those deep inside the hull of the farthest points along a few directions.
-fn outer(points: &[DVec3]) -> Vec<DVec3> {
-    const STEPS: [f64; 3] = [-1.0, 0.0, 1.0];
-    let directions: Vec<DVec3> =
-        STEPS.iter().flat_map(|x| STEPS.iter().flat_map(|y| STEPS.map(|z| DVec3::new(*x, *y, z)))).collect();
+/// The farthest points along the directions of a grid with `steps` steps from the middle to its
+/// border, along each axis.
+fn extremes(points: &[DVec3], steps: i32) -> Vec<DVec3> {
+    let all = || (-steps..=steps).map(f64::from);
+    let is_border = |d: &DVec3| d.abs().max_element() == f64::from(steps);
+    let directions: Vec<DVec3> = all()
+        .flat_map(|x| all().flat_map(move |y| all().map(move |z| DVec3::new(x, y, z))))
+        .filter(is_border)
+        .collect();
     let mut farthest = vec![(f64::NEG_INFINITY, DVec3::ZERO); directions.len()];
     for p in points {
         for (direction, farthest) in directions.iter().zip(&mut farthest) {
@@ -158,7 +162,20 @@ fn outer(points: &[DVec3]) -> Vec<DVec3> {
             }
         }
     }
-    let inner = Body::new(&farthest.iter().map(|(_, p)| *p).collect::<Vec<_>>(), 0.0);
+    farthest.into_iter().map(|(_, p)| p).collect()
+}
+
+/// Points whose hull lies in the hull of all and is nearly as large, for comparisons of trials.
+pub fn rough(points: &[DVec3]) -> Vec<DVec3> {
+    if points.len() < ROUGH { points.to_vec() } else { extremes(points, 2) }
+}
+
+/// Number of points from which a trial uses some of them.
+const ROUGH: usize = 128;
+
+/// The points without those deep inside the hull of the farthest points along a few directions.
+fn outer(points: &[DVec3]) -> Vec<DVec3> {
+    let inner = Body::new(&extremes(points, 1), 0.0);
     // Far from the origin, heights above planes are off by the rounding error of the coordinates.
     let greatest = inner.low.abs().max(inner.high.abs()).max_element();
     let slack = INNER * inner.diagonal() + INNER_ROUNDING * greatest;
@@ -177,101 +194,6 @@ fn distinct(points: &[DVec3]) -> Vec<DVec3> {
     all.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
     all.dedup();
     all
-}
-
-/// A plane with a set behind it and `p` in front of it; `None` if `p` is in the set's hull, or so
-/// close to it that rounding error decides. `support` is the set's farthest point along a vector.
-///
-/// This is GJK. It starts in the direction `towards`, and ends as soon as a direction separates.
-pub fn separation(support: impl Fn(DVec3) -> DVec3, p: DVec3, towards: DVec3, margin: f64) -> Option<HalfSpace> {
-    let mut simplex = [DVec3::ZERO; 4];
-    let mut count = 0;
-    let mut direction = towards;
-    let mut last = f64::INFINITY;
-    for _ in 0..MAX_STEPS {
-        let length = direction.length();
-        if !(length > margin) {
-            return None;
-        }
-        let unit = direction / length;
-        let support = support(unit);
-        let reach = support.dot(unit);
-        if unit.dot(p) > reach + margin {
-            return Some(HalfSpace { normal: unit, offset: reach });
-        }
-        if simplex[..count].contains(&support) {
-            return None;
-        }
-        simplex[count] = support;
-        count += 1;
-        let (nearest, kept, kept_count) = nearest_in_simplex(p, &simplex[..count]);
-        if kept_count == 4 || kept_count == 0 {
-            return None;
-        }
-        direction = p - nearest;
-        let distance = direction.length_squared();
-        // The first step starts from a guess, not from a point.
-        if !(distance < last) {
-            return None;
-        }
-        last = distance;
-        (simplex, count) = (kept, kept_count);
-    }
-    None
-}
-
-const MAX_STEPS: usize = 40;
-
-/// The point of the simplex nearest to `p`, and the corners of the smallest face that contains it.
-fn nearest_in_simplex(p: DVec3, corners: &[DVec3]) -> (DVec3, [DVec3; 4], usize) {
-    let mut best = (f64::INFINITY, DVec3::ZERO, [DVec3::ZERO; 4], 0);
-    let Some((new, others)) = corners.split_last() else { return (p, best.2, 0) };
-    for choice in 0..1_u32 << others.len() {
-        let mut chosen = [DVec3::ZERO; 4];
-        let mut count = 0;
-        for (index, corner) in others.iter().enumerate() {
-            if choice >> index & 1 == 1 {
-                chosen[count] = *corner;
-                count += 1;
-            }
-        }
-        chosen[count] = *new;
-        count += 1;
-        let Some(nearest) = inside_face(p, &chosen[..count]) else { continue };
-        let distance = nearest.distance_squared(p);
-        if distance < best.0 {
-            best = (distance, nearest, chosen, count);
-        }
-    }
-    (best.1, best.2, best.3)
-}
-
-/// The point nearest to `p` in the plane or line of the corners, if it lies between them.
-fn inside_face(p: DVec3, corners: &[DVec3]) -> Option<DVec3> {
-    match *corners {
-        [a] => Some(a),
-        [a, b] => {
-            let along = b - a;
-            let t = (p - a).dot(along) / along.length_squared();
-            (0.0..=1.0).contains(&t).then(|| a + along * t)
-        }
-        [a, b, c] => {
-            let (a0, b0, c0) = (a - p, b - p, c - p);
-            let normal = (b - a).cross(c - a);
-            let area = normal.length_squared();
-            let weights =
-                DVec3::new(b0.cross(c0).dot(normal), c0.cross(a0).dot(normal), a0.cross(b0).dot(normal)) / area;
-            (weights.min_element() >= 0.0).then(|| p + normal * (a0.dot(normal) / area))
-        }
-        [a, b, c, d] => {
-            let [a, b, c, d] = [a - p, b - p, c - p, d - p];
-            let volume = (b - a).cross(c - a).dot(d - a);
-            let part = |x: DVec3, y: DVec3, z: DVec3| x.cross(y).dot(z) / volume;
-            let weights = [part(b, c, d), part(a, d, c), part(a, b, d), part(a, c, b)];
-            weights.iter().all(|w| *w >= 0.0).then_some(p)
-        }
-        _ => None,
-    }
 }
 
 #[cfg(test)]

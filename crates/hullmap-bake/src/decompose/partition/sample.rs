@@ -1,8 +1,9 @@
-//! Points on the faces of a body, large faces first.
+//! Points on the faces of a body, large faces first, and points spread over a surface.
 
 use glam::DVec3;
 
 use super::body::Body;
+use crate::spread::spread;
 
 /// Up to `count` points on the faces of a body: middles of triangles, which are halved along their
 /// longest edges, the largest first, down to edges of length `spacing`.
@@ -31,7 +32,7 @@ pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
 }
 
 /// Halves of a triangle, cut at the middle of its longest edge.
-pub fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
+fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
     let (ab, bc, ca) = (a.distance_squared(b), b.distance_squared(c), c.distance_squared(a));
     if ab >= bc && ab >= ca {
         let m = (a + b) * 0.5;
@@ -44,3 +45,26 @@ pub fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
         [[c, m, b], [m, a, b]]
     }
 }
+
+/// Points spread over triangles, about one for each `area` of them, each with the index of its
+/// triangle.
+pub fn spread_points(triangles: impl Iterator<Item = [DVec3; 3]>, area: f64) -> Vec<(usize, DVec3)> {
+    let mut found = Vec::new();
+    let mut owed = 0.5;
+    for (index, [a, b, c]) in triangles.enumerate() {
+        let (u, v) = (b - a, c - a);
+        owed += 0.5 * u.cross(v).length() / area;
+        // Written so that NaN and infinity give no points.
+        let count = if owed < MOST { owed as usize } else { 0 };
+        owed -= count as f64;
+        for k in 0..count {
+            let [s, t, _] = spread(k);
+            let [s, t] = if s + t > 1.0 { [1.0 - s, 1.0 - t] } else { [s, t] };
+            found.push((index, a + u * s + v * t));
+        }
+    }
+    found
+}
+
+/// Maximum number of points of a triangle.
+const MOST: f64 = 1e5;

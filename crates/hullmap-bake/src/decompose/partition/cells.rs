@@ -19,7 +19,8 @@ use rayon::prelude::*;
 
 use super::body::{Body, THICKNESS};
 use super::field::Field;
-use crate::fit::planes::HalfSpace;
+use crate::decompose::patch::Patch;
+use crate::fit::planes::{self, HalfSpace};
 
 /// Maximum number of cuts that lead to a cell.
 const MAX_DEPTH: u32 = 40;
@@ -42,40 +43,8 @@ const DECISIVE: f64 = 0.3;
 /// A later candidate is better if it leaves less than this share of the least volume so far.
 const BETTER: f64 = 0.97;
 
-/// Distance of a cell's points from the hull of those with which parts grow, relative to the proven
-/// limit of a cell.
-pub const COARSE: f64 = 0.0125;
-
-/// Number of points up to which all are used.
-const FEW: usize = 12;
-
-/// Number of rounds after which all points are used.
-const FEW_ROUNDS: usize = 8;
-
 /// Distance from a plane up to which a corner lies in it, relative to the diagonal.
 const IN_PLANE: f64 = 1e-9;
-
-/// A piece of the surface.
-#[derive(Clone, Debug)]
-pub struct Cell {
-    /// Extreme points of its corners.
-    pub points: Vec<DVec3>,
-    /// Some of the points: no other is farther from their hull than [`COARSE`] of the limit. Parts
-    /// grow with them, and are finished with all.
-    pub few: Vec<DVec3>,
-    /// Middle of its box.
-    pub centre: DVec3,
-    /// Radius of a ball around the centre that contains it.
-    pub radius: f64,
-    /// Area of its polygons.
-    pub area: f64,
-    /// Minimum of the points.
-    pub low: DVec3,
-    /// Maximum of the points.
-    pub high: DVec3,
-    /// Its polygons.
-    pub polygons: Vec<Vec<DVec3>>,
-}
 
 #[derive(Clone, Debug)]
 struct Edge {
@@ -109,13 +78,6 @@ impl Piece {
         self.corners.extend_from_slice(corners);
         self.ends.push(self.corners.len() as u32);
         self.normals.push(normal);
-    }
-
-    fn area(&self) -> f64 {
-        self.polygons()
-            .map(|(c, _)| (1..c.len().max(2) - 1).map(|i| (c[i] - c[0]).cross(c[i + 1] - c[0]).length()).sum::<f64>())
-            .sum::<f64>()
-            * 0.5
     }
 
     /// Standard deviation of the normals along each axis.
@@ -271,19 +233,37 @@ pub struct Cutting {
     pub max_cells: usize,
 }
 
+/// The cells of a surface.
+pub struct Cells {
+    /// The cells.
+    pub cells: Vec<Patch>,
+    /// Planes that may divide pieces.
+    pub planes: FacePlanes,
+}
+
+/// Planes of faces that may divide pieces.
+#[derive(Debug, Default)]
+pub struct FacePlanes {
+    /// Those of faces at concave edges, the longest and sharpest edges first.
+    pub concave: Vec<HalfSpace>,
+    /// Those of large faces, the largest first. Where shells touch, there are no concave edges.
+    pub large: Vec<HalfSpace>,
+}
+
 /// The cells of a surface; `None` if `is_over` before they are found.
 pub fn cells(
     triangles: &[[DVec3; 3]],
     field: &Field,
     cutting: &Cutting,
     is_over: &(dyn Fn() -> bool + Sync),
-) -> Option<Vec<Cell>> {
+) -> Option<Cells> {
     let mut root = Piece::default();
     for t in triangles {
         let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero();
         root.push(t, normal);
     }
     root.edges = concave_edges(triangles, cutting.diagonal);
+    let planes = face_planes(&root);
     // Level by level, so that pieces are independent of each other.
     let mut level = vec![(root, 0_u32)];
     let mut cells = Vec::new();
@@ -302,11 +282,11 @@ pub fn cells(
             }
         }
     }
-    Some(cells)
+    Some(Cells { cells, planes })
 }
 
 /// The pieces that a piece is cut into, each with its number of cuts, or else its cells.
-type Step = Result<Vec<(Piece, u32)>, Vec<Cell>>;
+type Step = Result<Vec<(Piece, u32)>, Vec<Patch>>;
 
 /// Cells of a piece, or the pieces it is cut into.
 fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Step {
@@ -323,7 +303,7 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     if !is_large && !is_refuted {
         let body = Body::new(&piece.corners, thickness);
         if !protrudes(&piece, &body, field, limit) && (piece.ends.len() == 1 || is_proven(&body, field, cutting)) {
-            return Err(vec![cell(&piece, &body, cutting)]);
+            return Err(vec![cell(&piece, &body)]);
         }
     }
     if piece.ends.len() == 1 || depth >= if may_cut { MAX_DEPTH } else { MAX_DEPTH / 2 } {
@@ -346,55 +326,15 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     }
 }
 
-fn cell(piece: &Piece, body: &Body, cutting: &Cutting) -> Cell {
-    let points = body.points.clone();
-    let few = few(&points, COARSE * cutting.hard, cutting.diagonal * THICKNESS);
-    let (low, high) = super::body::bounds(&points);
-    let centre = (low + high) * 0.5;
-    let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-    let polygons = piece.polygons().map(|(corners, _)| corners.to_vec()).collect();
-    Cell { points, few, centre, radius, area: piece.area(), low, high, polygons }
+fn cell(piece: &Piece, body: &Body) -> Patch {
+    Patch { polygons: piece.polygons().map(|(corners, _)| corners.to_vec()).collect(), points: body.points.clone() }
 }
 
-/// Some of the points, such that no other is farther from their hull than `distance`.
-fn few(points: &[DVec3], distance: f64, thickness: f64) -> Vec<DVec3> {
-    if points.len() <= FEW {
-        return points.to_vec();
-    }
-    let mut chosen = vec![false; points.len()];
-    for axis in 0..3 {
-        let along = |a: &usize, b: &usize| points[*a][axis].total_cmp(&points[*b][axis]);
-        (0..points.len())
-            .min_by(along)
-            .into_iter()
-            .chain((0..points.len()).max_by(along))
-            .for_each(|i| chosen[i] = true);
-    }
-    // Each round adds the farthest point of each face.
-    for _ in 0..FEW_ROUNDS {
-        let list: Vec<DVec3> = points.iter().zip(&chosen).filter(|(_, is)| **is).map(|(p, _)| *p).collect();
-        let body = Body::new(&list, thickness);
-        let mut is_done = true;
-        for plane in &body.planes {
-            let farthest =
-                (0..points.len()).max_by(|a, b| plane.height(points[*a]).total_cmp(&plane.height(points[*b])));
-            if let Some(farthest) = farthest.filter(|i| plane.height(points[*i]) > distance && !chosen[*i]) {
-                chosen[farthest] = true;
-                is_done = false;
-            }
-        }
-        if is_done {
-            return list;
-        }
-    }
-    points.to_vec()
-}
-
-fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Cell> {
+fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Patch> {
     let one = |(corners, normal): (&[DVec3], DVec3)| {
         let mut single = Piece::default();
         single.push(corners, normal);
-        cell(&single, &Body::new(corners, cutting.diagonal * THICKNESS), cutting)
+        cell(&single, &Body::new(corners, cutting.diagonal * THICKNESS))
     };
     piece.polygons().map(one).collect()
 }
@@ -425,6 +365,7 @@ fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
         limit: cutting.hard,
         max_vertices: usize::MAX,
         diagonal: cutting.diagonal,
+        thickness: 0.0,
         deadline: None,
         stage: crate::progress::Stage::default(),
     };
@@ -436,29 +377,15 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
     let (low, high) = super::body::bounds(&piece.corners);
     let size = high - low;
     let diagonal = size.length();
-    let mut groups: BTreeMap<[i32; 4], (f64, HalfSpace)> = BTreeMap::new();
-    let mut total = 0.0;
-    for edge in &piece.edges {
-        let weight = edge.ends[0].distance(edge.ends[1]) * edge.sine;
-        total += weight;
-        for plane in edge.planes {
-            let p = edge.ends[0] - low;
-            // One sign for both sides of a plane.
-            let sign = if plane.normal.dot(DVec3::new(1.0, 0.618, 0.381)) < 0.0 { -1.0 } else { 1.0 };
-            let n = plane.normal * sign;
-            let key = [n.x * 64.0, n.y * 64.0, n.z * 64.0, n.dot(p) / diagonal * 512.0].map(|x| x.round() as i32);
-            let offset = n.dot(edge.ends[0]);
-            groups.entry(key).or_insert((0.0, HalfSpace { normal: n, offset })).0 += weight;
-        }
-    }
+    let ranked = ranked(piece);
+    // Each edge has two planes.
+    let total = 0.5 * ranked.iter().map(|(weight, _)| weight).sum::<f64>();
     // A plane at the border of the piece cuts nothing.
     let is_inner = |plane: &HalfSpace| {
         let heights = || piece.corners.iter().map(|p| plane.height(*p));
         heights().fold(f64::INFINITY, f64::min) < -1e-4 * diagonal
             && heights().fold(f64::NEG_INFINITY, f64::max) > 1e-4 * diagonal
     };
-    let mut ranked: Vec<(f64, HalfSpace)> = groups.into_values().collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut candidates: Vec<(f64, HalfSpace)> =
         ranked.into_iter().take(24).filter(|(_, plane)| is_inner(plane)).take(4).collect();
     if let Some((weight, plane)) = candidates.first()
@@ -509,10 +436,47 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
     best.map(|(_, plane)| plane)
 }
 
+/// Share of the area of all faces from which faces in one plane count as large.
+const LARGE: f64 = 0.005;
+
+fn face_planes(root: &Piece) -> FacePlanes {
+    let of_polygon = |(corners, normal): (&[DVec3], DVec3)| {
+        let area: f64 = planes::fan(corners).iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
+        (area, HalfSpace { normal, offset: normal.dot(corners[0]) }, corners[0])
+    };
+    let all = grouped(root, root.polygons().map(of_polygon).filter(|(area, ..)| *area > 0.0));
+    let total: f64 = all.iter().map(|(area, _)| area).sum();
+    let large = all.into_iter().take_while(|(area, _)| *area >= LARGE * total).map(|(_, plane)| plane).collect();
+    FacePlanes { concave: ranked(root).into_iter().map(|(_, plane)| plane).collect(), large }
+}
+
+/// The planes of faces at the concave edges of a piece, each with the length and sine of its edges,
+/// the greatest first.
+fn ranked(piece: &Piece) -> Vec<(f64, HalfSpace)> {
+    let weight = |edge: &Edge| edge.ends[0].distance(edge.ends[1]) * edge.sine;
+    grouped(piece, piece.edges.iter().flat_map(|edge| edge.planes.map(|plane| (weight(edge), plane, edge.ends[0]))))
+}
+
+/// Planes with their weights and a point of each, the greatest weight first. Planes that nearly
+/// agree are one.
+fn grouped(piece: &Piece, planes: impl Iterator<Item = (f64, HalfSpace, DVec3)>) -> Vec<(f64, HalfSpace)> {
+    let (low, high) = super::body::bounds(&piece.corners);
+    let diagonal = low.distance(high);
+    let mut groups: BTreeMap<[i32; 4], (f64, HalfSpace)> = BTreeMap::new();
+    for (weight, plane, at) in planes {
+        // One sign for both sides of a plane.
+        let sign = if plane.normal.dot(DVec3::new(1.0, 0.618, 0.381)) < 0.0 { -1.0 } else { 1.0 };
+        let n = plane.normal * sign;
+        let key = [n.x * 64.0, n.y * 64.0, n.z * 64.0, n.dot(at - low) / diagonal * 512.0].map(|x| x.round() as i32);
+        groups.entry(key).or_insert((0.0, HalfSpace { normal: n, offset: n.dot(at) })).0 += weight;
+    }
+    let mut ranked: Vec<(f64, HalfSpace)> = groups.into_values().collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked
+}
+
 /// Edges whose faces lie in front of each other.
 fn concave_edges(triangles: &[[DVec3; 3]], diagonal: f64) -> Vec<Edge> {
-    let volume: f64 = triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum();
-    let outward = if volume < 0.0 { -1.0 } else { 1.0 };
     let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sides: Vec<([[u64; 3]; 2], u32, u32)> = Vec::with_capacity(3 * triangles.len());
     for (i, t) in triangles.iter().enumerate() {
@@ -533,7 +497,7 @@ fn concave_edges(triangles: &[[DVec3; 3]], diagonal: f64) -> Vec<Edge> {
         for (i, first) in run.iter().enumerate() {
             for second in &run[i + 1..] {
                 let (t, u) = (triangles[first.1 as usize], triangles[second.1 as usize]);
-                let normal = |t: [DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero() * outward;
+                let normal = |t: [DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero();
                 let (n, m) = (normal(t), normal(u));
                 let (a, b) = (t[first.2 as usize], t[(first.2 as usize + 1) % 3]);
                 let apex = u[(second.2 as usize + 2) % 3];

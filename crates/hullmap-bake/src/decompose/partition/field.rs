@@ -154,8 +154,15 @@ impl<'a> Field<'a> {
         for corners in triangles {
             let centre = triangle::centroid(corners);
             let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-            queue.push(Piece { bound: radius, within: f64::INFINITY, hint: None, corners: *corners });
+            queue.push(Piece {
+                bound: radius,
+                index: queue.len(),
+                within: f64::INFINITY,
+                hint: None,
+                corners: *corners,
+            });
         }
+        let mut pushed = queue.len();
         for _ in 0..measurements {
             let Some(piece) = queue.pop() else { break };
             let centre = triangle::centroid(&piece.corners);
@@ -185,7 +192,9 @@ impl<'a> Field<'a> {
                 let radius = corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
                 let distance = near.distance + middle.distance(centre);
                 if distance + radius > limit {
-                    queue.push(Piece { bound: distance + radius, within, hint: Some(near.triangle), corners });
+                    let bound = distance + radius;
+                    queue.push(Piece { bound, index: pushed, within, hint: Some(near.triangle), corners });
+                    pushed += 1;
                 }
             }
         }
@@ -220,6 +229,8 @@ impl<'a> Field<'a> {
 /// A triangle in the queue of a search.
 struct Piece {
     bound: f64,
+    /// Of pieces with the same bound, the one that was found first comes first.
+    index: usize,
     /// A distance that exceeds its middle's.
     within: f64,
     /// A triangle of the mesh that is near.
@@ -243,6 +254,6 @@ impl PartialOrd for Piece {
 
 impl Ord for Piece {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.bound.total_cmp(&other.bound)
+        self.bound.total_cmp(&other.bound).then(other.index.cmp(&self.index))
     }
 }

@@ -31,6 +31,9 @@ use crate::{NO_SOURCE_VERTEX, PointSet, simplify};
 /// Maximum number of planes that are added.
 const MAX_STEPS: usize = 200;
 
+/// Maximum number of proofs.
+const MAX_PROOFS: usize = 6;
+
 /// Maximum number of measurements of a proof.
 pub const MEASUREMENTS: usize = 100_000;
 
@@ -46,6 +49,9 @@ const REFUTING: usize = 400;
 /// Number of vertices above which a hull is not simplified, relative to the allowed number.
 const MANY: f64 = 1.5;
 
+/// Number of vertices up to which any hull is simplified.
+const FEW: usize = 64;
+
 /// Share of all faces' area from which a face's plane is used from the start.
 const LARGE: f64 = 0.04;
 
@@ -58,9 +64,6 @@ const MEASURED: usize = 150;
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 const ROUNDING: f64 = 1.1e-7;
 
-/// Thickness of parts of a sheet, relative to the diagonal, where the limit allows it.
-const MIN_THICKNESS: f64 = 5e-3;
-
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
@@ -70,6 +73,8 @@ pub struct Bounds<'a> {
     pub max_vertices: usize,
     /// Diagonal of the mesh.
     pub diagonal: f64,
+    /// The least thickness of a part.
+    pub thickness: f64,
     /// When to stop.
     pub deadline: Option<Deadline>,
     /// The progress of the search, which may be cancelled.
@@ -77,11 +82,6 @@ pub struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// The least thickness of a part.
-    pub fn thickness(&self) -> f64 {
-        (0.5 * self.limit).min(MIN_THICKNESS * self.diagonal)
-    }
-
     /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
         self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
@@ -91,13 +91,13 @@ impl Bounds<'_> {
 /// Proves that a hull is within the limit by at most `measurements`, and returns the bound.
 ///
 /// # Errors
-/// A point of the hull that may be too far from the solid.
-pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, DVec3> {
+/// A point of the hull that is too far from the solid; `None` if the measurements do not decide.
+pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, Option<DVec3>> {
     let usual = Accuracy::decide(bounds.limit);
     let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
     let found = protrusion_beside(field.solid(), hull, &accuracy, field.peaks());
     // Written so that NaN fails.
-    if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
+    if found.bound <= bounds.limit { Ok(found.bound) } else { Err((found.reached > bounds.limit).then_some(found.at)) }
 }
 
 /// The hull of f32 points; `None` if it cannot be built.
@@ -171,6 +171,18 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     hull_of(rounded)
 }
 
+/// The hull of a hull that is at least as thick as the bounds ask for; the hull itself if that is
+/// not proven to be within the limit.
+pub fn thick(field: &Field, hull: Hull, bounds: &Bounds) -> Hull {
+    let points = hull.positions();
+    if thinnest(&points).1 >= 0.99 * bounds.thickness {
+        return hull;
+    }
+    let thick = tight(&points, bounds.diagonal, bounds.thickness);
+    let thick = thick.map(|thick| within_vertices(thick, bounds.max_vertices));
+    thick.filter(|thick| prove(field, thick, bounds, MEASUREMENTS).is_ok()).unwrap_or(hull)
+}
+
 /// The f32 points of the box around a point: their hull contains it.
 fn around(p: DVec3) -> Vec<[f32; 3]> {
     let sides = p.to_array().map(|x| {
@@ -204,6 +216,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
     let max_vertices = bounds.max_vertices.min(body.points.len().saturating_sub(1));
     let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
     let mut planes = start.map_or_else(|| faces.largest(), planes::half_spaces);
+    let mut proofs = 0;
     for _ in 0..MAX_STEPS {
         if bounds.is_over() {
             return Err(None);
@@ -223,9 +236,12 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
                 if hull.vertices.len() > max_vertices {
                     return simplified(field, &hull, bounds, max_vertices);
                 }
+                proofs += 1;
                 match prove(field, &hull, bounds, MEASUREMENTS) {
                     Ok(bound) => return Ok((hull, bound)),
-                    Err(point) => {
+                    Err(None) => return Err(None),
+                    Err(Some(_)) if proofs == MAX_PROOFS => return Err(None),
+                    Err(Some(point)) => {
                         planes = left;
                         faces.refuted.push(point);
                         // The proof ends at the first point. Others save further proofs.
@@ -248,8 +264,14 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
 }
 
 /// A hull with at most `max_vertices` vertices around a hull that has a few more.
-fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, max_vertices: usize) -> Result<(Hull, f64), Option<DVec3>> {
-    if hull.vertices.len() as f64 > MANY * max_vertices as f64 || max_vertices < simplify::MIN_VERTICES {
+pub fn simplified(
+    field: &Field,
+    hull: &Hull,
+    bounds: &Bounds,
+    max_vertices: usize,
+) -> Result<(Hull, f64), Option<DVec3>> {
+    let most = ((MANY * max_vertices as f64) as usize).max(FEW);
+    if hull.vertices.len() > most || max_vertices < simplify::MIN_VERTICES {
         return Err(None);
     }
     let simplified = simplify::simplify(hull, simplify::Limit::Vertices(max_vertices));

@@ -1,0 +1,83 @@
+//! What the steps of a search share: the solid, lengths, and points that no part may contain.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{
+    body::Body,
+    cells::FacePlanes,
+    field::Field,
+    piece::{Piece, Scale},
+    sample::spread_points,
+    shape::{self, Part},
+    wrap::Bounds,
+};
+use crate::spread::spread;
+
+/// Number of evenly spread points of which the forbidden ones are used.
+const SPREAD: usize = 6000;
+
+/// Approximate number of places on the surface beside which forbidden points are sought.
+const BESIDE: f64 = 3000.0;
+
+/// Maximum number of points of a hull that are too far from the solid, of those that are sought.
+const REFUTING: usize = 12;
+
+/// Maximum number of distances by which they are sought.
+const MEASURED: usize = 800;
+
+/// What the steps of a search share.
+pub struct Search<'a> {
+    /// The mesh's solid.
+    pub field: &'a Field<'a>,
+    /// Lengths.
+    pub scale: Scale,
+    /// Planes of faces that may divide pieces.
+    pub planes: &'a FacePlanes,
+    /// Limits of hulls.
+    pub bounds: Bounds<'a>,
+}
+
+impl Search<'_> {
+    /// Whether the deadline has passed, or the search is cancelled.
+    pub fn is_over(&self) -> bool {
+        self.bounds.is_over()
+    }
+
+    /// Points in the hull of the whole surface that are too far from the solid.
+    pub fn forbidden(&self, triangles: &[[DVec3; 3]], hull: &Body) -> Vec<DVec3> {
+        let size = hull.high - hull.low;
+        let mut found: Vec<DVec3> = (0..SPREAD).map(|k| hull.low + size * DVec3::from_array(spread(k))).collect();
+        let normal = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a);
+        let area: f64 = triangles.iter().map(|triangle| 0.5 * normal(triangle).length()).sum();
+        let spacing = self.scale.limit.max((area / BESIDE).sqrt());
+        for (index, p) in spread_points(triangles.iter().copied(), spacing * spacing) {
+            let up = normal(&triangles[index]).normalize_or_zero() * (1.02 * self.scale.limit);
+            found.extend([p + up, p - up]);
+        }
+        let is_forbidden = |p: &DVec3| hull.holds(*p, 0.0) && self.field.is_beyond(*p, self.scale.limit);
+        found.into_par_iter().filter(is_forbidden).collect()
+    }
+
+    /// Points of a piece's hull that are too far from the solid; none if none are found.
+    pub fn beyond(&self, piece: &Piece) -> Vec<DVec3> {
+        if !piece.forbidden.is_empty() {
+            return piece.forbidden.clone();
+        }
+        self.points_beyond(&piece.body)
+    }
+
+    /// Points of a body that are too far from the solid; none if none are found.
+    pub fn points_beyond(&self, body: &Body) -> Vec<DVec3> {
+        self.field.points_beyond(&body.triangles, self.scale.limit, REFUTING, MEASURED)
+    }
+
+    /// The part of a piece.
+    ///
+    /// # Errors
+    /// See [`shape::Outcome`].
+    pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
+        let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;
+        Ok(Part { piece: piece.clone(), hull, bound })
+    }
+}

@@ -1,0 +1,146 @@
+//! The plane that divides a piece.
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use super::{
+    body::{Body, longest, rough},
+    cells::FacePlanes,
+    conflicts::Conflicts,
+    field::Field,
+    piece::{Piece, Scale},
+};
+use crate::fit::planes::HalfSpace;
+
+/// Number of equal slabs between the candidates across a direction.
+const SLABS: usize = 12;
+
+/// Maximum number of planes of faces at concave edges, and of large faces, that are tried.
+const FACES: usize = 12;
+
+/// Number of forbidden points by which planes are compared.
+const COMPARED: usize = 600;
+
+/// Weight of the protrusion of both sides beside that of conflicts.
+const PROTRUSION: f64 = 2.0;
+
+/// Extra cost of a plane across a direction at the border of a piece, as a share, so that symmetric
+/// meshes are cut in the middle.
+const OFF_MIDDLE: f64 = 0.3;
+
+/// Extra cost of a plane across a direction that is not an axis, as a share. Cuts across an axis are
+/// the easiest to read.
+const SLANTED: f64 = 0.1;
+
+/// Weight of the volume beside that of forbidden points.
+const VOLUME: f64 = 0.1;
+
+/// Number of steps by which principal axes are found.
+const POWERS: usize = 60;
+
+/// The coordinate axes, and the principal axes of a piece's surface.
+pub fn directions(piece: &Piece) -> [DVec3; 6] {
+    let (mut sum, mut total, mut second) = (DVec3::ZERO, 0.0, DMat3::ZERO);
+    let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+    for [a, b, c] in piece.atoms.iter().flat_map(|atom| atom.triangles()) {
+        let (area, middle) = ((b - a).cross(c - a).length(), (a + b + c) / 3.0);
+        sum += middle * area;
+        total += area;
+        second += outer(middle) * area;
+    }
+    let mut spread = second * (1.0 / total) - outer(sum / total);
+    // Power iteration; the axis that was found is taken out.
+    let mut longest = || {
+        let mut axis = DVec3::new(0.57, 0.61, 0.55);
+        for _ in 0..POWERS {
+            axis = (spread * axis).normalize_or(DVec3::X);
+        }
+        spread -= outer(axis) * axis.dot(spread * axis);
+        axis
+    };
+    let (first, second) = (longest(), longest());
+    [DVec3::X, DVec3::Y, DVec3::Z, first, second, first.cross(second).normalize_or(DVec3::Z)]
+}
+
+/// Lowest and highest point of a piece along a direction.
+pub fn range(piece: &Piece, normal: DVec3) -> (f64, f64) {
+    let heights = piece.body.points.iter().map(|p| normal.dot(*p));
+    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+}
+
+/// The plane across the longest side of a piece's box, in its middle.
+pub fn middle(piece: &Piece) -> HalfSpace {
+    let Body { low, high, .. } = piece.body;
+    let normal = DVec3::AXES[longest(high - low)];
+    HalfSpace { normal, offset: normal.dot(0.5 * (low + high)) }
+}
+
+/// The planes of faces at concave edges, and of large faces, that cut a piece, in the given order.
+pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> impl Iterator<Item = HalfSpace> + 'a {
+    let margin = 0.2 * scale.limit;
+    let cuts = move |plane: &&HalfSpace| {
+        let (low, high) = range(piece, plane.normal);
+        low < plane.offset - margin && high > plane.offset + margin
+    };
+    let some = move |planes: &'a [HalfSpace]| planes.iter().filter(cuts).take(FACES).copied();
+    some(&planes.concave).chain(some(&planes.large))
+}
+
+/// How much two sides of a plane protrude: the sum of squares of the numbers of forbidden points in
+/// their components, so that planes are preferred that leave little on each side, and a share of the
+/// volume.
+fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec3], plane: &HalfSpace) -> f64 {
+    let back = plane.opposite();
+    let sides = [plane, &back].map(|plane| scale.above(&piece.atoms, near, plane));
+    if sides.iter().any(Vec::is_empty) {
+        return f64::INFINITY;
+    }
+    let (mut squares, mut volume) = (0.0, 0.0);
+    for component in sides.iter().flatten() {
+        let body = scale.body(&rough(&component.points));
+        let count = forbidden.iter().filter(|p| scale.is_inside(&body, **p)).count() as f64;
+        squares += count * count;
+        volume += body.volume();
+    }
+    let count = forbidden.len().max(1) as f64;
+    squares / (count * count) + VOLUME * volume / piece.body.volume().max(f64::MIN_POSITIVE)
+}
+
+/// The plane after which the sides protrude least; `None` if no plane cuts the piece.
+///
+/// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes across
+/// the axes.
+pub fn best_plane(
+    piece: &Piece,
+    scale: &Scale,
+    field: &Field,
+    near: &[Vec<u32>],
+    planes: &FacePlanes,
+) -> Option<HalfSpace> {
+    let conflicts = Conflicts::new(piece, scale, field);
+    let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
+    let forbidden: Vec<DVec3> = piece.forbidden.iter().step_by(stride).copied().collect();
+    let across = |normal: DVec3, k: usize| {
+        let (low, high) = range(piece, normal);
+        HalfSpace { normal, offset: low + (high - low) * k as f64 / SLABS as f64 }
+    };
+    let wide = directions(piece).into_iter().filter(|normal| {
+        let (low, high) = range(piece, *normal);
+        high - low >= 2.0 * scale.limit
+    });
+    let slices = wide.flat_map(|normal| (2..SLABS - 1).map(move |k| (across(normal, k), true)));
+    let candidates: Vec<(HalfSpace, bool)> =
+        slices.chain(faces(piece, scale, planes).map(|plane| (plane, false))).collect();
+    let cost = |(plane, is_slice): &(HalfSpace, bool)| {
+        let (low, high) = range(piece, plane.normal);
+        let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
+        let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
+        let unlike = OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED };
+        let left = conflicts.left(piece, scale, near, plane);
+        let cost = left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane);
+        if *is_slice { cost * (1.0 + unlike) } else { cost }
+    };
+    let costs: Vec<f64> = candidates.par_iter().map(cost).collect();
+    let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
+    costs[best].is_finite().then(|| candidates[best].0)
+}

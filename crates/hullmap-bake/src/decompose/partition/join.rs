@@ -1,0 +1,140 @@
+//! Mergers of parts, cheapest first: while the merged hull stays within the limit, or until there
+//! are few enough parts.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{body::Body, context::Search, piece::Piece, shape::Part};
+use crate::{fit::planes::HalfSpace, spread::spread};
+
+/// Number of points by which the common volume of two bodies is estimated.
+const COMMON_POINTS: usize = 512;
+
+/// Number of parts above which none are merged, since the time grows with its square.
+const MANY: usize = 512;
+
+/// Number of parts up to which parts that are far from each other are merged, too: across others.
+const FEW: usize = 48;
+
+/// Number of mergers that may fail to be proven, in addition to one for each part.
+const FAILURES: usize = 16;
+
+/// Merged parts.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parts. They are no fewer than wanted, unless they are fewer without mergers.
+    pub parts: Vec<Part>,
+    /// Number of parts to which they can be merged.
+    pub fewest: usize,
+}
+
+/// A merger of two parts.
+struct Merger {
+    /// The volume that it adds.
+    cost: f64,
+    /// The hull of both.
+    body: Body,
+}
+
+/// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
+/// `overlap` of their volume. The result has at least `wanted` parts, if there were as many; the
+/// other mergers are only counted.
+///
+/// # Complexity
+/// One hull for each pair of parts that are near each other, including merged parts.
+pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, overlap: f64, wanted: usize) -> Found {
+    let scale = &search.scale;
+    let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
+    if left.len() > MANY {
+        return Found { fewest: left.len(), parts: left.into_iter().flatten().collect() };
+    }
+    let (mut count, mut enough) = (left.len(), None);
+    let total: f64 = left.iter().flatten().map(|part| part.piece.body.volume()).sum();
+    let mut allowed = overlap * total;
+    let mut failures = FAILURES + left.len();
+    // Each pair is tried once.
+    let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
+    while failures > 0 && !search.is_over() {
+        if count <= wanted && enough.is_none() {
+            enough = Some(left.clone());
+        }
+        let gap = if count <= FEW { f64::INFINITY } else { scale.limit };
+        let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
+        let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
+        mergers.extend(new);
+        let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
+        let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
+        let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
+        let common = common_with_others(&left, pair, &body);
+        if common > allowed {
+            continue;
+        }
+        let beyond = search.points_beyond(&body);
+        if !beyond.is_empty() {
+            forbidden.extend(beyond);
+            continue;
+        }
+        let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };
+        match search.shaped(&united(search, &a.piece, &b.piece, &body)) {
+            Ok(part) => {
+                allowed -= common;
+                (left[pair.0], left[pair.1]) = (None, None);
+                left.push(Some(part));
+                count -= 1;
+                mergers.retain(|(i, j), _| [i, j].iter().all(|k| ![pair.0, pair.1].contains(k)));
+            }
+            Err(point) => {
+                failures -= 1;
+                forbidden.extend(point);
+            }
+        }
+    }
+    Found { parts: enough.unwrap_or(left).into_iter().flatten().collect(), fewest: count }
+}
+
+/// Pairs of parts whose boxes are at most `gap` apart.
+fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let gap = DVec3::splat(gap);
+    let bodies: Vec<(usize, &Body)> =
+        parts.iter().enumerate().filter_map(|(i, part)| Some((i, &part.as_ref()?.piece.body))).collect();
+    let is_near = move |a: &Body, b: &Body| a.low.cmple(b.high + gap).all() && b.low.cmple(a.high + gap).all();
+    (0..bodies.len()).flat_map(move |j| {
+        let (others, b) = (bodies[..j].to_vec(), bodies[j]);
+        others.into_iter().filter(move |a| is_near(a.1, b.1)).map(move |a| (a.0, b.0))
+    })
+}
+
+/// The merger of two parts; `None` if a forbidden point is in its hull.
+fn merger(search: &Search, parts: &[Option<Part>], (i, j): (usize, usize), forbidden: &[DVec3]) -> Option<Merger> {
+    let (a, b) = (&parts[i].as_ref()?.piece.body, &parts[j].as_ref()?.piece.body);
+    let body = search.scale.body(&[a.points.as_slice(), &b.points].concat());
+    let is_free = forbidden.iter().all(|p| !search.scale.is_inside(&body, *p));
+    is_free.then(|| Merger { cost: body.volume() - a.volume() - b.volume(), body })
+}
+
+/// The union of two pieces, whose hull is `body`.
+fn united(search: &Search, a: &Piece, b: &Piece, body: &Body) -> Piece {
+    let holds = |plane: &&HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
+    let planes = a.planes.iter().chain(&b.planes).filter(holds).copied().collect();
+    search.scale.piece([a.atoms.as_slice(), &b.atoms].concat(), planes, &[])
+}
+
+/// The volume that a body has in common with parts other than a pair.
+fn common_with_others(parts: &[Option<Part>], (i, j): (usize, usize), body: &Body) -> f64 {
+    let others = parts.iter().enumerate().filter(|(k, _)| *k != i && *k != j);
+    others.filter_map(|(_, part)| Some(common_volume(body, &part.as_ref()?.piece.body))).sum()
+}
+
+/// The volume that two bodies have in common, from the share of evenly spread points.
+fn common_volume(a: &Body, b: &Body) -> f64 {
+    let (low, high) = (a.low.max(b.low), a.high.min(b.high));
+    let size = high - low;
+    if size.min_element() <= 0.0 {
+        return 0.0;
+    }
+    let points = (0..COMMON_POINTS).map(|k| low + size * DVec3::from_array(spread(k)));
+    let share = points.filter(|p| a.holds(*p, 0.0) && b.holds(*p, 0.0)).count() as f64 / COMMON_POINTS as f64;
+    share * size.x * size.y * size.z
+}

@@ -1,0 +1,303 @@
+//! Convex decomposition as a partition: planes divide a mesh's surface into pieces, until the hull of
+//! none protrudes from the solid by more than a limit. The hulls contain the whole surface. Both is
+//! proven: `fit/coverage.rs` certifies the cover, and `fit/protrusion.rs` the protrusion.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`cells`] | small pieces of the surface, so that few points are handled |
+//! | [`field`] | which points are too far from the solid |
+//! | [`piece`] | pieces of the surface, and how planes divide them |
+//! | [`cuts`] | the plane that divides a piece |
+//! | [`conflicts`] | pairs of points that must not be in the same part |
+//! | [`peel`] | caps that are cut off a piece, one after the other |
+//! | [`join`] | mergers of parts |
+//! | [`context`] | what all steps share |
+//! | [`shape`] | final hulls of pieces |
+//! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
+//! | [`body`], [`sample`], `deadline` | trial hulls, points on faces, when to stop |
+//!
+//! # Steps
+//! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
+//! 2. Find points that are too far from the solid: evenly spread ones, and ones beside the surface.
+//!    They are *forbidden*: no part may contain them.
+//! 3. A piece whose hull contains no forbidden point, and is proven, is a part. Divide any other
+//!    piece by the plane that leaves the fewest conflicts and forbidden points within both sides,
+//!    and go on with the connected components of the sides.
+//! 4. Where that gives a few parts, peel the piece, too, and take what has fewer parts.
+//! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts.
+//!
+//! # Why the bounds hold
+//! - The pieces are clipped triangles, and together they are the whole surface. A hull of all
+//!   corners of a piece contains the piece. Hulls are rounded outward, and tests check that they
+//!   contain all corners.
+//! - Each hull's protrusion is bounded by [`protrusion`](mod@crate::fit::protrusion). It measures
+//!   the f32 vertices that are stored.
+//! - Hulls of pieces on two sides of a plane do not overlap, except by what simplification adds.
+//!
+//! # Complexity
+//! O(n log n) for the cells of n triangles. The rest depends on the number of cells, which exceeds
+//! 3,000 only where larger cells would protrude too far, and on the number of parts.
+
+pub mod body;
+pub mod cells;
+pub mod conflicts;
+pub mod context;
+pub mod cuts;
+mod deadline;
+pub mod field;
+pub mod join;
+pub mod peel;
+pub mod piece;
+pub mod sample;
+pub mod shape;
+pub mod wrap;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use cells::Cutting;
+use context::Search;
+pub use deadline::Deadline;
+use field::Field;
+pub use join::Found;
+use peel::Along;
+use piece::{Atom, Piece, Scale};
+pub use shape::Part;
+use wrap::Bounds;
+
+use crate::{PointSet, decompose::patch::Patch, progress::Stage};
+
+/// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells take
+/// longer.
+const CELL_SHARE: f64 = 0.08;
+
+/// Share of the limit that no cell's hull may exceed, proven.
+const HARD_SHARE: f64 = 0.8;
+
+/// Share of the limit that pieces use; the rest is for simplified hulls, and for the proof.
+const RESERVE: f64 = 0.94;
+
+/// Number of cells above which cells are cut only where necessary.
+const MAX_CELLS: usize = 3000;
+
+/// Maximum number of cuts that lead to a piece. Then its polygons become parts.
+const MAX_DEPTH: u32 = 40;
+
+/// Number of parts of a piece up to which it is peeled, too. Components of the whole mesh always are.
+const PEELED: usize = 12;
+
+/// Maximum number of parts before mergers: so many times the number that mergers may leave, and so
+/// many more.
+const FEWER_LATER: (f64, f64) = (1.35, 8.0);
+
+/// Share of a search after which its cells are cut, and after which all pieces are divided.
+const STAGES: [f64; 2] = [0.1, 0.95];
+
+/// Limits of a search.
+#[derive(Clone, Copy, Debug)]
+pub struct PartitionLimits<'a> {
+    /// Maximum protrusion of a part, above 0.
+    pub limit: f64,
+    /// Maximum number of vertices of a part.
+    pub max_vertices: usize,
+    /// Volume that parts may have in common, relative to the volume of all.
+    pub overlap: f64,
+    /// The least thickness of a part.
+    pub thickness: f64,
+    /// Number of parts above which the search gives up.
+    pub enough: Option<usize>,
+    /// Number of parts down to which they are merged, where they can be.
+    pub wanted: usize,
+    /// When to stop.
+    pub deadline: Option<Deadline>,
+    /// The progress of the search.
+    pub stage: Stage<'a>,
+}
+
+/// Parts that together contain the surface of `mesh`.
+///
+/// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
+/// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
+/// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
+/// about `enough` parts are needed.
+pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
+    let triangles = triangles(mesh);
+    field.find_peaks(limits.limit * HARD_SHARE);
+    let field = &*field;
+    let diagonal = field.solid().diagonal();
+    let PartitionLimits { limit, max_vertices, overlap, thickness, enough, wanted, deadline, stage } = *limits;
+    let bounds = Bounds { limit, max_vertices, diagonal, thickness, deadline, stage };
+    let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
+    let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
+    stage.reach(STAGES[0]);
+    let scale = Scale { limit: limit * RESERVE, diagonal };
+    let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
+    let hull = scale.body(&piece::points(&atoms));
+    let search = Search { field, scale, planes: &planes, bounds };
+    let mut forbidden = search.forbidden(&triangles, &hull);
+    let whole = scale.piece(atoms, Vec::new(), &forbidden);
+    let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
+    let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
+    Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
+}
+
+/// The mesh's triangles. Their faces point outward.
+fn triangles(mesh: &PointSet) -> Vec<[DVec3; 3]> {
+    let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
+    let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
+    let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
+    if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
+        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    triangles
+}
+
+/// At most `count` parts, whose bounds are not known: the hulls of what the surface is halved into,
+/// each time in the middle of the longest side. They take hardly more time than the mesh's hull.
+pub fn halved(mesh: &PointSet, bounds: &Bounds, count: usize) -> Vec<Part> {
+    let scale = Scale { limit: bounds.limit, diagonal: bounds.diagonal };
+    let polygons = triangles(mesh).into_iter().map(Vec::from).collect();
+    let atoms = Patch::new(polygons).map(|patch| vec![Arc::new(Atom::new(patch))]);
+    let mut pieces: Vec<Piece> = atoms.into_iter().map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
+    while !pieces.is_empty() && 2 * pieces.len() <= count {
+        let halves = |piece: &Piece| scale.divided(&piece.atoms, &cuts::middle(piece));
+        let halves = pieces.iter().flat_map(halves).filter(|atoms| !atoms.is_empty());
+        let halves: Vec<Piece> = halves.map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
+        if halves.len() == pieces.len() {
+            break;
+        }
+        pieces = halves;
+    }
+    let part = |piece: Piece| {
+        let tight = wrap::tight(&piece.body.points, bounds.diagonal, bounds.thickness)?;
+        Some(Part { hull: wrap::within_vertices(tight, bounds.max_vertices), piece, bound: f64::INFINITY })
+    };
+    pieces.into_iter().filter_map(part).collect()
+}
+
+/// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
+/// too far from the solid are added to `known`.
+fn divided(
+    search: &Search,
+    piece: Piece,
+    most: usize,
+    depth: u32,
+    known: &mut Vec<DVec3>,
+    stage: Stage,
+) -> Option<Vec<Part>> {
+    let mut piece = piece;
+    if search.is_over() {
+        return Some(search.shaped(&piece).into_iter().collect());
+    }
+    if piece.forbidden.is_empty() {
+        let mut beyond = search.beyond(&piece);
+        if beyond.is_empty() {
+            match search.shaped(&piece) {
+                Ok(part) => {
+                    stage.reach(1.0);
+                    return Some(vec![part]);
+                }
+                Err(point) => beyond.extend(point),
+            }
+        }
+        known.extend_from_slice(&beyond);
+        piece.forbidden = beyond;
+    }
+    if most < 2 {
+        return None;
+    }
+    let components = search.scale.components(&piece.atoms);
+    let is_connected = components.len() == 1;
+    let sides: Vec<Piece> = if is_connected {
+        match halves(search, &piece).filter(|_| depth < MAX_DEPTH) {
+            Some(halves) => halves.into(),
+            None => return Some(of_polygons(search, &piece)).filter(|parts| parts.len() <= most),
+        }
+    } else {
+        let of = |atoms| search.scale.piece(atoms, piece.planes.clone(), &piece.forbidden);
+        components.into_iter().map(of).collect()
+    };
+    let best = all_divided(search, sides, most, depth + u32::from(is_connected), known, stage);
+    let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
+    // Without forbidden points there are only too many vertices.
+    if is_connected && is_small && !piece.forbidden.is_empty() {
+        return peeled(search, &piece, best, most);
+    }
+    best
+}
+
+/// The parts of several pieces.
+fn all_divided(
+    search: &Search,
+    pieces: Vec<Piece>,
+    most: usize,
+    depth: u32,
+    known: &mut Vec<DVec3>,
+    stage: Stage,
+) -> Option<Vec<Part>> {
+    let area: f64 = pieces.iter().map(Piece::area).sum();
+    let (mut parts, mut done, mut left) = (Vec::new(), 0.0, pieces.len());
+    for piece in pieces {
+        left -= 1;
+        let share = piece.area() / area;
+        // Each of the others takes one part at least.
+        let most = most.checked_sub(parts.len() + left).filter(|most| *most > 0)?;
+        parts.extend(divided(search, piece, most, depth, known, stage.from_to(done, done + share))?);
+        done += share;
+    }
+    Some(parts)
+}
+
+/// Both sides of the plane that divides a piece best; `None` if no plane does.
+fn halves(search: &Search, piece: &Piece) -> Option<[Piece; 2]> {
+    let plane = if piece.forbidden.is_empty() {
+        cuts::middle(piece)
+    } else {
+        let near = search.scale.neighbours(&piece.atoms);
+        cuts::best_plane(piece, &search.scale, search.field, &near, search.planes)?
+    };
+    let back = plane.opposite();
+    let [below, above] = search.scale.divided(&piece.atoms, &plane);
+    if below.is_empty() || above.is_empty() {
+        return None;
+    }
+    let of = |atoms, plane| {
+        let planes = piece.planes.iter().copied().chain([plane]).collect();
+        search.scale.piece(atoms, planes, &piece.forbidden)
+    };
+    Some([of(below, plane), of(above, back)])
+}
+
+/// The parts of a piece by peeling, if they are fewer than `best` and at most `most`.
+fn peeled(search: &Search, piece: &Piece, best: Option<Vec<Part>>, most: usize) -> Option<Vec<Part>> {
+    let mut best = best;
+    let directions = cuts::directions(piece).map(Along::One);
+    for along in [Along::All].into_iter().chain(directions) {
+        let most = best.as_ref().map_or(most, |best| best.len().saturating_sub(1));
+        if most < 2 {
+            break;
+        }
+        let Some(pieces) = peel::peel(search, piece, along, most) else { continue };
+        let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| search.shaped(&piece)).collect();
+        best = parts.ok().or(best);
+    }
+    best
+}
+
+/// Parts of a piece that cannot be divided: of its polygons. A single polygon protrudes nowhere.
+fn of_polygons(search: &Search, piece: &Piece) -> Vec<Part> {
+    let Bounds { diagonal, max_vertices, .. } = search.bounds;
+    let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
+    let thin = polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, search.bounds.thickness, max_vertices));
+    thin.filter_map(|(polygon, hull)| {
+        let bound = wrap::prove(search.field, &hull, &search.bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+        let atoms = vec![Arc::new(Atom::new(Patch::new(vec![polygon])?))];
+        Some(Part { piece: search.scale.piece(atoms, piece.planes.clone(), &[]), hull, bound })
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests;

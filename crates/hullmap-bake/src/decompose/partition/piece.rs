@@ -1,0 +1,237 @@
+//! Pieces of the surface, and how planes divide them.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::body::{self, Body, THICKNESS};
+use crate::{
+    decompose::patch::Patch,
+    fit::planes::{self, HalfSpace},
+};
+
+/// Distance from a plane up to which a point counts as on it, relative to the diagonal.
+const ON_PLANE: f64 = 1e-9;
+
+/// Distance between boxes of atoms up to which they are neighbours, relative to the limit. Smaller
+/// gaps are part of the solid as far as the limit is concerned.
+const GAP: f64 = 0.1;
+
+/// A small patch that is not divided unless a plane cuts it.
+#[derive(Debug)]
+pub struct Atom {
+    /// The patch.
+    pub patch: Patch,
+    low: DVec3,
+    high: DVec3,
+    area: f64,
+    /// Sum of the polygons' normals, each as long as its area.
+    normal: DVec3,
+}
+
+impl Atom {
+    /// An atom of a patch.
+    pub fn new(patch: Patch) -> Self {
+        let (low, high) = body::bounds(&patch.points);
+        let mut atom = Self { patch, low, high, area: 0.0, normal: DVec3::ZERO };
+        let normals: Vec<DVec3> = atom.triangles().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).collect();
+        (atom.area, atom.normal) = (normals.iter().map(|n| n.length()).sum(), normals.iter().sum());
+        atom
+    }
+
+    /// The polygons as triangles.
+    pub fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        let fan = |p: &'_ Vec<DVec3>| planes::fan(p);
+        self.patch.polygons.iter().flat_map(fan)
+    }
+}
+
+/// Atoms and their hull.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The atoms.
+    pub atoms: Vec<Arc<Atom>>,
+    /// Their hull.
+    pub body: Body,
+    /// Half-spaces that contain it.
+    pub planes: Vec<HalfSpace>,
+    /// Points in the hull that are too far from the solid.
+    pub forbidden: Vec<DVec3>,
+}
+
+impl Piece {
+    /// The area of the surface.
+    pub fn area(&self) -> f64 {
+        self.atoms.iter().map(|atom| atom.area).sum()
+    }
+}
+
+/// The corners of atoms.
+pub fn points(atoms: &[Arc<Atom>]) -> Vec<DVec3> {
+    atoms.iter().flat_map(|atom| atom.patch.points.iter().copied()).collect()
+}
+
+/// What lies above a plane and is connected.
+pub struct Above {
+    /// Its corners.
+    pub points: Vec<DVec3>,
+    /// Its approximate area.
+    pub area: f64,
+}
+
+/// Lengths by which pieces are compared.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    /// Maximum distance of a piece's hull from the solid.
+    pub limit: f64,
+    /// Diagonal of the mesh.
+    pub diagonal: f64,
+}
+
+impl Scale {
+    /// Distance from a plane up to which a point counts as on it.
+    pub fn tolerance(&self) -> f64 {
+        ON_PLANE * self.diagonal
+    }
+
+    /// The hull of points.
+    pub fn body(&self, points: &[DVec3]) -> Body {
+        Body::new(points, THICKNESS * self.diagonal)
+    }
+
+    /// A piece; those of `forbidden` that are in its hull stay forbidden.
+    pub fn piece(&self, atoms: Vec<Arc<Atom>>, planes: Vec<HalfSpace>, forbidden: &[DVec3]) -> Piece {
+        let body = self.body(&points(&atoms));
+        let forbidden = forbidden.iter().copied().filter(|p| self.is_inside(&body, *p)).collect();
+        Piece { atoms, body, planes, forbidden }
+    }
+
+    /// Whether a point is inside a body, not on its surface.
+    pub fn is_inside(&self, body: &Body, p: DVec3) -> bool {
+        body.holds(p, -self.tolerance())
+    }
+
+    /// The atoms below and above a plane; those that it cuts are divided.
+    pub fn divided(&self, atoms: &[Arc<Atom>], plane: &HalfSpace) -> [Vec<Arc<Atom>>; 2] {
+        let mut sides = [Vec::new(), Vec::new()];
+        for atom in atoms {
+            let (low, high) = heights(atom, plane);
+            let is_in_plane = low >= -self.tolerance() && high <= self.tolerance();
+            // The solid is behind a polygon.
+            let is_below = if is_in_plane { atom.normal.dot(plane.normal) >= 0.0 } else { high <= self.tolerance() };
+            if is_below {
+                sides[0].push(Arc::clone(atom));
+            } else if low >= -self.tolerance() {
+                sides[1].push(Arc::clone(atom));
+            } else {
+                let halves = atom.patch.divided(plane, self.tolerance());
+                for (side, half) in sides.iter_mut().zip(halves) {
+                    side.extend(half.map(|half| Arc::new(Atom::new(half))));
+                }
+            }
+        }
+        sides
+    }
+
+    /// For each atom, its neighbours.
+    pub fn neighbours(&self, atoms: &[Arc<Atom>]) -> Vec<Vec<u32>> {
+        let gap = DVec3::splat(GAP * self.limit);
+        let mut order: Vec<usize> = (0..atoms.len()).collect();
+        order.sort_by(|a, b| atoms[*a].low.x.total_cmp(&atoms[*b].low.x).then(a.cmp(b)));
+        let mut near = vec![Vec::new(); atoms.len()];
+        for (k, &i) in order.iter().enumerate() {
+            let (low, high) = (atoms[i].low - gap, atoms[i].high + gap);
+            for &j in order[k + 1..].iter().take_while(|j| atoms[**j].low.x <= high.x) {
+                if low.cmple(atoms[j].high).all() && atoms[j].low.cmple(high).all() {
+                    near[i].push(j as u32);
+                    near[j].push(i as u32);
+                }
+            }
+        }
+        near
+    }
+
+    /// The connected components of atoms.
+    pub fn components(&self, atoms: &[Arc<Atom>]) -> Vec<Vec<Arc<Atom>>> {
+        let lists = connected(&self.neighbours(atoms), &vec![true; atoms.len()]);
+        lists.into_iter().map(|list| list.into_iter().map(|i| Arc::clone(&atoms[i as usize])).collect()).collect()
+    }
+
+    /// For each atom, the number of its connected component above a plane; `u32::MAX` if it is below.
+    pub fn components_above(&self, atoms: &[Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<u32> {
+        let is_above: Vec<bool> = atoms.iter().map(|atom| heights(atom, plane).1 > self.tolerance()).collect();
+        let mut component = vec![u32::MAX; atoms.len()];
+        for (c, list) in connected(near, &is_above).into_iter().enumerate() {
+            list.into_iter().for_each(|i| component[i as usize] = c as u32);
+        }
+        component
+    }
+
+    /// The connected components above a plane.
+    pub fn above(&self, atoms: &[Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<Above> {
+        let range: Vec<(f64, f64)> = atoms.iter().map(|atom| heights(atom, plane)).collect();
+        let is_above: Vec<bool> = range.iter().map(|(_, high)| *high > self.tolerance()).collect();
+        let collect = |list: Vec<u32>| {
+            let (mut points, mut area) = (Vec::new(), 0.0);
+            for i in list.into_iter().map(|i| i as usize) {
+                if range[i].0 >= -self.tolerance() {
+                    points.extend_from_slice(&atoms[i].patch.points);
+                    area += atoms[i].area;
+                } else {
+                    atoms[i].patch.polygons.iter().for_each(|polygon| collect_above(polygon, plane, &mut points));
+                    area += 0.5 * atoms[i].area;
+                }
+            }
+            Above { points, area }
+        };
+        connected(near, &is_above).into_iter().map(collect).collect()
+    }
+}
+
+/// Bounds on the heights of an atom's points; exact where the plane may cut it.
+fn heights(atom: &Atom, plane: &HalfSpace) -> (f64, f64) {
+    let middle = (atom.low + atom.high) * 0.5;
+    let (height, reach) = (plane.height(middle), plane.normal.abs().dot(atom.high - middle));
+    if height.abs() > reach {
+        return (height - reach, height + reach);
+    }
+    atom.patch
+        .points
+        .iter()
+        .map(|p| plane.height(*p))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+}
+
+/// The corners of a polygon above a plane, with those of its cut.
+fn collect_above(polygon: &[DVec3], plane: &HalfSpace, points: &mut Vec<DVec3>) {
+    for (k, p) in polygon.iter().enumerate() {
+        let q = polygon[(k + 1) % polygon.len()];
+        let (h, g) = (plane.height(*p), plane.height(q));
+        if h >= 0.0 {
+            points.push(*p);
+        }
+        if (h < 0.0) != (g < 0.0) {
+            points.push(p.lerp(q, h / (h - g)));
+        }
+    }
+}
+
+/// The connected components of some of the numbers, of which each has neighbours.
+fn connected(near: &[Vec<u32>], is_in: &[bool]) -> Vec<Vec<u32>> {
+    let mut is_left = is_in.to_vec();
+    let mut found = Vec::new();
+    for i in 0..is_left.len() {
+        if !std::mem::take(&mut is_left[i]) {
+            continue;
+        }
+        let mut list = vec![i as u32];
+        let mut at = 0;
+        while let Some(&next) = list.get(at) {
+            list.extend(near[next as usize].iter().filter(|j| std::mem::take(&mut is_left[**j as usize])));
+            at += 1;
+        }
+        list.sort_unstable();
+        found.push(list);
+    }
+    found
+}

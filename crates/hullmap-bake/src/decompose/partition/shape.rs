@@ -1,0 +1,237 @@
+//! Hulls of pieces: while pieces are sought, any hull that can be proven; in the end a tight one.
+//!
+//! # Steps
+//! 1. Take the hull of the piece's surface. Simplify it by a small share of the limit.
+//! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be cut.
+//! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
+//!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
+//! 4. If there are too many vertices, and in case that the result protrudes too far, add planes that cut off what is too far, or take the hull that was
+//!    proven before. Cut both by planes of the piece's faces, as many as the number of vertices
+//!    allows. Take the smallest.
+
+use glam::DVec3;
+
+use super::{
+    body::Body,
+    field::Field,
+    piece::Piece,
+    wrap::{self, Bounds},
+};
+use crate::{
+    fit::planes::{self, HalfSpace},
+    hull::Hull,
+    simplify::{self, Limit},
+};
+
+/// Distance by which a simplified hull may exceed the tight one, relative to the limit.
+const LOOSE: f64 = 0.02;
+
+/// Maximum number of measurements by which a point of a hull is sought that is too far from the
+/// solid.
+const REFUTING: usize = 20_000;
+
+/// Number of vertices to which a hull is simplified before it is cut by planes, relative to the
+/// maximum. Each cut adds about two.
+const BEFORE_CUTS: f64 = 0.6;
+
+/// Numbers of vertices to which a hull is simplified before planes are added that cut off points
+/// that are too far from the solid, relative to the maximum.
+const WRAPPED: [f64; 4] = [1.0, 0.75, 0.6, 0.5];
+
+/// Volume of a hull up to which no such hulls are tried, relative to the piece's.
+const ENOUGH: f64 = 1.03;
+
+/// Maximum number of planes by which a hull is cut.
+const MAX_CUTS: usize = 48;
+
+/// Number of cuts that give too many vertices after which no more are tried.
+const MAX_MISSES: usize = 6;
+
+/// Height above a piece up to which a vertex is not cut off, relative to the limit.
+const NEAR: f64 = 0.05;
+
+/// Share of the area of a hull from which a face counts as large, and stays flat.
+const LARGE: f64 = 0.02;
+
+/// Distance from a plane up to which a hull is not cut, relative to the diagonal.
+const FLAT: f64 = 2e-6;
+
+/// Distance by which cutting planes are moved outward, relative to the diagonal: more than rounding
+/// to f32 moves a vertex.
+const ROOM: f64 = 5e-7;
+
+/// The same, relative to the greatest coordinate.
+const ROUNDING: f64 = 2.2e-7;
+
+/// A part of a partition.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The surface that it must contain.
+    pub piece: Piece,
+    /// A hull that contains it.
+    pub hull: Hull,
+    /// Proven bound on the hull's protrusion; infinite if it is not known.
+    pub bound: f64,
+}
+
+/// A hull, and the proven bound on its protrusion, or why there is none: a point of the tight hull
+/// that is too far from the solid; `None` if hulls have too many vertices, or proofs take too long.
+pub type Outcome = Result<(Hull, f64), Option<DVec3>>;
+
+/// A hull of a body's points that is proven to be within the limit.
+pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
+    let Some(tight) = wrap::tight(&body.points, bounds.diagonal, bounds.thickness) else { return Err(None) };
+    if bounds.is_over() {
+        return Ok((wrap::within_vertices(tight, bounds.max_vertices), f64::INFINITY));
+    }
+    let proof = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS);
+    if tight.vertices.len() <= bounds.max_vertices {
+        return proof(&tight).map(|bound| (tight, bound));
+    }
+    let mut found = wrap::wrap(field, body, bounds, None);
+    if let Err(None) = found {
+        found = wrap::simplified(field, &tight, bounds, bounds.max_vertices);
+    }
+    if let (Err(None), true) = (&found, body.diagonal() < bounds.limit) {
+        // A small piece. A flat hull has no simpler one that is near it, a thick one has.
+        let thick = wrap::tight(&body.points, bounds.diagonal, 0.5 * body.diagonal());
+        let hull = thick.map(|hull| wrap::within_vertices(hull, bounds.max_vertices));
+        let hull = hull.filter(|hull| hull.vertices.len() <= bounds.max_vertices);
+        found = hull.and_then(|hull| proof(&hull).ok().map(|bound| (hull, bound))).ok_or(None);
+    }
+    match found {
+        Err(None) => Err(wrap::prove(field, &tight, bounds, REFUTING).err().flatten()),
+        found => found,
+    }
+}
+
+/// A tight hull of a part, or the hull that the part has. `sides` are planes of large faces of the
+/// mesh's hull.
+pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
+    let body = &part.piece.body;
+    let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness);
+    let Some(tight) = tight.filter(|_| !bounds.is_over()) else { return part.hull.clone() };
+    let flat: Vec<HalfSpace> =
+        large_faces(body).chain(part.piece.planes.iter().copied()).chain(sides.iter().copied()).collect();
+    let cuts = Cuts { body, flat: &flat, bounds };
+    let is_few = |hull: &Hull| hull.vertices.len() <= bounds.max_vertices;
+    let simplified = |hull: &Hull, limit| Some(simplify::simplify(hull, limit).ok().flatten()?.hull);
+    let to_vertices = |hull: &Hull, share: f64| {
+        let count = ((share * bounds.max_vertices as f64) as usize).max(simplify::MIN_VERTICES);
+        simplified(hull, Limit::Vertices(count)).filter(is_few)
+    };
+    let is_proven = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS).is_ok();
+    let volume = |hull: &Hull| Body::new(&hull.positions(), 0.0).volume();
+    let smallest_proven = |hulls: Vec<Hull>| {
+        let mut hulls: Vec<(f64, Hull)> = hulls.into_iter().map(|hull| (volume(&hull), hull)).collect();
+        hulls.sort_by(|a, b| a.0.total_cmp(&b.0));
+        hulls.into_iter().find(|(_, hull)| is_proven(hull))
+    };
+    let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
+    if is_few(&loose) {
+        let flattened = cuts.flattened(loose.clone());
+        if is_proven(&flattened) {
+            return flattened;
+        }
+        if is_few(&tight) {
+            return part.hull.clone();
+        }
+    }
+    // Cuts only remove points, but rounding moves vertices.
+    let found = (volume(&part.hull), part.hull.clone());
+    let smaller = |found: (f64, Hull), hulls: Vec<Hull>| {
+        smallest_proven(hulls.into_iter().filter(|hull| volume(hull) < found.0).collect()).unwrap_or(found)
+    };
+    let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
+    let filled = to_vertices(&tight, BEFORE_CUTS).map(|hull| cuts.filled(hull));
+    let found = smaller(found, [cuts.filled(part.hull.clone())].into_iter().chain(simple).chain(filled).collect());
+    if found.0 <= ENOUGH * body.volume() {
+        return found.1;
+    }
+    let wrapped = |share: &f64| Some(wrap::wrap(field, body, bounds, Some(&to_vertices(&tight, *share)?)).ok()?.0);
+    smaller(found, WRAPPED.iter().filter_map(wrapped).map(|hull| cuts.filled(hull)).collect()).1
+}
+
+/// The planes of a body's large faces.
+pub fn large_faces(body: &Body) -> impl Iterator<Item = HalfSpace> {
+    let total: f64 = body.areas.iter().sum();
+    body.planes.iter().zip(&body.areas).filter(move |(_, area)| **area >= LARGE * total).map(|(plane, _)| *plane)
+}
+
+/// Planes by which a hull around a body is cut.
+struct Cuts<'a> {
+    body: &'a Body,
+    /// Planes that no hull shall exceed.
+    flat: &'a [HalfSpace],
+    bounds: &'a Bounds<'a>,
+}
+
+impl Cuts<'_> {
+    fn room(&self) -> f64 {
+        let greatest = self.body.low.abs().max(self.body.high.abs()).max_element();
+        ROOM * self.bounds.diagonal + ROUNDING * greatest
+    }
+
+    /// How far points exceed a plane.
+    fn excess(points: &[DVec3], plane: &HalfSpace) -> f64 {
+        points.iter().map(|p| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// A hull cut by the planes that it exceeds, the most exceeded first, as far as the number of
+    /// vertices allows.
+    fn flattened(&self, hull: Hull) -> Hull {
+        self.cut(hull, |points| {
+            let excess = |plane: &HalfSpace| Self::excess(points, plane);
+            let exceeded = self.flat.iter().map(|plane| (excess(plane), *plane));
+            let exceeded = exceeded.filter(|(excess, _)| *excess > FLAT * self.bounds.diagonal + self.room());
+            let mut found: Vec<(f64, HalfSpace)> = exceeded.collect();
+            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            found.into_iter().map(|(_, plane)| plane).collect()
+        })
+    }
+
+    /// A flattened hull, cut by planes of the body's faces below its highest vertices, as far as the
+    /// number of vertices allows.
+    fn filled(&self, hull: Hull) -> Hull {
+        self.cut(self.flattened(hull), |points| {
+            let heights = |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).collect::<Vec<f64>>();
+            let mut found: Vec<(f64, HalfSpace)> = Vec::new();
+            for heights in points.iter().map(heights) {
+                let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                if highest > NEAR * self.bounds.limit + 2.0 * self.room() {
+                    let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);
+                    let best = high.max_by(|a, b| self.body.areas[*a].total_cmp(&self.body.areas[*b]).then(b.cmp(a)));
+                    found.extend(best.map(|face| (highest, self.body.planes[face])));
+                }
+            }
+            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            found.into_iter().map(|(_, plane)| plane).collect()
+        })
+    }
+
+    /// A hull cut by planes, of which `wanted` names the best for its points.
+    fn cut(&self, hull: Hull, wanted: impl Fn(&[DVec3]) -> Vec<HalfSpace>) -> Hull {
+        let mut points = hull.positions();
+        let mut planes = planes::half_spaces(&hull);
+        let mut missed: Vec<HalfSpace> = Vec::new();
+        let start = planes.len();
+        let middle = self.body.points.iter().sum::<DVec3>() / self.body.points.len().max(1) as f64;
+        let reach = 2.0 * self.bounds.diagonal + self.body.diagonal();
+        while planes.len() < start + MAX_CUTS && missed.len() < MAX_MISSES {
+            let Some(plane) = wanted(&points).into_iter().find(|plane| !missed.contains(plane)) else { break };
+            planes.push(plane.moved(self.room()));
+            match wrap::polytope(&planes, middle, reach, 0.4 * self.room()) {
+                Some(vertices) if vertices.len() <= self.bounds.max_vertices => points = vertices,
+                _ => {
+                    planes.pop();
+                    missed.push(plane);
+                }
+            }
+        }
+        if planes.len() == start {
+            return hull;
+        }
+        let rounded = points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
+        wrap::hull_of(rounded).filter(|hull| hull.vertices.len() <= self.bounds.max_vertices).unwrap_or(hull)
+    }
+}
