@@ -174,7 +174,8 @@ fn sections(file: &[u8]) -> Vec<&str> {
     (0..number(0x3c, 2)).map(name).collect()
 }
 
-/// An installed library of 3 MB had 16 MB of symbols for debuggers.
+/// An installed library of 3 MB had 16 MB of symbols for debuggers. Without `CARGO_PROFILE_DEV_DEBUG`,
+/// there are no line numbers, and the test only looks at what is left out.
 #[test]
 #[cfg_attr(
     not(all(target_os = "linux", target_pointer_width = "64", target_endian = "little")),
@@ -190,13 +191,17 @@ fn libraries_were_installed_with_their_symbols() {
     let (of_library, of_symbols) = (sections(&library), sections(&symbols));
     assert!(of_library.contains(&".text") && of_library.contains(&".gnu_debuglink"), "{of_library:?}");
     assert!(!of_library.iter().any(|name| name.starts_with(".debug") || *name == ".symtab"), "{of_library:?}");
-    assert!(of_symbols.contains(&".debug_line") && of_symbols.contains(&".symtab"), "{of_symbols:?}");
+    assert!(of_symbols.contains(&".symtab"), "{of_symbols:?}");
+    let has_lines = sections(&fs::read(libraries().join("libhullmap_c.so")).unwrap()).contains(&".debug_line");
+    assert_eq!(of_symbols.contains(&".debug_line"), has_lines, "{of_symbols:?}");
     let len = |path: PathBuf| fs::metadata(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).len();
     let built = |file: &str| len(libraries().join(file));
     let installed = |file: &str| len(prefix.join("lib").join(file));
-    assert!(installed(&shared) < built("libhullmap_c.so") / 2, "{}", installed(&shared));
+    assert!(installed(&shared) < built("libhullmap_c.so"), "{}", installed(&shared));
+    assert!(!has_lines || installed(&shared) < built("libhullmap_c.so") / 2, "{}", installed(&shared));
     let [stripped, whole] = ["libhullmap.a", "debug/libhullmap.a"].map(installed);
-    assert!(2 * stripped < built("libhullmap_c.a") && stripped < whole, "{stripped} {whole}");
+    assert!(!has_lines || 2 * stripped < built("libhullmap_c.a"), "{stripped}");
+    assert!(stripped < whole, "{stripped} {whole}");
 
     // Without symbols, also in place of an installation that has them.
     run(Command::new(crate_path("install")).arg(prefix).arg("--no-symbols").arg("--from").arg(libraries()));
