@@ -162,8 +162,8 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
 }
 
-/// The hull of a whole mesh that fills its cavities; `None` if it hardly does, for a part, and if the
-/// mesh encloses no known volume.
+/// The hull of a whole mesh that fills its cavities; `None` if it hardly does, for a part, and if
+/// the mesh encloses no known volume.
 pub fn concave(baked: &BakedHull) -> Option<Remark> {
     let mesh = baked.mesh_mass.as_ref().filter(|_| baked.fit.is_none() && baked.hull.rank == 3)?;
     let excess = mass::mass(&baked.hull).volume / mesh.volume - 1.0;

@@ -174,8 +174,9 @@ fn sections(file: &[u8]) -> Vec<&str> {
     (0..number(0x3c, 2)).map(name).collect()
 }
 
-/// An installed library of 3 MB had 16 MB of symbols for debuggers. Without `CARGO_PROFILE_DEV_DEBUG`,
-/// there are no line numbers, and the test only looks at what is left out.
+/// An installed library of 3 MB had 16 MB of symbols for debuggers. Without
+/// `CARGO_PROFILE_DEV_DEBUG`, there are no line numbers, and the test only looks at what is left
+/// out.
 #[test]
 #[cfg_attr(
     not(all(target_os = "linux", target_pointer_width = "64", target_endian = "little")),

@@ -33,8 +33,8 @@ const MISSES: usize = 3;
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
 
-/// Number of levels to the second that is tried for a number of parts. Each further stride upward is
-/// twice as long.
+/// Number of levels to the second that is tried for a number of parts. Each further stride upward
+/// is twice as long.
 const STRIDE: i32 = 16;
 
 /// Number of levels between few enough parts and too many at which the search ends.

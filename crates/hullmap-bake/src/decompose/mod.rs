@@ -122,7 +122,8 @@ fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     hull
 }
 
-/// The hulls of parts, and of what they do not cover. They cover the mesh, and are at most `max_parts`.
+/// The hulls of parts, and of what they do not cover. They cover the mesh, and are at most
+/// `max_parts`.
 fn finished(
     mesh: &PointSet,
     vertices: &SourceVertices,

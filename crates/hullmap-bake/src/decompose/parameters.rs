@@ -37,8 +37,8 @@ pub struct Cover {
     /// the maximum error.
     pub min_thickness: Length,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
-    /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls of
-    /// what the surface is halved into.
+    /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls
+    /// of what the surface is halved into.
     pub seconds: Option<f64>,
 }
 

@@ -28,8 +28,8 @@ const PROTRUSION: f64 = 2.0;
 /// meshes are cut in the middle.
 const OFF_MIDDLE: f64 = 0.3;
 
-/// Extra cost of a plane across a direction that is not an axis, as a share. Cuts across an axis are
-/// the easiest to read.
+/// Extra cost of a plane across a direction that is not an axis, as a share. Cuts across an axis
+/// are the easiest to read.
 const SLANTED: f64 = 0.1;
 
 /// Weight of the volume beside that of forbidden points.
@@ -87,8 +87,8 @@ pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> imp
 }
 
 /// How much two sides of a plane protrude: the sum of squares of the numbers of forbidden points in
-/// their components, so that planes are preferred that leave little on each side, and a share of the
-/// volume.
+/// their components, so that planes are preferred that leave little on each side, and a share of
+/// the volume.
 fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec3], plane: &HalfSpace) -> f64 {
     let back = plane.opposite();
     let sides = [plane, &back].map(|plane| scale.above(&piece.atoms, near, plane));
@@ -108,8 +108,8 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
 
 /// The plane after which the sides protrude least; `None` if no plane cuts the piece.
 ///
-/// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes across
-/// the axes.
+/// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
+/// across the axes.
 pub fn best_plane(
     piece: &Piece,
     scale: &Scale,

@@ -1,6 +1,6 @@
-//! Convex decomposition as a partition: planes divide a mesh's surface into pieces, until the hull of
-//! none protrudes from the solid by more than a limit. The hulls contain the whole surface. Both is
-//! proven: `fit/coverage.rs` certifies the cover, and `fit/protrusion.rs` the protrusion.
+//! Convex decomposition as a partition: planes divide a mesh's surface into pieces, until the hull
+//! of none protrudes from the solid by more than a limit. The hulls contain the whole surface. Both
+//! are proven: `fit/coverage.rs` certifies the cover, and `fit/protrusion.rs` the protrusion.
 //!
 //! | file | concept |
 //! |---|---|
@@ -85,7 +85,8 @@ const MAX_CELLS: usize = 3000;
 /// Maximum number of cuts that lead to a piece. Then its polygons become parts.
 const MAX_DEPTH: u32 = 40;
 
-/// Number of parts of a piece up to which it is peeled, too. Components of the whole mesh always are.
+/// Number of parts of a piece up to which it is peeled, too. Components of the whole mesh always
+/// are.
 const PEELED: usize = 12;
 
 /// Maximum number of parts before mergers: so many times the number that mergers may leave, and so

@@ -157,7 +157,8 @@ impl Scale {
         lists.into_iter().map(|list| list.into_iter().map(|i| Arc::clone(&atoms[i as usize])).collect()).collect()
     }
 
-    /// For each atom, the number of its connected component above a plane; `u32::MAX` if it is below.
+    /// For each atom, the number of its connected component above a plane; `u32::MAX` if it is
+    /// below.
     pub fn components_above(&self, atoms: &[Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<u32> {
         let is_above: Vec<bool> = atoms.iter().map(|atom| heights(atom, plane).1 > self.tolerance()).collect();
         let mut component = vec![u32::MAX; atoms.len()];

@@ -2,12 +2,13 @@
 //!
 //! # Steps
 //! 1. Take the hull of the piece's surface. Simplify it by a small share of the limit.
-//! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be cut.
+//! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be
+//!    cut.
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If there are too many vertices, and in case that the result protrudes too far, add planes that cut off what is too far, or take the hull that was
-//!    proven before. Cut both by planes of the piece's faces, as many as the number of vertices
-//!    allows. Take the smallest.
+//! 4. If there are too many vertices, and in case that the result protrudes too far, add planes
+//!    that cut off what is too far, or take the hull that was proven before. Cut both by planes of
+//!    the piece's faces, as many as the number of vertices allows. Take the smallest.
 
 use glam::DVec3;
 
@@ -190,8 +191,8 @@ impl Cuts<'_> {
         })
     }
 
-    /// A flattened hull, cut by planes of the body's faces below its highest vertices, as far as the
-    /// number of vertices allows.
+    /// A flattened hull, cut by planes of the body's faces below its highest vertices, as far as
+    /// the number of vertices allows.
     fn filled(&self, hull: Hull) -> Hull {
         self.cut(self.flattened(hull), |points| {
             let heights = |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).collect::<Vec<f64>>();
