@@ -40,6 +40,9 @@ const STRIDE: i32 = 16;
 /// Number of levels between few enough parts and too many at which the search ends.
 const CLOSE_ENOUGH: i32 = 2;
 
+/// The lowest level at which the search for a number of parts starts: 1 % of the diagonal.
+const LOWEST_FIRST: i32 = -PER_OCTAVE;
+
 /// Maximum number of searches for a number of parts.
 const MAX_SEARCHES: usize = 5;
 
@@ -82,10 +85,10 @@ fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found
     // Infinity is no proof.
     let is_within = |found: &Found| found.reached() < f64::INFINITY && found.reached() <= error;
     match (best, found) {
-        (Some(best), Some(found)) if is_within(&best) == is_within(&found) && !is_within(&best) => {
-            Some(if volume(&found) < volume(&best) { found } else { best })
+        (Some(best), Some(found)) => {
+            let is_better = !is_within(&best) && (is_within(&found) || volume(&found) < volume(&best));
+            Some(if is_better { found } else { best })
         }
-        (Some(best), Some(found)) => Some(if is_within(&best) { best } else { found }),
         (best, found) => best.or(found),
     }
 }
@@ -235,11 +238,12 @@ impl<'a> Levels<'a> {
         (fewest > 1).then_some(Found { parts, fewest, limit })
     }
 
-    /// At most `count` parts, with the least protrusion. The search starts at `error`.
+    /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a level
+    /// from which few searches lead to a small number.
     fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
-        let (mut level, mut rise) = (self.level(error, 1), STRIDE / 2);
+        let (mut level, mut rise) = (self.level(error, 1).max(LOWEST_FIRST), STRIDE / 2);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {

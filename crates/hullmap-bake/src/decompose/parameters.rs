@@ -23,7 +23,8 @@ impl Length {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover {
     /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
-    /// starts with this limit, and finds the smallest one that suffices.
+    /// starts with this limit, or with 1 % of the diagonal if that is more, and finds the smallest
+    /// one that suffices.
     pub max_error: Length,
     /// Maximum number of parts, at least 1. It is never exceeded: if `max_error` takes more parts,
     /// `max_error` is exceeded.

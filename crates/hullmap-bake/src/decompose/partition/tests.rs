@@ -120,6 +120,14 @@ fn any_number_of_parts_is_reached() {
     }
 }
 
+/// Regression: five searches, each an octave higher, ended before two parts sufficed.
+#[test]
+fn any_number_of_parts_is_reached_from_a_small_error() {
+    let mesh = point_set(&concave::horseshoe(12));
+    let cover = Cover { max_parts: Some(2), max_error: Length::Relative(0.001), ..Cover::default() };
+    assert_eq!(covering(&mesh, cover).len(), 2);
+}
+
 #[test]
 fn a_search_without_time_ends_with_halves() {
     let mesh = point_set(&concave::horseshoe(48));
