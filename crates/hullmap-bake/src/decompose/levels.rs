@@ -238,8 +238,8 @@ impl<'a> Levels<'a> {
         (fewest > 1).then_some(Found { parts, fewest, limit })
     }
 
-    /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a level
-    /// from which few searches lead to a small number.
+    /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a
+    /// level from which few searches lead to a small number.
     fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
