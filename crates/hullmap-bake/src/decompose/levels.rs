@@ -24,7 +24,7 @@ const STEP: i32 = 4;
 /// rounded and moved outward by up to a tenth of that, if the mesh is not far from the origin.
 const LEAST_ERROR: f64 = 2e-5;
 
-/// Maximum number of parts made by halving, which are there in case that the time ends at once.
+/// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
 
 /// Number of levels in a row with more parts than the best, after which no lower ones are searched.
@@ -65,7 +65,7 @@ fn stride(count: usize, found: usize) -> i32 {
 pub struct Found {
     /// The parts.
     pub parts: Vec<Part>,
-    /// Number of parts to which they can be merged, about.
+    /// Approximate number of parts to which they can be merged.
     pub fewest: usize,
     /// Maximum protrusion.
     pub limit: f64,

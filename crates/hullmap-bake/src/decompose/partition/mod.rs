@@ -89,8 +89,8 @@ const MAX_DEPTH: u32 = 40;
 /// are.
 const PEELED: usize = 12;
 
-/// Maximum number of parts before mergers: so many times the number that mergers may leave, and so
-/// many more.
+/// A search gives up when it has more parts before mergers than the first of these times the number
+/// that is still useful, plus the second.
 const FEWER_LATER: (f64, f64) = (1.35, 8.0);
 
 /// Share of a search after which its cells are cut, and after which all pieces are divided.

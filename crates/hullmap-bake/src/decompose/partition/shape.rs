@@ -6,9 +6,9 @@
 //!    cut.
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If there are too many vertices, and in case that the result protrudes too far, add planes
-//!    that cut off what is too far, or take the hull that was proven before. Cut both by planes of
-//!    the piece's faces, as many as the number of vertices allows. Take the smallest.
+//! 4. If there are too many vertices, build several hulls: the simplified one, the same with planes
+//!    that cut off what is too far, and the hull that was proven before. Cut them by planes of the
+//!    piece's faces, as far as the number of vertices allows. Take the smallest that is proven.
 
 use glam::DVec3;
 
