@@ -25,7 +25,7 @@ use crate::{
 };
 
 /// Distance by which a simplified hull may exceed the tight one, relative to the limit.
-const LOOSE: f64 = 0.02;
+const LOOSE: f64 = 0.002;
 
 /// Maximum number of measurements by which a point of a hull is sought that is too far from the
 /// solid.
