@@ -114,8 +114,8 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         ("min_thickness_share", options.min_thickness_share),
         ("seconds", options.seconds),
     ] {
-        // NaN takes the failing branch.
-        if !(value >= 0.0 && value < f64::INFINITY) {
+        // No range contains NaN.
+        if !(0.0..f64::INFINITY).contains(&value) {
             let text = format_args!("options.{name}: {value} is not a finite number, or below 0; 0 is the default");
             return Err(Failure::new(Code::InvalidArgument, text));
         }
