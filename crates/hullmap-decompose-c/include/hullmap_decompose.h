@@ -76,8 +76,8 @@ typedef struct {
     // Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     // error. Default: 0.005.
     double min_thickness_share;
-    // Time after which the search stops, in seconds. Parts may then protrude further, and depend on
-    // the machine. Default: no limit.
+    // Time after which the search stops, in seconds. Parts may then protrude further, and depend
+    // on the machine. Default: no limit.
     double seconds;
 } HullmapDecomposeOptions;
 
@@ -115,8 +115,8 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// Message of the last call that failed on this thread: what went wrong and what to do, in UTF-8; ""
-// if no call has failed. Valid until the next failure on this thread.
+// Message of the last call that failed on this thread: what went wrong and what to do, in UTF-8;
+// "" if no call has failed. Valid until the next failure on this thread.
 const char *hullmap_decompose_last_error(void);
 
 // Makes a progress, to be freed by hullmap_decompose_progress_free().

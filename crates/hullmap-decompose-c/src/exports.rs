@@ -80,8 +80,8 @@ unsafe fn check_size<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
     Err(Failure::new(Code::InvalidArgument, text))
 }
 
-/// Message of the last call that failed on this thread: what went wrong and what to do, in UTF-8; ""
-/// if no call has failed. Valid until the next failure on this thread.
+/// Message of the last call that failed on this thread: what went wrong and what to do, in UTF-8;
+/// "" if no call has failed. Valid until the next failure on this thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn hullmap_decompose_last_error() -> *const c_char {
     failure::last()

@@ -42,8 +42,8 @@ pub struct Options {
     /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.
     pub min_thickness_share: f64,
-    /// Time after which the search stops, in seconds. Parts may then protrude further, and depend on
-    /// the machine. Default: no limit.
+    /// Time after which the search stops, in seconds. Parts may then protrude further, and depend
+    /// on the machine. Default: no limit.
     pub seconds: f64,
 }
 
