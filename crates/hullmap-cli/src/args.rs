@@ -43,8 +43,8 @@ pub const DEFAULT_MEMORY: u64 = 4 << 30;
     name = "bake",
     version,
     disable_help_subcommand = true,
-    // One line, so that the help fits a screen. docs/COMMAND.md explains the exit codes.
-    after_help = "`bake COMMAND --help` lists options. Exit codes: 0 success, 1 rejected, 2 usage"
+    // One line, so that the help fits a screen. docs/COMMAND.md has the exit codes.
+    after_help = "Start with `bake build FOLDER --out DIR`. `bake COMMAND --help` lists options."
 )]
 pub struct Cli {
     /// The subcommand.
