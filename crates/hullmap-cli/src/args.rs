@@ -22,7 +22,7 @@ use crate::glob::Glob;
 use crate::jobs::batch::BatchSize;
 use crate::jobs::shard::Shard;
 use crate::options::table::Section;
-use crate::options::{OptionLayer, flag};
+use crate::options::{OptionLayer, PartsLayer, flag};
 use crate::terminal::Escaped;
 
 /// Headings of the help. Headings from the table of options come first, the farm last.
@@ -43,8 +43,8 @@ pub const DEFAULT_MEMORY: u64 = 4 << 30;
     name = "bake",
     version,
     disable_help_subcommand = true,
-    after_help = "Start with `bake build FOLDER --out DIR`. `bake COMMAND --help` lists options.\n\
-                  Exit codes: 0 success, 1 input rejected, 2 usage or I/O error, 130 Ctrl-C."
+    // One line, so that the help fits a screen. docs/COMMAND.md has the exit codes.
+    after_help = "Start with `bake build FOLDER --out DIR`. `bake COMMAND --help` lists options."
 )]
 pub struct Cli {
     /// The subcommand.
@@ -64,6 +64,11 @@ pub enum Command {
                       bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
                       bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
     Build(Box<BuildArgs>),
+    /// Decompose a mesh file into a file of convex parts, without a pack
+    #[command(after_help = "Examples:\n  \
+                      bake decompose chair.obj parts.obj\n  \
+                      bake decompose chair.glb parts.glb --max-error 1% --max-parts 16")]
+    Decompose(Box<DecomposeArgs>),
     /// Print a hash of everything that each pack depends on
     #[command(after_help = "Example:\n  bake key assets --record-source name")]
     Key(Box<KeyArgs>),
@@ -199,6 +204,29 @@ pub struct BuildArgs {
     /// Options for a farm.
     #[command(flatten)]
     pub remote: RemoteArgs,
+}
+
+/// Arguments of `bake decompose`.
+#[derive(Debug, clap::Args)]
+pub struct DecomposeArgs {
+    /// Mesh file (OBJ, glTF, GLB, STL, PLY)
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// File of the parts; its extension names the format: obj or glb
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+    /// Options of the decomposition.
+    #[command(flatten)]
+    pub options: PartsLayer,
+    /// Limits on the source file.
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Replace OUT if it exists
+    #[arg(long, help_heading = RUNNING)]
+    pub force: bool,
+    /// Print one JSON object
+    #[arg(long, help_heading = RUNNING)]
+    pub json: bool,
 }
 
 /// Address of a farm. This build has no client for farms, so it accepts no address.

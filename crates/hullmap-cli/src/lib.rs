@@ -19,6 +19,7 @@
 //! | `verification` | proves and measures packs |
 //! | `in_memory` | bakes that write no file, for bindings |
 //! | `geometry` | vertices and faces as lists |
+//! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | finds the source of a pack |
 //! | `project` | the folder outside of which no source is read |
@@ -50,6 +51,8 @@ mod interrupt;
 #[cfg(feature = "command")]
 mod jobs;
 mod measure;
+#[cfg(feature = "command")]
+mod mesh_file;
 #[cfg(feature = "command")]
 mod open;
 mod options;
@@ -136,6 +139,7 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Build(args) => commands::build::run(args, out),
+        Command::Decompose(args) => commands::decompose::run(args, out),
         Command::Key(args) => commands::key::run(args, out),
         Command::Plan(args) => commands::plan::run(args, out),
         Command::Task(args) => commands::task::run(args, out),

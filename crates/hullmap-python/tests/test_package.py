@@ -29,7 +29,7 @@ ROOT = PROJECT.parent.parent
 
 
 def modules():
-    return sorted(PACKAGE.glob("*.py"))
+    return sorted(PACKAGE.rglob("*.py"))
 
 
 def test_the_tests_run_from_the_wheel():
@@ -54,7 +54,8 @@ def test_the_wheel_holds_all_licences():
 def test_examples_in_docstrings_run():
     count = 0
     for path in modules():
-        name = f"hullmap.{path.stem}" if path.stem != "__init__" else "hullmap"
+        folders = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        name = ".".join(folders).removesuffix(".__init__")
         if path.stem == "__main__":
             continue
         with warnings.catch_warnings():

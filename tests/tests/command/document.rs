@@ -112,6 +112,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
     for (name, lines) in [
         ("build", ["build in --out o --json", "build in --out o --check --json", "build in --out p --json"].as_slice()),
+        ("decompose", &["decompose in/a.obj a.glb --json"]),
         ("key", &["key in/a.obj --json"]),
         ("plan", &["plan in/a.obj --out o"]),
         ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
@@ -193,6 +194,10 @@ fn exit_codes_match_the_page() {
         ("export a.hullmap --out hull.obj", 0),
         ("export a.hullmap --out hull.obj", 2),
         ("export bad.obj --out new.obj", 1),
+        ("decompose a.obj parts.obj", 0),
+        ("decompose a.obj parts.obj", 2),
+        ("decompose bad.obj new.obj", 1),
+        ("decompose a.obj parts.stl", 2),
     ] {
         bake_in(folder.path(), line.split_whitespace()).expect(code);
     }

@@ -1,6 +1,7 @@
 //! The `bake` command, run as its users run it.
 
 mod assets;
+mod decompose;
 mod document;
 mod export;
 mod farm;

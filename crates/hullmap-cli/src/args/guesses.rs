@@ -14,7 +14,10 @@ use crate::options::value::Syntax;
 
 /// Guessed subcommands, and what to do instead.
 const SUBCOMMANDS: [(&[&str], &str); 11] = [
-    (&["decompose", "split", "vhacd", "coacd"], "convex parts are made by `bake build MESH --out DIR --decompose`"),
+    (
+        &["split", "vhacd", "coacd", "parts"],
+        "convex parts are made by `bake decompose MESH OUT.obj`, and in packs by `bake build MESH --out DIR --decompose`",
+    ),
     (&["simplify", "reduce", "decimate"], "hulls are simplified by `bake build MESH --out DIR --max-vertices N`"),
     (&["bake", "hull", "convex", "cook", "make", "create", "convert", "import"], "meshes are baked by `bake build`"),
     (&["info", "show", "list", "ls", "stats", "describe", "print", "dump"], "packs are described by `bake inspect`"),
@@ -71,7 +74,11 @@ pub fn with_tip(error: clap::Error, words: &[OsString], root: &clap::Command) ->
             }
             let is_known = |own: &str| words.get(1).is_some_and(|command| has_flag(root, command, own));
             let meant = FLAGS.iter().find(|(guesses, own, _)| guesses.contains(&&*name) && is_known(own));
-            meant.map(|(_, _, usage)| format!("use {usage}"))
+            // `bake decompose` decomposes without a flag.
+            let usage = |usage: &str| {
+                if is_known("decompose") { usage.to_owned() } else { usage.replace("--decompose --", "--") }
+            };
+            meant.map(|(_, _, meant)| format!("use {}", usage(meant)))
         }
         _ => None,
     };

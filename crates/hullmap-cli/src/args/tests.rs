@@ -111,7 +111,10 @@ fn poses_may_start_with_a_minus() {
 #[test]
 fn natural_guesses_are_answered_with_the_right_name() {
     for (line, tip) in [
-        ("bake decompose a.obj --out o", "bake build MESH --out DIR --decompose"),
+        ("bake coacd a.obj b.obj", "bake build MESH --out DIR --decompose"),
+        ("bake vhacd a.obj b.obj", "`bake decompose MESH OUT.obj`"),
+        ("bake decompose a b --concavity 1", "tip: use --max-error E"),
+        ("bake decompose a b --max-hulls 4", "tip: use --max-parts N"),
         ("bake simplify a.obj", "--max-vertices N"),
         ("bake info a.hullmap", "bake inspect"),
         ("bake help", "bake --help"),

@@ -2,6 +2,7 @@
 
 pub mod build;
 pub mod completions;
+pub mod decompose;
 pub mod export;
 pub mod init;
 pub mod inspect;

@@ -1,4 +1,4 @@
-//! The options as flags of `bake build`, made from the table.
+//! The options as flags of `bake build` and `bake decompose`, made from the table.
 
 use std::sync::LazyLock;
 
@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
 use super::OptionLayer;
-use super::table::{BuildOption, DefaultValue, OPTIONS, Section};
+use super::table::{BuildOption, DefaultValue, OPTIONS, Section, position};
 use super::value::{Syntax, Value};
 
 /// Name of an option's flag, without the dashes in front.
@@ -26,6 +26,66 @@ impl clap::Args for OptionLayer {
 
     fn augment_args_for_update(command: Command) -> Command {
         Self::augment_args(command)
+    }
+}
+
+/// The options of `bake decompose`, with their help where that of `bake build` also speaks of
+/// whole hulls.
+const OF_PARTS: [(&str, Option<&str>); 8] = [
+    (
+        "max_error",
+        Some(
+            "How far parts may protrude from the mesh's solid: a length, or a share of the mesh's diagonal such as 1%; default 2%",
+        ),
+    ),
+    ("max_vertices", Some("Maximum number of vertices of each part, 4 or more; default 64")),
+    ("max_parts", None),
+    ("overlap", None),
+    ("min_thickness", None),
+    ("decompose_seconds", None),
+    ("unit_scale", None),
+    ("up_axis", None),
+];
+
+/// The options of a decomposition as flags of `bake decompose`. The meshes of a file are decomposed
+/// one by one.
+#[derive(Clone, Debug)]
+pub struct PartsLayer(pub OptionLayer);
+
+impl clap::Args for PartsLayer {
+    fn augment_args(command: Command) -> Command {
+        command.args(OF_PARTS.iter().filter_map(|(key, help)| {
+            let (option, flag) = FLAGS.iter().find(|(option, _)| option.key == *key)?;
+            let arg = arg(option, flag).hide_short_help(false);
+            Some(match help {
+                Some(help) => arg.help(*help),
+                None => arg,
+            })
+        }))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for PartsLayer {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut layer = Self(OptionLayer::default());
+        layer.update_from_arg_matches(matches)?;
+        Ok(layer)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        for (key, _) in OF_PARTS {
+            if let Some(index) = position(key) {
+                self.0.set_at(index, matches.get_one::<Value>(key).copied());
+            }
+        }
+        for (key, value) in [("split", "object"), ("decompose", "true"), ("index", "none")] {
+            self.0.set(key, value).map_err(|error| clap::Error::raw(clap::error::ErrorKind::InvalidValue, error))?;
+        }
+        Ok(())
     }
 }
 

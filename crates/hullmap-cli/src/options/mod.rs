@@ -7,7 +7,7 @@
 //! | [`value`] | the values that options take, and how they are written |
 //! | [`layer`] | options given by one source: command line, `hullmap.toml`, or record |
 //! | [`resolved`] | the options of a bake, with their defaults |
-//! | [`flags`] | a layer as flags of `bake build` |
+//! | [`flags`] | a layer as flags of `bake build` and `bake decompose` |
 //! | [`mod@template`] | the `hullmap.toml` that `bake init` writes |
 //! | [`record`] | the text in which a pack records its options |
 //! | [`removed`] | options of earlier versions, and what to use instead |
@@ -27,7 +27,7 @@ mod template;
 pub mod value;
 
 #[cfg(feature = "command")]
-pub use flags::flag;
+pub use flags::{PartsLayer, flag};
 pub use layer::OptionLayer;
 pub use resolved::{BuildOptions, RecordSource};
 #[cfg(feature = "command")]

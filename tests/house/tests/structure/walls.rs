@@ -134,6 +134,13 @@ fn the_c_interface_depends_on_the_runtime_alone() {
 }
 
 #[test]
+fn the_decomposition_for_c_depends_on_the_baker_alone() {
+    let others = ["hullmap", "hullmap-import", "hullmap-cli", "hullmap-c", "shapes", "clap", "serde", "parry3d"];
+    assert_unseen("hullmap-decompose-c", &others);
+    assert!(tree("hullmap-decompose-c", "normal", &[]).contains("hullmap-bake"));
+}
+
+#[test]
 fn the_client_of_farms_does_not_depend_on_meshes() {
     assert_unseen("hullmap-remote", &["hullmap", "hullmap-bake", "hullmap-format", "hullmap-import", "clap", "rayon"]);
     for package in ["tonic", "tokio", "rustls", "ring"] {
@@ -224,6 +231,7 @@ fn unsafe_code_is_in_few_files() {
         "crates/hullmap-c/src/tests/overhead.rs",
         "crates/hullmap-c/src/tests/pairs.rs",
         "crates/hullmap-c/src/tests/single.rs",
+        "crates/hullmap-decompose-c/src/exports.rs",
         // Memory of a pack lent to NumPy.
         "crates/hullmap-python/src/memory.rs",
     ]
@@ -241,7 +249,7 @@ fn unsafe_code_is_in_few_files() {
         .collect();
     assert!(roots.len() >= 5, "{roots:?}");
     for root in roots {
-        let denies = ["crates/hullmap", "crates/hullmap-c", "crates/hullmap-python"]
+        let denies = ["crates/hullmap", "crates/hullmap-c", "crates/hullmap-decompose-c", "crates/hullmap-python"]
             .iter()
             .any(|package| root.starts_with(package));
         let level = if denies { "deny" } else { "forbid" };

@@ -1,22 +1,15 @@
 //! `bake export`: exports hulls as meshes that other programs read.
 //!
 //! 1. Select the hulls of each pack and, for an engine, name them by its rules (`names`).
-//! 2. Each file is written in memory (`obj`, `stl`, `glb`, JSON, `robot`).
+//! 2. Each file is written in memory (`mesh_file`, JSON, `robot`).
 //! 3. If a target exists, nothing of its pack is written. Each file is written to a temporary file
 //!    and renamed. With several packs, `--out` mirrors the folders of the packs.
 //!
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
-mod body;
-mod glb;
-mod names;
-mod obj;
 mod robot;
-mod stl;
 
 use std::collections::HashMap;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use hullmap::{MassProperties, MassSource, Pack};
@@ -25,18 +18,17 @@ use serde::Serialize;
 
 use crate::args::{ExportArgs, Format, Target};
 use crate::geometry::rank_name;
+use crate::mesh_file::body::{Body, Inertial};
+use crate::mesh_file::{glb, names, obj, place, stl};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{
-    folder_of, link_below, make_folder, put_in_free_place, put_in_place, sweep, sweep_below, through_link, write_beside,
-};
+use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, through_link};
 use crate::packs::{PackPlace, find_packs, is_pack};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
 use crate::terminal::{self, Output};
-use body::{Body, Inertial};
 use robot::Robot;
 
 /// Density of water, and MuJoCo's default, in kilograms per cubic metre.
@@ -432,38 +424,19 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
 impl Export<'_> {
     /// Writes all files of a pack. Existing files are kept, unless `--force` is given.
     fn write_all(&self, targets: &[PathBuf], files: &[ExportedFile]) -> Result<(), Failure> {
-        let exists = |target: &Path| {
-            Failure::usage(format!(
-                "{}: already exists and was not changed; name another path in --out, or replace it with --force",
-                target.display()
-            ))
-        };
-        // Before anything is written. A link counts, also if it is broken.
-        let existing = targets.iter().find(|target| fs::symlink_metadata(target).is_ok());
-        if let Some(target) = existing.filter(|_| !self.args.force) {
-            return Err(exists(target));
+        if !self.args.force {
+            place::check_free(targets)?;
         }
         for (target, file) in targets.iter().zip(files) {
-            let failure = |error: io::Error| {
-                Failure::usage(format!("{}: cannot write: {error}; check the path", target.display()))
-            };
             let out = self.args.out.as_deref().filter(|_| self.is_many);
             if let Some(link) = out.and_then(|out| link_below(out, folder_of(target))) {
                 return Err(Failure::usage(through_link(target, &link)));
             }
-            make_folder(folder_of(target)).map_err(failure)?;
+            make_folder(folder_of(target)).map_err(|error| place::cannot_write(target, &error))?;
             if !self.is_many {
                 sweep_once(target, targets);
             }
-            let unplaced = write_beside(target, &file.bytes).map_err(failure)?;
-            if self.args.force {
-                put_in_place(unplaced, target).map_err(failure)?;
-            } else {
-                put_in_free_place(unplaced, target).map_err(|error| match error.kind() {
-                    io::ErrorKind::AlreadyExists => exists(target),
-                    _ => failure(error),
-                })?;
-            }
+            place::put(target, &file.bytes, self.args.force)?;
         }
         Ok(())
     }

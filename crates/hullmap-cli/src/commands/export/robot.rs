@@ -12,7 +12,7 @@
 //! MuJoCo, "XML Reference", elements `mesh`, `geom` and `inertial`; ROS, "URDF XML Specification",
 //! elements `collision` and `inertial`.
 
-use super::body::Inertial;
+use crate::mesh_file::body::Inertial;
 
 /// Collision meshes of one body.
 #[derive(Debug)]

@@ -1,0 +1,207 @@
+//! `bake decompose`: a mesh file becomes a file of convex parts, without a pack.
+//!
+//! 1. The meshes of the file are decomposed one by one, as by `bake build --split object
+//!    --decompose`. A convex mesh gives its hull.
+//! 2. The parts are written as by `bake export`, in the frame and unit of the source.
+//!
+//! Overlap is an estimate; cover and protrusion are the bounds that a pack records.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use hullmap::Pack;
+use hullmap_bake::fit::{Solid, looseness};
+use hullmap_bake::number::{percent, short};
+use hullmap_bake::progress::Stage;
+use hullmap_bake::{PointSet, SolidKind, SourceRecord, hull};
+use hullmap_import::{self as import, Imported, ReadError, UpAxis};
+use serde::Serialize;
+
+use crate::args::DecomposeArgs;
+use crate::baker::{BakedPack, bake_pack};
+use crate::mesh_file::body::Body;
+use crate::mesh_file::{glb, obj, place};
+use crate::outcome::{Exit, Failure, end};
+use crate::pack_file::{folder_of, make_folder};
+use crate::part::diagonal;
+use crate::table::grouped;
+use crate::terminal::{self, Output};
+
+/// Writes hulls as the bytes of a file.
+type Write = fn(&[Body]) -> Result<Vec<u8>, String>;
+
+/// The formats that hold several named hulls, by their extensions.
+const FORMATS: [(&str, Write); 2] = [("obj", |bodies| Ok(obj::write(bodies, false))), ("glb", glb::write)];
+
+/// Result of the command. Field names are the JSON's.
+#[derive(Debug, Serialize)]
+struct Report {
+    source: String,
+    output: String,
+    parts: usize,
+    vertices: usize,
+    triangles: usize,
+    bytes: usize,
+    millis: f64,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+    meshes: Vec<MeshReport>,
+}
+
+/// The parts of one mesh. Lengths are in the unit of the output. The fit of parts is `None` if it
+/// is not known, for instance of a mesh without faces.
+#[derive(Debug, Serialize)]
+struct MeshReport {
+    name: String,
+    parts: usize,
+    vertices: usize,
+    triangles: usize,
+    diagonal: f64,
+    solid: Option<&'static str>,
+    uncovered: Option<f64>,
+    protrusion: Option<f64>,
+    overlap: Option<f64>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Usage: an unknown format, an output that exists or cannot be written, or an input that cannot be
+/// read. Rejected: a faulty mesh.
+pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
+    let start = Instant::now();
+    let write = writer(&args.output)?;
+    check_output(args)?;
+    let (imported, pack) = decompose(args)?;
+    let fault = |error: String| Failure::rejected(format!("{}: {error}", args.input.display()));
+    let opened = Pack::from_bytes(&pack.bytes).map_err(|error| fault(error.to_string()))?;
+    let bodies: Vec<Body> = opened.hulls().map(|hull| Body::new(&hull, UpAxis::Keep)).collect();
+    let bytes = write(&bodies).map_err(fault)?;
+    make_folder(folder_of(&args.output)).map_err(|error| place::cannot_write(&args.output, &error))?;
+    place::put(&args.output, &bytes, args.force)?;
+    let meshes = describe(&imported.point_sets, &opened, &bodies);
+    let report = Report {
+        source: args.input.display().to_string(),
+        output: args.output.display().to_string(),
+        parts: bodies.len(),
+        vertices: meshes.iter().map(|mesh| mesh.vertices).sum(),
+        triangles: meshes.iter().map(|mesh| mesh.triangles).sum(),
+        bytes: bytes.len(),
+        millis: (start.elapsed().as_secs_f64() * 1e4).round() / 10.0,
+        notes: [imported.notes, pack.notes].concat(),
+        warnings: pack.warnings,
+        meshes,
+    };
+    let written = if args.json { out.json(&report).map_err(Failure::from) } else { write_text(&report, out) };
+    end(Exit::Done, written)
+}
+
+/// The writer of the format that the output's extension names.
+fn writer(output: &Path) -> Result<Write, Failure> {
+    let extension = output.extension().unwrap_or_default();
+    let found = FORMATS.iter().find(|(name, _)| extension.eq_ignore_ascii_case(name));
+    found.map(|(_, write)| *write).ok_or_else(|| {
+        let formats = FORMATS.map(|(name, _)| format!(".{name}")).join(" or ");
+        Failure::usage(format!(
+            "{}: the format is unknown; name a file with the extension {formats}, or make a pack by `bake build \
+             --decompose`",
+            output.display()
+        ))
+    })
+}
+
+/// Checks, before the work, that the output may be written.
+fn check_output(args: &DecomposeArgs) -> Result<(), Failure> {
+    let output = args.output.display();
+    if !args.force {
+        return place::check_free(&[PathBuf::from(&args.output)]);
+    }
+    if args.output.is_dir() {
+        return Err(Failure::usage(format!("{output}: is a folder; name the file to write")));
+    }
+    let [input, target] = [&args.input, &args.output].map(|path| path.canonicalize().ok());
+    if input.is_some() && input == target {
+        return Err(Failure::usage(format!("{output}: is the mesh itself; name another file")));
+    }
+    Ok(())
+}
+
+/// Reads and decomposes the meshes. The pack stays in memory.
+fn decompose(args: &DecomposeArgs) -> Result<(Imported, BakedPack), Failure> {
+    let (path, file) = (&args.input, args.input.display().to_string());
+    let (options, limits) = (args.options.0.resolve(), args.limits.limits());
+    let source = import::read(&file, path, &limits).map_err(|error| match error {
+        ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
+        ReadError::Import(error) => Failure::rejected(error.to_string()),
+    })?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut imported = import::import(&file, &stem, path, &source, &options.import(), &limits)
+        .map_err(|error| Failure::rejected(error.to_string()))?;
+    imported.give_triangles();
+    let record = SourceRecord { warnings: std::mem::take(&mut imported.warnings), ..SourceRecord::default() };
+    let pack = bake_pack(&imported.point_sets, &options, &record, Stage::default())
+        .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
+    Ok((imported, pack))
+}
+
+/// Describes the parts of each mesh. The hulls of a mesh are consecutive, and the first is part 0.
+fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body]) -> Vec<MeshReport> {
+    let hulls: Vec<_> = pack.hulls().collect();
+    let mut own = hulls.chunk_by(|_, next| next.part() > 0);
+    let mut bodies = bodies.chunk_by(|_, next| next.part > 0);
+    let mut described = Vec::with_capacity(meshes.len());
+    for mesh in meshes {
+        let (own, bodies) = (own.next().unwrap_or_default(), bodies.next().unwrap_or_default());
+        let first = own.first();
+        described.push(MeshReport {
+            name: mesh.name.clone(),
+            parts: own.len(),
+            vertices: bodies.iter().map(|body| body.positions.len()).sum(),
+            triangles: bodies.iter().map(|body| body.triangles().count()).sum(),
+            diagonal: diagonal(mesh),
+            solid: first.and_then(|hull| hull.solid()).map(SolidKind::as_str),
+            uncovered: first.and_then(|hull| hull.uncovered()),
+            protrusion: own.iter().map(|hull| hull.protrusion()).reduce(|a, b| Some(a?.max(b?))).flatten(),
+            overlap: overlap(mesh, bodies),
+        });
+    }
+    described
+}
+
+/// Estimate of the volume in which parts overlap, relative to that of their union; `None` if the
+/// mesh has no surface or no hull.
+fn overlap(mesh: &PointSet, bodies: &[Body]) -> Option<f64> {
+    if bodies.len() < 2 {
+        return Some(0.0);
+    }
+    let points = |body: &Body| PointSet {
+        source_vertices: (0..body.positions.len() as u32).collect(),
+        positions: body.positions.clone(),
+        ..PointSet::default()
+    };
+    let parts: Vec<_> = bodies.iter().filter_map(|body| hull::build(&points(body)).ok()).collect();
+    let whole = hull::build(mesh).ok()?;
+    Some(looseness(&Solid::new(mesh), &whole, &parts.iter().collect::<Vec<_>>()).overlap)
+}
+
+fn write_text(report: &Report, out: &mut Output) -> Result<(), Failure> {
+    report.notes.iter().for_each(terminal::note);
+    report.warnings.iter().for_each(terminal::warning);
+    for mesh in &report.meshes {
+        let noun = if mesh.parts == 1 { "part" } else { "parts" };
+        let bound = |length: Option<f64>| match length {
+            Some(length) => format!("at most {} ({} of the diagonal)", short(length), percent(length / mesh.diagonal)),
+            None => "unmeasured".to_owned(),
+        };
+        let overlap = mesh.overlap.map_or_else(|| "unmeasured".to_owned(), percent);
+        out.line(format_args!(
+            "{}: {} {noun}, {} vertices; protrusion {}, uncovered {}, overlap {overlap}",
+            mesh.name,
+            grouped(mesh.parts as u64),
+            grouped(mesh.vertices as u64),
+            bound(mesh.protrusion),
+            bound(mesh.uncovered),
+        ))?;
+    }
+    Ok(out.line(format_args!("{}: {} bytes", report.output, grouped(report.bytes as u64)))?)
+}

@@ -1,0 +1,9 @@
+//! Hulls as files of meshes, written in memory and put in place: for `bake export` and
+//! `bake decompose`.
+
+pub mod body;
+pub mod glb;
+pub mod names;
+pub mod obj;
+pub mod place;
+pub mod stl;

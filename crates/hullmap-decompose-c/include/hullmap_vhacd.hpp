@@ -1,0 +1,310 @@
+// The class and the names of V-HACD 4 over hullmap's convex decomposition. C++11 and later.
+//
+// Licence: MIT OR Apache-2.0.
+//
+// Replace `#include "VHACD.h"` by `#include "hullmap_vhacd.hpp"`, and link libhullmap_decompose. The
+// macro ENABLE_VHACD_IMPLEMENTATION has no effect. Do not include V-HACD's own header as well.
+//
+// What a parameter means here:
+//
+//   m_maxConvexHulls         maximum number of parts. If the error below takes more parts, the smallest
+//                            error with at most this number is searched
+//   m_maxNumVerticesPerCH    maximum number of vertices of a part, at least 4
+//   m_minimumVolumePercentErrorAllowed
+//                            a share of volume, for which hullmap has no equal. A value p bounds how
+//                            far a part protrudes, by 2 p percent of the mesh's diagonal: V-HACD's
+//                            default of 1 is hullmap's default of 2 %. This bound is proven
+//   m_asyncACD               as in V-HACD: whether Compute of CreateVHACD_ASYNC returns at once
+//   m_callback               Update is called in the thread that calls Compute, or IsReady if it is
+//                            asynchronous; NotifyVHACDComplete by the thread of the computation
+//   m_logger                 gets the message of a failure, from the thread of the computation
+//   m_resolution, m_maxRecursionDepth, m_minEdgeLength, m_findBestPlane, m_shrinkWrap
+//                            no effect: there are no voxels, and parts fit the surface
+//   m_fillMode               no effect: the solid of an open mesh is found by winding numbers
+//   m_taskRunner             no effect: the library has a pool of threads
+#ifndef HULLMAP_VHACD_HPP
+#define HULLMAP_VHACD_HPP
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "hullmap_decompose.h"
+
+namespace VHACD {
+
+enum class FillMode { FLOOD_FILL, SURFACE_ONLY, RAYCAST_FILL };
+
+class IVHACD {
+public:
+    class IUserCallback {
+    public:
+        virtual ~IUserCallback() {}
+        // Progress in percent.
+        virtual void Update(const double overallProgress, const double stageProgress, const char* const stage,
+                            const char* operation) = 0;
+        virtual void NotifyVHACDComplete() {}
+    };
+
+    class IUserLogger {
+    public:
+        virtual ~IUserLogger() {}
+        virtual void Log(const char* const msg) = 0;
+    };
+
+    class IUserTaskRunner {
+    public:
+        virtual ~IUserTaskRunner() {}
+        virtual void* StartTask(std::function<void()> func) = 0;
+        virtual void JoinTask(void* task) = 0;
+    };
+
+    // A part. The arrays are valid until the next Compute, Clean or Release.
+    class ConvexHull {
+    public:
+        uint32_t m_nPoints{0};
+        double* m_points{nullptr};
+        uint32_t m_nTriangles{0};
+        uint32_t* m_triangles{nullptr};
+        double m_volume{0};
+        double m_center[3]{0, 0, 0};
+        uint32_t m_meshId{0};
+        double mBmin[3]{0, 0, 0};
+        double mBmax[3]{0, 0, 0};
+    };
+
+    class Parameters {
+    public:
+        IUserCallback* m_callback{nullptr};
+        IUserLogger* m_logger{nullptr};
+        IUserTaskRunner* m_taskRunner{nullptr};
+        uint32_t m_maxConvexHulls{64};
+        uint32_t m_resolution{400000};
+        double m_minimumVolumePercentErrorAllowed{1};
+        uint32_t m_maxRecursionDepth{12};
+        bool m_shrinkWrap{true};
+        FillMode m_fillMode{FillMode::FLOOD_FILL};
+        uint32_t m_maxNumVerticesPerCH{64};
+        bool m_asyncACD{true};
+        uint32_t m_minEdgeLength{2};
+        bool m_findBestPlane{false};
+    };
+
+    virtual void Cancel() = 0;
+    virtual bool Compute(const float* const points, const uint32_t countPoints, const uint32_t* const triangles,
+                         const uint32_t countTriangles, const Parameters& params) = 0;
+    virtual bool Compute(const double* const points, const uint32_t countPoints, const uint32_t* const triangles,
+                         const uint32_t countTriangles, const Parameters& params) = 0;
+    virtual uint32_t GetNConvexHulls() const = 0;
+    virtual bool GetConvexHull(const uint32_t index, ConvexHull& ch) const = 0;
+    virtual void Clean() = 0;
+    virtual void Release() = 0;
+    virtual bool ComputeCenterOfMass(double centerOfMass[3]) const = 0;
+    virtual bool IsReady() const { return true; }
+    // Index of the part nearest to a point. The distance is the greatest height above the planes of
+    // the part: 0 inside, and elsewhere at most the true distance.
+    virtual uint32_t findNearestConvexHull(const double pos[3], double& distanceToHull) = 0;
+
+protected:
+    virtual ~IVHACD() {}
+};
+
+namespace hullmap {
+
+// One instance: the thread of its computation, and its parts.
+class Decomposer final : public IVHACD {
+public:
+    explicit Decomposer(bool is_async) : is_async_(is_async) {}
+
+    void Cancel() override {
+        hullmap_decompose_progress_cancel(progress_);
+        join();
+    }
+
+    bool Compute(const float* const points, const uint32_t countPoints, const uint32_t* const triangles,
+                 const uint32_t countTriangles, const Parameters& params) override {
+        return start(points, countPoints, triangles, countTriangles, params);
+    }
+
+    bool Compute(const double* const points, const uint32_t countPoints, const uint32_t* const triangles,
+                 const uint32_t countTriangles, const Parameters& params) override {
+        return start(points, countPoints, triangles, countTriangles, params);
+    }
+
+    uint32_t GetNConvexHulls() const override { return IsReady() ? static_cast<uint32_t>(hulls_.size()) : 0; }
+
+    bool GetConvexHull(const uint32_t index, ConvexHull& ch) const override {
+        if (index >= GetNConvexHulls()) return false;
+        ch = hulls_[index];
+        return true;
+    }
+
+    void Clean() override {
+        Cancel();
+        hulls_.clear();
+        hullmap_decomposition_free(found_);
+        found_ = nullptr;
+        hullmap_decompose_progress_free(progress_);
+        progress_ = nullptr;
+    }
+
+    void Release() override { delete this; }
+
+    bool ComputeCenterOfMass(double centerOfMass[3]) const override {
+        double sum[3] = {0, 0, 0}, volume = 0;
+        for (uint32_t index = 0; index < GetNConvexHulls(); ++index) {
+            volume += hulls_[index].m_volume;
+            for (int axis = 0; axis < 3; ++axis) sum[axis] += hulls_[index].m_volume * hulls_[index].m_center[axis];
+        }
+        if (!(volume > 0)) return false;
+        for (int axis = 0; axis < 3; ++axis) centerOfMass[axis] = sum[axis] / volume;
+        return true;
+    }
+
+    bool IsReady() const override {
+        if (is_done_.load(std::memory_order_acquire)) return true;
+        update();
+        return false;
+    }
+
+    uint32_t findNearestConvexHull(const double pos[3], double& distanceToHull) override {
+        uint32_t nearest = 0;
+        distanceToHull = HUGE_VAL;
+        for (uint32_t index = 0; index < GetNConvexHulls(); ++index) {
+            const double distance = height_above(hulls_[index], pos);
+            if (distance < distanceToHull) {
+                distanceToHull = distance;
+                nearest = index;
+            }
+        }
+        return nearest;
+    }
+
+private:
+    ~Decomposer() override { Clean(); }
+
+    template <typename Number>
+    bool start(const Number* points, uint32_t count, const uint32_t* triangles, uint32_t triangle_count,
+               const Parameters& params) {
+        Clean();
+        if (points == nullptr || triangles == nullptr || count == 0 || triangle_count == 0) return false;
+        params_ = params;
+        points_.assign(points, points + size_t{3} * count);
+        triangles_.assign(triangles, triangles + size_t{3} * triangle_count);
+        progress_ = hullmap_decompose_progress_new();
+        is_done_.store(false, std::memory_order_release);
+        worker_ = std::thread([this] { run(); });
+        if (is_async_ && params.m_asyncACD) return true;
+        while (!is_done_.load(std::memory_order_acquire)) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            update();
+        }
+        join();
+        return !hulls_.empty();
+    }
+
+    // The computation, in a thread of its own.
+    void run() {
+        HullmapDecomposeOptions options = HULLMAP_DECOMPOSE_OPTIONS_DEFAULT;
+        options.max_error_share = 0.02 * params_.m_minimumVolumePercentErrorAllowed;
+        options.max_vertices = params_.m_maxNumVerticesPerCH;
+        HullmapDecomposeFacts facts = {sizeof(HullmapDecomposeFacts), 0, 0.0, 0.0};
+        decompose(options, facts);
+        if (facts.part_count > params_.m_maxConvexHulls && params_.m_maxConvexHulls > 0) {
+            options.max_parts = params_.m_maxConvexHulls;
+            decompose(options, facts);
+        }
+        for (size_t index = 0; index < facts.part_count; ++index) add(index);
+        is_done_.store(true, std::memory_order_release);
+        if (is_async_ && params_.m_callback != nullptr) params_.m_callback->NotifyVHACDComplete();
+    }
+
+    void decompose(const HullmapDecomposeOptions& options, HullmapDecomposeFacts& facts) {
+        hullmap_decomposition_free(found_);
+        facts.part_count = 0;
+        const HullmapDecomposeResult result =
+            hullmap_decompose(points_.data(), points_.size() / 3, triangles_.data(), triangles_.size() / 3, &options,
+                              progress_, &found_);
+        if (result != HULLMAP_DECOMPOSE_RESULT_OK) {
+            if (params_.m_logger != nullptr) params_.m_logger->Log(hullmap_decompose_last_error());
+            return;
+        }
+        hullmap_decomposition_facts(found_, &facts);
+    }
+
+    void add(size_t index) {
+        HullmapDecomposePart part;
+        if (hullmap_decomposition_part(found_, index, &part) != HULLMAP_DECOMPOSE_RESULT_OK) return;
+        ConvexHull hull;
+        hull.m_nPoints = part.vertex_count;
+        // V-HACD's type is not const.
+        hull.m_points = const_cast<double*>(part.vertices);
+        hull.m_nTriangles = part.triangle_count;
+        hull.m_triangles = const_cast<uint32_t*>(part.triangles);
+        hull.m_volume = part.volume;
+        hull.m_meshId = static_cast<uint32_t>(index);
+        for (int axis = 0; axis < 3; ++axis) {
+            hull.m_center[axis] = part.center[axis];
+            hull.mBmin[axis] = hull.mBmax[axis] = part.vertices[axis];
+            for (uint32_t v = 1; v < part.vertex_count; ++v) {
+                hull.mBmin[axis] = std::min(hull.mBmin[axis], part.vertices[3 * v + axis]);
+                hull.mBmax[axis] = std::max(hull.mBmax[axis], part.vertices[3 * v + axis]);
+            }
+        }
+        hulls_.push_back(hull);
+    }
+
+    // The greatest height of a point above the planes of a part; 0 inside.
+    static double height_above(const ConvexHull& hull, const double pos[3]) {
+        double greatest = 0;
+        for (uint32_t t = 0; t < hull.m_nTriangles; ++t) {
+            const double* a = hull.m_points + 3 * hull.m_triangles[3 * t];
+            const double* b = hull.m_points + 3 * hull.m_triangles[3 * t + 1];
+            const double* c = hull.m_points + 3 * hull.m_triangles[3 * t + 2];
+            const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+            const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+            const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+            if (!(length > 0)) continue;
+            const double along = n[0] * (pos[0] - a[0]) + n[1] * (pos[1] - a[1]) + n[2] * (pos[2] - a[2]);
+            greatest = std::max(greatest, along / length);
+        }
+        return greatest;
+    }
+
+    void update() const {
+        if (params_.m_callback == nullptr) return;
+        const double percent = 100 * hullmap_decompose_progress_share(progress_);
+        params_.m_callback->Update(percent, percent, "Decompose", "Decompose");
+    }
+
+    void join() {
+        if (worker_.joinable()) worker_.join();
+    }
+
+    const bool is_async_;
+    std::atomic<bool> is_done_{true};
+    std::thread worker_;
+    Parameters params_;
+    std::vector<double> points_;
+    std::vector<uint32_t> triangles_;
+    HullmapDecomposeProgress* progress_ = nullptr;
+    HullmapDecomposition* found_ = nullptr;
+    std::vector<ConvexHull> hulls_;
+};
+
+}  // namespace hullmap
+
+// An instance whose Compute returns when the parts are made.
+inline IVHACD* CreateVHACD() { return new hullmap::Decomposer(false); }
+
+// An instance whose Compute returns at once; IsReady says when the parts are made.
+inline IVHACD* CreateVHACD_ASYNC() { return new hullmap::Decomposer(true); }
+
+}  // namespace VHACD
+
+#endif  // HULLMAP_VHACD_HPP

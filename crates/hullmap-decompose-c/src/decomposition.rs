@@ -1,0 +1,231 @@
+//! From arrays to convex parts.
+//!
+//! 1. Check the arrays. Positions are taken relative to the centre of the box around them, and
+//!    equal ones are merged.
+//! 2. Decompose the mesh. A convex mesh gives its hull, simplified if it has too many vertices.
+//! 3. Measure cover and protrusion.
+
+#![forbid(unsafe_code)]
+
+use std::collections::HashMap;
+
+use hullmap_bake::decompose::{Cover, Length, decompose_in};
+use hullmap_bake::fit::fits;
+use hullmap_bake::hull::{self, Hull};
+use hullmap_bake::mass::mass;
+use hullmap_bake::progress::{Progress, Stage};
+use hullmap_bake::simplify::{Limit, MIN_VERTICES, simplify};
+use hullmap_bake::{BakeError, MAX_POINTS, PointSet};
+
+use crate::failure::Failure;
+use crate::types::{Facts, Options, Part, Result as Code};
+
+/// A decomposition of a mesh into convex parts.
+#[derive(Debug)]
+pub struct Decomposition {
+    parts: Vec<OwnedPart>,
+    uncovered: f64,
+    protrusion: f64,
+}
+
+/// The arrays of a part.
+#[derive(Debug)]
+struct OwnedPart {
+    vertices: Vec<f64>,
+    triangles: Vec<u32>,
+    volume: f64,
+    center: [f64; 3],
+    protrusion: f64,
+}
+
+impl Decomposition {
+    /// Facts about it.
+    pub fn facts(&self) -> Facts {
+        Facts {
+            struct_size: size_of::<Facts>(),
+            part_count: self.parts.len(),
+            uncovered: self.uncovered,
+            protrusion: self.protrusion,
+        }
+    }
+
+    /// The part with this index.
+    pub fn part(&self, index: usize) -> Option<Part> {
+        let part = self.parts.get(index)?;
+        Some(Part {
+            vertices: part.vertices.as_ptr(),
+            vertex_count: (part.vertices.len() / 3) as u32,
+            triangle_count: (part.triangles.len() / 3) as u32,
+            triangles: part.triangles.as_ptr(),
+            volume: part.volume,
+            center: part.center,
+            protrusion: part.protrusion,
+        })
+    }
+}
+
+/// Decomposes a mesh of `triangles` with corners among `points`.
+///
+/// # Errors
+/// Wrong arrays or options, a mesh without a hull, or `progress` was cancelled.
+pub fn decompose(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    options: Option<Options>,
+    progress: Option<&Progress>,
+) -> Result<Decomposition, Failure> {
+    let cover = options.map_or_else(|| Ok(Cover::default()), |options| cover(&options))?;
+    let stage = progress.map_or_else(Stage::default, Progress::whole);
+    let mesh = point_set(points, triangles)?;
+    let rejected = |error: BakeError| Failure::new(Code::Rejected, error);
+    let hulls: Vec<Hull> = match decompose_in(&mesh, &cover, stage.from_to(0.0, 0.8)).map_err(rejected)? {
+        Some(parts) => parts.iter().map(hull::build).collect::<Result<_, _>>().map_err(rejected)?,
+        None => vec![whole(&mesh, cover.max_vertices).map_err(rejected)?],
+    };
+    if stage.is_cancelled() {
+        return Err(Failure::new(Code::Cancelled, "the decomposition was cancelled; start it again"));
+    }
+    // With a maximum number of parts, the limit is not proven.
+    let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(&mesh.positions)));
+    let fits = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), limit);
+    let protrusion = |index: usize| fits.as_ref().and_then(|fits| fits.get(index)).map_or(f64::NAN, |f| f.protrusion);
+    let parts: Vec<OwnedPart> =
+        hulls.iter().enumerate().map(|(index, hull)| owned(hull, mesh.origin, protrusion(index))).collect();
+    stage.reach(1.0);
+    Ok(Decomposition {
+        uncovered: fits.as_ref().and_then(|fits| fits.first()).map_or(f64::NAN, |fit| fit.uncovered),
+        protrusion: if fits.is_some() { parts.iter().map(|p| p.protrusion).fold(0.0, f64::max) } else { f64::NAN },
+        parts,
+    })
+}
+
+/// The hull of a mesh that is not divided, with at most this number of vertices.
+fn whole(mesh: &PointSet, max_vertices: u32) -> Result<Hull, BakeError> {
+    let exact = hull::build(mesh)?;
+    Ok(simplify(&exact, Limit::Vertices(max_vertices as usize))?.map_or(exact, |simplified| simplified.hull))
+}
+
+/// The parameters that the options state.
+fn cover(options: &Options) -> Result<Cover, Failure> {
+    for (name, value) in [
+        ("max_error", options.max_error),
+        ("max_error_share", options.max_error_share),
+        ("overlap", options.overlap),
+        ("min_thickness_share", options.min_thickness_share),
+        ("seconds", options.seconds),
+    ] {
+        // No range contains NaN.
+        if !(0.0..f64::INFINITY).contains(&value) {
+            let text = format_args!("options.{name}: {value} is not a finite number, or below 0; 0 is the default");
+            return Err(Failure::new(Code::InvalidArgument, text));
+        }
+    }
+    let usual = Cover::default();
+    let max_vertices = if options.max_vertices == 0 { usual.max_vertices } else { options.max_vertices };
+    if (max_vertices as usize) < MIN_VERTICES {
+        let text = format_args!("options.max_vertices: {max_vertices} is below {MIN_VERTICES}; increase it");
+        return Err(Failure::new(Code::InvalidArgument, text));
+    }
+    Ok(Cover {
+        max_error: match (options.max_error, options.max_error_share) {
+            (0.0, 0.0) => usual.max_error,
+            (0.0, share) => Length::Relative(share),
+            (length, _) => Length::Absolute(length),
+        },
+        max_parts: (options.max_parts > 0).then_some(options.max_parts),
+        max_vertices,
+        overlap: if options.overlap == 0.0 { usual.overlap } else { options.overlap },
+        min_thickness: match options.min_thickness_share {
+            0.0 => usual.min_thickness,
+            share => Length::Relative(share),
+        },
+        seconds: (options.seconds > 0.0).then_some(options.seconds),
+    })
+}
+
+/// The mesh, with the corners of its triangles as points; all points if there are no triangles.
+fn point_set(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<PointSet, Failure> {
+    let invalid = |text: std::fmt::Arguments| Failure::new(Code::InvalidArgument, text);
+    if points.is_empty() || points.len() > MAX_POINTS {
+        return Err(invalid(format_args!("points: expected 1 to {MAX_POINTS}, found {}", points.len())));
+    }
+    if let Some(index) = points.iter().position(|point| !point.iter().all(|x| x.abs() <= f64::from(f32::MAX))) {
+        return Err(invalid(format_args!(
+            "points[{index}]: a coordinate is not a finite number in the range of float"
+        )));
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for point in points {
+        for ((low, high), x) in low.iter_mut().zip(&mut high).zip(point) {
+            (*low, *high) = (low.min(*x), high.max(*x));
+        }
+    }
+    let [a, b, c] =
+        [0, 1, 2].map(|axis| low.get(axis).zip(high.get(axis)).map_or(0.0, |(low, high)| (low + high) / 2.0));
+    let origin = [a, b, c];
+    let mut mesh = PointSet { name: "mesh".to_owned(), origin, ..PointSet::default() };
+    let mut merged: HashMap<[u32; 3], u32> = HashMap::new();
+    let mut index_of = |point: &[f64; 3], source: u32| {
+        let [x, y, z] = point;
+        // Adding 0 removes the sign of a zero.
+        let position = [x - a, y - b, z - c].map(|x| x as f32 + 0.0);
+        *merged.entry(position.map(f32::to_bits)).or_insert_with(|| {
+            mesh.positions.push(position);
+            mesh.source_vertices.push(source);
+            mesh.positions.len() as u32 - 1
+        })
+    };
+    let mut found = Vec::with_capacity(triangles.len());
+    for (index, triangle) in triangles.iter().enumerate() {
+        let mut corners = [0; 3];
+        for (corner, v) in corners.iter_mut().zip(triangle) {
+            let point = points.get(*v as usize).ok_or_else(|| {
+                invalid(format_args!("triangles[{index}]: point {v} is out of range, of {} points", points.len()))
+            })?;
+            *corner = index_of(point, *v);
+        }
+        found.push(corners);
+    }
+    if triangles.is_empty() {
+        for (source, point) in (0..).zip(points) {
+            index_of(point, source);
+        }
+    }
+    // Triangles whose corners became one have no area.
+    found.retain(|[a, b, c]| a != b && b != c && c != a);
+    mesh.triangles = found;
+    Ok(mesh)
+}
+
+/// Diagonal of the box around positions.
+fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let mut bounds = [(f32::INFINITY, f32::NEG_INFINITY); 3];
+    for position in positions {
+        for ((low, high), x) in bounds.iter_mut().zip(position) {
+            (*low, *high) = (low.min(*x), high.max(*x));
+        }
+    }
+    bounds.iter().map(|(low, high)| (f64::from(*high) - f64::from(*low)).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The arrays of a hull in the frame of the mesh.
+fn owned(hull: &Hull, origin: [f64; 3], protrusion: f64) -> OwnedPart {
+    let moved = |point: [f64; 3]| {
+        let ([x, y, z], [a, b, c]) = (point, origin);
+        [x + a, y + b, z + c]
+    };
+    let mass = mass(hull);
+    // Faces are convex: each is divided from its first vertex.
+    let fan = |face: &Vec<u32>| -> Vec<u32> {
+        let first = face.first().copied().unwrap_or_default();
+        let pairs = face.get(1..).unwrap_or_default().windows(2);
+        pairs.flat_map(|pair| std::iter::once(first).chain(pair.iter().copied())).collect()
+    };
+    OwnedPart {
+        vertices: hull.vertices.iter().flat_map(|vertex| moved(vertex.map(f64::from))).collect(),
+        triangles: hull.faces.iter().flat_map(fan).collect(),
+        volume: mass.volume,
+        center: moved(mass.centroid),
+        protrusion,
+    }
+}

@@ -1,0 +1,82 @@
+//! Structs and enums of the header: plain numbers, laid out as C does.
+//!
+//! Documentation comments become comments of the header, so they speak of C names.
+
+#![forbid(unsafe_code)]
+
+/// Result of a function. Every value except HULLMAP_DECOMPOSE_RESULT_OK is a failure, for which
+/// hullmap_decompose_last_error() has a message.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Result {
+    /// Success.
+    Ok = 0,
+    /// A pointer is NULL but must not be.
+    Null = 1,
+    /// An argument is out of range, not a finite number, misaligned or of an unknown version.
+    InvalidArgument = 2,
+    /// The mesh has no hull.
+    Rejected = 3,
+    /// The computation was cancelled.
+    Cancelled = 4,
+    /// A bug in the library. The call was ended.
+    Panic = 5,
+}
+
+/// Options of a decomposition. A field that is 0 has its default.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// sizeof(HullmapDecomposeOptions).
+    pub struct_size: usize,
+    /// Maximum protrusion of a part from the mesh's solid, a length. Default: max_error_share.
+    pub max_error: f64,
+    /// The same as a share of the diagonal of the box around the mesh. Default: 0.02.
+    pub max_error_share: f64,
+    /// Maximum number of parts. The search then looks for the smallest error. Default: no maximum.
+    pub max_parts: u32,
+    /// Maximum number of vertices of a part, at least 4. Default: 64.
+    pub max_vertices: u32,
+    /// Share of their volume by which parts may overlap, where they are merged. Default: 0.05.
+    pub overlap: f64,
+    /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
+    /// error. Default: 0.005.
+    pub min_thickness_share: f64,
+    /// Time after which the search stops, in seconds. Parts may then protrude further, and depend
+    /// on the machine. Default: no limit.
+    pub seconds: f64,
+}
+
+/// A convex part. The arrays belong to the decomposition.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Three coordinates for each vertex, in the frame of the mesh.
+    pub vertices: *const f64,
+    /// Number of vertices.
+    pub vertex_count: u32,
+    /// Number of triangles.
+    pub triangle_count: u32,
+    /// Three indices of vertices for each triangle, counter-clockwise seen from outside.
+    pub triangles: *const u32,
+    /// Volume.
+    pub volume: f64,
+    /// Centre of mass.
+    pub center: [f64; 3],
+    /// Bound on how far a point of the part lies outside the mesh's solid; NaN if it is unknown.
+    pub protrusion: f64,
+}
+
+/// Facts about a decomposition.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// sizeof(HullmapDecomposeFacts), written by the caller.
+    pub struct_size: usize,
+    /// Number of parts.
+    pub part_count: usize,
+    /// Bound on how far a point of the mesh's surface lies outside all parts; NaN if it is unknown.
+    pub uncovered: f64,
+    /// Bound on how far a point of a part lies outside the mesh's solid; NaN if it is unknown.
+    pub protrusion: f64,
+}

@@ -1,0 +1,158 @@
+"""`hullmap.compat`: the interface of CoACD, against CoACD itself where it is installed."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+
+import numpy as np
+import pytest
+from conftest import CUBE, rock, torus
+
+import hullmap
+from hullmap.compat import coacd
+
+#: Triangles of `CUBE`.
+CUBE_FACES = np.array([
+    [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+    [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+])  # fmt: skip
+
+
+def ring(scale=1.0, shift=(0.0, 0.0, 0.0)):
+    """A torus of triangles; the box around it is 2.7 wide."""
+    vertices, quads = torus(18, 6)
+    return coacd.Mesh(vertices * scale + np.array(shift), np.concatenate((quads[:, [0, 1, 2]], quads[:, [0, 2, 3]])))
+
+
+def volume(vertices, faces):
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+
+
+def outside(parts, points):
+    """The greatest distance of a point from the planes of the part that it is deepest in."""
+    best = np.full(len(points), np.inf)
+    for vertices, faces in parts:
+        a, b, c = np.moveaxis(vertices[faces], 1, 0)
+        normals = np.cross(b - a, c - a)
+        lengths = np.linalg.norm(normals, axis=1)
+        normals = normals[lengths > 0] / lengths[lengths > 0, None]
+        heights = points @ normals.T - np.einsum("ij,ij->i", normals, a[lengths > 0])
+        best = np.minimum(best, heights.max(axis=1))
+    return float(best.max())
+
+
+def test_parts_cover_the_mesh_in_its_own_frame():
+    mesh = ring(scale=1e-3, shift=(5.0, -7.0, 1.0))
+    parts = coacd.run_coacd(mesh)
+    assert isinstance(parts, list) and len(parts) > 3
+    for part in parts:
+        assert isinstance(part, list) and len(part) == 2
+        vertices, faces = part
+        assert vertices.dtype == np.float64 and vertices.shape[1] == 3 and 4 <= len(vertices) <= 64
+        assert faces.dtype == np.int32 and faces.shape[1] == 3 and faces.min() == 0 and faces.max() == len(vertices) - 1
+        assert volume(vertices - vertices[0], faces) > 0, "faces are counter-clockwise seen from outside"
+    # Vertices and points inside of triangles; 32-bit floats relative to the centre have 2^-24.
+    inside = mesh.vertices[mesh.indices].mean(axis=1)
+    assert outside(parts, np.concatenate((mesh.vertices, inside))) < 2.72e-3 * 2e-7
+
+
+def test_a_threshold_is_a_share_of_half_the_longest_side():
+    mesh = ring()
+    half = np.ptp(mesh.vertices, axis=0).max() / 2
+    for threshold in (0.08, 0.4):
+        ours = coacd.run_coacd(mesh, threshold=threshold)
+        same = coacd.run_coacd(mesh, threshold=threshold * half, real_metric=True)
+        pack = hullmap.bake(mesh.vertices, mesh.indices, decompose=True, max_error=threshold * half, recentre=True)
+        assert len(ours) == len(same) == len(pack)
+        assert max(hull.protrusion for hull in pack) <= threshold * half * (1 + 1e-6)
+        for part, again, hull in zip(ours, same, pack):
+            assert np.array_equal(part[0], again[0]) and np.array_equal(part[0], hull.vertices + hull.origin)
+    few, many = (len(coacd.run_coacd(mesh, threshold=threshold)) for threshold in (0.4, 0.08))
+    assert few < many
+
+
+def test_numbers_of_parts_and_vertices_are_limited():
+    mesh = ring()
+    assert len(coacd.run_coacd(mesh, max_convex_hull=3)) <= 3
+    small = coacd.run_coacd(mesh, decimate=True, max_ch_vertex=12)
+    assert max(len(vertices) for vertices, _ in small) <= 12
+    assert outside(small, mesh.vertices) < 1e-6
+    assert len(coacd.run_coacd(coacd.Mesh(CUBE, CUBE_FACES))) == 1
+    # A convex mesh, too.
+    hull = hullmap.bake(rock(500, 1))[0]
+    ball = coacd.Mesh(hull.vertices, hull.triangles)
+    (whole,), (small,) = coacd.run_coacd(ball), coacd.run_coacd(ball, decimate=True, max_ch_vertex=20)
+    assert len(whole[0]) == len(hull) > 20 >= len(small[0])
+    assert outside([small], ball.vertices) < 1e-6
+
+
+def test_arguments_without_effect_are_accepted_and_stated(monkeypatch):
+    monkeypatch.setattr(coacd, "_WARNED", set())
+    mesh = coacd.Mesh(CUBE, CUBE_FACES)
+    silent = dict(preprocess_mode="on", preprocess_resolution=30, resolution=1000, mcts_nodes=10, mcts_iterations=60)
+    expected = coacd.run_coacd(mesh)[0][0]
+    assert np.array_equal(coacd.run_coacd(mesh, mcts_max_depth=2, pca=True, seed=7, **silent)[0][0], expected)
+    for argument, value in (("merge", False), ("extrude", True), ("apx_mode", "box")):
+        with pytest.warns(hullmap.BakeWarning, match=argument):
+            coacd.run_coacd(mesh, **{argument: value})
+        # Once: warnings are errors in these tests.
+        coacd.run_coacd(mesh, **{argument: value})
+    for argument in inspect.signature(coacd.run_coacd).parameters:
+        assert f"``{argument}" in coacd.run_coacd.__doc__ or argument == "mesh", argument
+
+
+def test_wrong_arguments_are_errors():
+    mesh = coacd.Mesh(CUBE, CUBE_FACES)
+    for threshold in (0, -1.0, float("nan"), float("inf")):
+        with pytest.raises(hullmap.BakeError, match="threshold"):
+            coacd.run_coacd(mesh, threshold=threshold)
+    with pytest.raises(hullmap.BakeError, match="apx_mode"):
+        coacd.run_coacd(mesh, apx_mode="sphere")
+    with pytest.raises(hullmap.ArrayError, match="vertices"):
+        coacd.Mesh(np.zeros((4, 2)), CUBE_FACES)
+    with pytest.raises(hullmap.ArrayError, match="indices"):
+        coacd.Mesh(CUBE, np.zeros((4, 4)))
+    with pytest.raises(hullmap.ArrayError, match="empty"):
+        coacd.run_coacd(coacd.Mesh())
+    with pytest.raises(hullmap.Error):
+        coacd.run_coacd(coacd.Mesh(CUBE, [[0, 1, 8]]))
+
+
+def test_levels_of_the_log(caplog):
+    level = logging.getLogger("hullmap.compat.coacd").level
+    try:
+        coacd.set_log_level("info")
+        coacd.run_coacd(ring())
+        assert any("parts" in record.getMessage() for record in caplog.records)
+        caplog.clear()
+        coacd.set_log_level("off")
+        coacd.run_coacd(ring())
+        assert not caplog.records
+        with pytest.raises(ValueError, match="loud"):
+            coacd.set_log_level("loud")
+    finally:
+        logging.getLogger("hullmap.compat.coacd").setLevel(level)
+
+
+def test_the_interface_is_that_of_coacd():
+    real = pytest.importorskip("coacd", reason="coacd is not installed")
+    ours, theirs = (inspect.signature(module.run_coacd).parameters.values() for module in (coacd, real))
+    assert [(own.name, own.default) for own in ours] == [(own.name, own.default) for own in theirs]
+    mesh = ring()
+    peer = real.Mesh(mesh.vertices, mesh.indices)
+    for name in ("vertices", "indices"):
+        assert getattr(peer, name).dtype == getattr(mesh, name).dtype
+    real.set_log_level("off")
+    for options in ({}, {"max_convex_hull": 4}, {"threshold": 0.1, "decimate": True, "max_ch_vertex": 20}):
+        found, other = coacd.run_coacd(mesh, **options), real.run_coacd(peer, **options)
+        for parts in (found, other):
+            assert type(parts) is list and parts and {type(part) for part in parts} == {list}
+            assert {(vertices.dtype, vertices.ndim, faces.dtype, faces.ndim) for vertices, faces in parts} == {
+                (np.dtype(np.float64), 2, np.dtype(np.int32), 2)
+            }
+            assert all(volume(vertices - vertices[0], faces) > 0 for vertices, faces in parts)
+        assert outside(found, mesh.vertices) < 1e-6
+    # Their meshes are accepted, too.
+    assert len(coacd.run_coacd(peer)) == len(coacd.run_coacd(mesh))
