@@ -10,6 +10,7 @@ use hullmap_report::{Analysis, Input, analyse};
 use super::remarks::remarks;
 use super::source_mesh::source_meshes;
 use crate::args::ReportArgs;
+use crate::estimates::PartsEstimates;
 use crate::geometry::polygons;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
@@ -17,6 +18,9 @@ use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
+
+/// Maximum number of warnings about one pack.
+const MAX_WARNINGS: usize = 100;
 
 /// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it. `folders`
 /// remembers the folders that were read for other packs. Fails if the pack cannot be read or is
@@ -51,7 +55,7 @@ pub fn analyse_pack(
         );
         remarks.warnings.insert(0, warning);
     }
-    let verification = verify(&pack, source.as_ref(), args, &mut faults);
+    let verification = verify(&pack, source.as_ref(), args, &mut faults, &mut remarks.warnings);
     remarks.faults = faults;
     let source = source.map(|source| report::Source {
         name: source_name(&source, &pack),
@@ -76,8 +80,15 @@ fn source_name(source: &Source, pack: &Pack) -> String {
     source.path.display().to_string()
 }
 
-/// Verifies the pack as `bake verify` does. Failures are added to `faults`.
-fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut Vec<String>) -> Verification {
+/// Verifies the pack as `bake verify` does. Failures are added to `faults`, and what engines cannot
+/// use well to `warnings`, unless the pack keeps it.
+fn verify(
+    pack: &Pack,
+    source: Option<&Source>,
+    args: &ReportArgs,
+    faults: &mut Vec<String>,
+    warnings: &mut Vec<String>,
+) -> Verification {
     let start = Instant::now();
     let reference = source.map_or(Reference::StoredHull, |source| Reference::Source(&source.point_sets));
     let results = verify_hulls(pack, reference, args.directions, args.seed).unwrap_or_else(|error| {
@@ -85,6 +96,11 @@ fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut 
         Vec::new()
     });
     faults.extend(results.iter().filter(|result| !result.pass).map(HullVerification::verdict));
+    for text in results.iter().flat_map(|result| &result.warnings) {
+        if warnings.len() < MAX_WARNINGS && !warnings.contains(text) {
+            warnings.push(text.clone());
+        }
+    }
     Verification {
         is_against_source: source.is_some(),
         directions: args.directions,
@@ -93,11 +109,22 @@ fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut 
     }
 }
 
+fn estimates(found: PartsEstimates) -> report::PartsEstimates {
+    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error } = found;
+    report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error }
+}
+
 fn verified_hull(result: HullVerification) -> VerifiedHull {
     VerifiedHull {
         is_simplified: result.is_simplified(),
         is_loose_part: result.is_loose_part(),
         is_measured: result.solid.is_some(),
+        part: result.part_of[0],
+        part_count: result.part_of[1],
+        thickness: result.thickness.unwrap_or(0.0),
+        mean_protrusion: result.mean_protrusion,
+        estimates: result.parts.map(estimates),
+        flaws: result.flaws.iter().map(|flaw| flaw.as_str()).collect(),
         name: result.hull.unwrap_or_default(),
         passed: result.pass,
         max_regret: result.max_regret.unwrap_or(f64::NAN),
