@@ -114,8 +114,8 @@ fn thin(object: &ObjectMeasures) -> Option<Doubt> {
              increase both, thicken the mesh, or leave it out if it is a decal"
         }
         (Some(_), _) => {
-            "the decomposition made them, the mesh is not at fault; try another --max-error, or increase \
-             --min-thickness or --max-vertices"
+            "the decomposition made them, the mesh is not at fault; try another --max-error (thin parts become at most \
+             half of it thick), or increase --min-thickness or --max-vertices"
         }
     };
     let (few, many) = (found.len(), parts.len());
