@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use hullmap::Pack;
-use hullmap_report::input::{self as report, Verification, VerifiedHull};
+use hullmap_bake::advice::{self, Remark};
+use hullmap_report::input::{self as report, Remarks, Verification, VerifiedHull};
 use hullmap_report::{Analysis, Input, analyse};
 
 use super::remarks::remarks;
@@ -55,7 +56,7 @@ pub fn analyse_pack(
         );
         remarks.warnings.insert(0, warning);
     }
-    let verification = verify(&pack, source.as_ref(), args, &mut faults, &mut remarks.warnings);
+    let verification = verify(&pack, source.as_ref(), args, &mut faults, &mut remarks);
     remarks.faults = faults;
     let source = source.map(|source| report::Source {
         name: source_name(&source, &pack),
@@ -81,13 +82,13 @@ fn source_name(source: &Source, pack: &Pack) -> String {
 }
 
 /// Verifies the pack as `bake verify` does. Failures are added to `faults`, and what engines cannot
-/// use well to `warnings`, unless the pack keeps it.
+/// use well to the warnings, unless the pack keeps it. How parts fit together is a note.
 fn verify(
     pack: &Pack,
     source: Option<&Source>,
     args: &ReportArgs,
     faults: &mut Vec<String>,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Verification {
     let start = Instant::now();
     let reference = source.map_or(Reference::StoredHull, |source| Reference::Source(&source.point_sets));
@@ -97,10 +98,11 @@ fn verify(
     });
     faults.extend(results.iter().filter(|result| !result.pass).map(HullVerification::verdict));
     for text in results.iter().flat_map(|result| &result.warnings) {
-        if warnings.len() < MAX_WARNINGS && !warnings.contains(text) {
-            warnings.push(text.clone());
+        if remarks.warnings.len() < MAX_WARNINGS && !remarks.warnings.contains(text) {
+            remarks.warnings.push(text.clone());
         }
     }
+    remarks.notes.extend(advice::summarise(results.iter().filter_map(about_fit)).0);
     Verification {
         is_against_source: source.is_some(),
         directions: args.directions,
@@ -112,6 +114,14 @@ fn verify(
 fn estimates(found: PartsEstimates) -> report::PartsEstimates {
     let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error } = found;
     report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error }
+}
+
+/// Note on how the parts of an object fit together, if this is the first of them.
+fn about_fit(result: &HullVerification) -> Option<Remark> {
+    let estimates = result.parts.filter(|_| result.part_of[0] == 0)?;
+    let hull = result.hull.as_deref()?;
+    let name = hull.rsplit_once("_part_").map_or(hull, |(name, _)| name);
+    Some(advice::estimates(name, &estimates.looseness()?, estimates.voids))
 }
 
 fn verified_hull(result: HullVerification) -> VerifiedHull {
