@@ -339,7 +339,7 @@ mod tests {
         let words = [&tight, &loose, &open, &unmeasured, &unsourced].map(HullVerification::result);
         assert_eq!(words, ["exact", WITHIN_BOUNDS, WITHIN_BOUNDS, UNMEASURED, BOUNDS_UNCHECKED]);
         assert_eq!(summary(&[tight, loose.clone(), open]), "1 exact, 2 parts within their bounds, 0 failed");
-        assert_eq!(summary(&[loose.clone()]), "0 exact, 1 part within its bounds, 0 failed");
+        assert_eq!(summary(std::slice::from_ref(&loose)), "0 exact, 1 part within its bounds, 0 failed");
         let warnings = vec!["thin".to_owned()];
         let thin = HullVerification { warnings, ..loose.clone() };
         assert_eq!(thin.result(), WITH_WARNINGS);

@@ -173,9 +173,8 @@ impl HullVerification {
         };
         match (self.pass, self.is_simplified(), self.is_against_source()) {
             (false, _, _) => "FAILED",
-            (true, _, _) if !self.warnings.is_empty() && !(self.is_loose_part() && of_part != WITHIN_BOUNDS) => {
-                WITH_WARNINGS
-            }
+            (true, _, _) if self.is_loose_part() && of_part != WITHIN_BOUNDS => of_part,
+            (true, _, _) if !self.warnings.is_empty() => WITH_WARNINGS,
             (true, _, _) if self.is_loose_part() => of_part,
             (true, true, true) => "contains its source",
             (true, _, false) => "index exact",
