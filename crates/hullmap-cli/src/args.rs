@@ -484,7 +484,8 @@ pub struct ExportArgs {
     /// Write one file per hull to a folder, named after the hulls
     #[arg(long)]
     pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack only
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack
+    /// only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
     /// Keep the hulls visible in Godot, by the suffix -convcol
@@ -493,7 +494,8 @@ pub struct ExportArgs {
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density for the mass in MJCF, URDF and SDF, in kilograms per cubic unit of the pack; default 1000
+    /// Density for the mass in MJCF, URDF and SDF, in kilograms per cubic unit of the pack;
+    /// default 1000
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh

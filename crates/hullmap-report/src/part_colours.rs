@@ -4,8 +4,8 @@
 //! another colour than the parts whose boxes touch its own, while there are enough.
 //!
 //! # Reference
-//! Okabe, Ito, "Color universal design", 2008. The yellow is darker here, so that it stands out from
-//! a white page.
+//! Okabe, Ito, "Color universal design", 2008. The yellow is darker here, so that it stands out
+//! from a white page.
 
 use hullmap::glam::Vec3;
 
