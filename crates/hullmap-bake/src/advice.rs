@@ -6,8 +6,11 @@
 
 use std::collections::HashMap;
 
+use crate::fit::Looseness;
 use crate::number::{percent, short};
 use crate::{BakedHull, Fit, SolidKind, mass};
+
+pub mod usability;
 
 /// Diameter over width above which a hull is thin: of the seven digits of f32, three are left
 /// across it.
@@ -46,9 +49,11 @@ pub struct Remark {
 /// meshes with bevels and screw heads stay below.
 const HOLLOW: f64 = 0.1;
 
-/// Warnings and notes about baked hulls, simplified hulls first.
-pub fn of_hulls(hulls: &[BakedHull]) -> Vec<Remark> {
-    let measures = || hulls.iter().map(HullMeasures::of);
+/// Warnings and notes about baked hulls, simplified hulls first. `is_cut` tells of each, by its
+/// index, whether it is a part into which the bake cut a mesh.
+pub fn of_hulls(hulls: &[BakedHull], is_cut: impl Fn(usize) -> bool) -> Vec<Remark> {
+    let of = |(index, baked)| HullMeasures { is_cut: is_cut(index), ..HullMeasures::of(baked) };
+    let measures = || hulls.iter().enumerate().map(of);
     let about_shapes = measures().filter_map(|hull| simplified(&hull)).chain(hulls.iter().filter_map(concave));
     about_shapes.chain(measures().flat_map(|hull| of_hull(&hull))).collect()
 }
@@ -62,6 +67,11 @@ impl Remark {
     /// A finding to act on.
     pub fn warning(topic: impl Into<String>, name: &str, text: String) -> Self {
         Self { is_warning: true, ..Self::note(topic, name, text) }
+    }
+
+    /// The sentence.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// A note if `error` is small relative to `size`, otherwise a warning with the remedy.
@@ -128,6 +138,9 @@ pub struct HullMeasures<'a> {
     pub max_coordinate: f64,
     /// Bound on how far it extends beyond its source; 0 for an exact hull.
     pub outer_error: f64,
+    /// Whether it is a part into which a mesh was cut. Its thickness is then not the mesh's:
+    /// [`usability`] judges it.
+    pub is_cut: bool,
 }
 
 impl<'a> HullMeasures<'a> {
@@ -143,6 +156,7 @@ impl<'a> HullMeasures<'a> {
             inner_radius: baked.interior.inner_radius,
             max_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
             outer_error: baked.outer_error,
+            is_cut: false,
         }
     }
 }
@@ -199,6 +213,22 @@ impl PartsFit {
         let protrusion = parts.iter().map(|part| part.protrusion).fold(0.0, f64::max);
         Self { solid: parts[0].solid, uncovered: parts[0].uncovered, protrusion }
     }
+}
+
+/// Note on estimates of how the parts of an object fit together: how much they overlap, how far
+/// they protrude on average, and which share of the solid is in none of them, if that is known.
+pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
+    let (overlap, mean) = (percent(found.overlap), short(found.mean_protrusion));
+    let left = match voids {
+        Some(0.0) => ", and fill the solid".to_owned(),
+        Some(share) => format!(", and leave {} of the solid empty", percent(share)),
+        None => String::new(),
+    };
+    let and = if voids.is_some() { "," } else { " and" };
+    let text = format!(
+        "{name}: as estimated, the parts overlap by {overlap} of their union{and} protrude by {mean} on average{left}"
+    );
+    Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }
 
 /// Uncovered distance, relative to the size, that counts as covered: the containment error that a
@@ -267,6 +297,7 @@ pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
     let mut warnings = Vec::new();
     let mut warn = |topic: &str, text: String| warnings.push(Remark::warning(topic, name, text));
     match facts.rank {
+        _ if facts.is_cut => {}
         3 => {
             // The ball around the centroid has at least half the radius of the largest one: a
             // centroid is at least a quarter of the width away from each side.
@@ -344,11 +375,13 @@ mod tests {
             inner_radius: 0.3,
             max_coordinate: 1.0,
             outer_error: 0.0,
+            is_cut: false,
         };
         let words = |facts| summarise(of_hull(&facts)).1.join("; ");
         assert_eq!(words(plain), "");
         assert_eq!(words(HullMeasures { inner_radius: 1e-4, ..plain }), "");
         assert!(words(HullMeasures { inner_radius: 4e-5, ..plain }).contains("hull a is thin"));
+        assert_eq!(words(HullMeasures { inner_radius: 4e-5, is_cut: true, ..plain }), "");
         assert!(words(HullMeasures { inner_radius: f64::NAN, ..plain }).contains("thin"));
         assert!(words(HullMeasures { rank: 2, ..plain }).contains("flat"));
         assert!(words(HullMeasures { rank: 1, ..plain }).contains("segment"));
@@ -375,6 +408,7 @@ mod tests {
                 inner_radius: 1.0,
                 max_coordinate: 1.0,
                 outer_error,
+                is_cut: false,
             })
         };
         assert_eq!(simple(0.0), None);

@@ -89,7 +89,7 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
-    /// Write hulls as meshes, also for Unreal, Godot, MuJoCo and URDF
+    /// Write hulls as meshes, also for Unreal, Godot, MJCF, URDF, SDF
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
                       bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
@@ -504,7 +504,7 @@ pub struct ExportArgs {
     #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
     pub format: Option<Format>,
     /// Use the names and files that an engine expects
-    #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf", hide_possible_values = true)]
+    #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf|sdf", hide_possible_values = true)]
     pub target: Option<Target>,
     /// Export only this hull, by name or index; repeatable
     #[arg(long = "hull", value_name = "NAME")]
@@ -512,16 +512,18 @@ pub struct ExportArgs {
     /// Write one file per hull to a folder, named after the hulls
     #[arg(long)]
     pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF); one pack only
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack
+    /// only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
     /// Keep the hulls visible in Godot, by the suffix -convcol
     #[arg(long = "visible")]
     pub is_visible: bool,
-    /// Prefix of file names in MJCF and URDF, for instance package://robot/meshes/
+    /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density for the mass in MJCF and URDF, in kilograms per cubic unit of the pack; default 1000
+    /// Density for the mass in MJCF, URDF and SDF, in kilograms per cubic unit of the pack;
+    /// default 1000
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
@@ -574,9 +576,16 @@ pub enum Target {
     Mjcf,
     /// A link and its mesh files
     Urdf,
+    /// A model of one link for Gazebo, and its mesh files
+    Sdf,
 }
 
 impl Target {
+    /// Whether it is a document that names mesh files and states the mass.
+    pub fn is_document(self) -> bool {
+        matches!(self, Self::Mjcf | Self::Urdf | Self::Sdf)
+    }
+
     /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
@@ -584,6 +593,7 @@ impl Target {
             Self::Godot => "Godot",
             Self::Mjcf => "MuJoCo",
             Self::Urdf => "URDF",
+            Self::Sdf => "SDF",
         }
     }
 }

@@ -7,7 +7,8 @@ use hullmap_bake::{
 };
 use rayon::prelude::*;
 
-use crate::measure;
+use crate::estimates::DecomposedObject;
+use crate::measure::{self, Measured};
 use crate::options::BuildOptions;
 use crate::part::{Part, diagonal, parts};
 
@@ -24,6 +25,8 @@ pub struct BakedPack {
     pub notes: Vec<String>,
     /// Findings to act on, including findings of the import. The pack keeps them.
     pub warnings: Vec<String>,
+    /// Objects whose meshes were decomposed, or whose parts came with them.
+    pub objects: Vec<DecomposedObject>,
 }
 
 /// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
@@ -58,17 +61,17 @@ pub fn bake_pack(
         let hull = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
         hulls.push(BakedHull { part: part.index, ..hull });
     }
-    let mut remarks = Vec::new();
-    if let Some(decompose) = decompose {
-        remarks = measure::parts(point_sets, &parts, &mut hulls, &decompose, stage.from_to(built, 1.0));
-    } else {
-        remarks.extend(measure::collision_parts(point_sets, &mut hulls));
-    }
+    let Measured { mut remarks, objects } = match &decompose {
+        Some(decompose) => measure::parts(point_sets, &parts, &mut hulls, decompose, stage.from_to(built, 1.0)),
+        None => measure::collision_parts(point_sets, &mut hulls),
+    };
     if let IndexChoice::Budget { bytes_per_vertex } = index {
         remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
     remarks.extend(hulls.iter().filter_map(replacement_warning));
-    remarks.extend(advice::of_hulls(&hulls));
+    // One part is the hull of its mesh.
+    let is_divided = decompose.as_ref().is_some_and(|cover| cover.max_parts != Some(1));
+    remarks.extend(advice::of_hulls(&hulls, |index| is_divided && measure::is_cut(&parts[index])));
     let (notes, own_warnings) = advice::summarise(remarks);
     let mut source = source.clone();
     source.warnings.extend(own_warnings);
@@ -76,7 +79,7 @@ pub fn bake_pack(
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
     let write = if options.is_lean() { write_lean_pack } else { write_owned_pack };
     let bytes = write(hulls, &source).map_err(|error| error.to_string())?;
-    Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings: source.warnings })
+    Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings: source.warnings, objects })
 }
 
 /// Warning about an index that replaces another one, since that could not be proven.

@@ -19,11 +19,17 @@ pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
     if hull.face_count() > 0 || hull.rank() < 2 {
         return hull.faces().map(Iterator::collect).collect();
     }
+    let built = rebuilt(hull).filter(|built| built.vertices == positions(hull));
+    built.map_or_else(Vec::new, |built| built.faces)
+}
+
+/// The convex hull of a hull's vertices, as the baker builds it; `None` if they have none. It has
+/// the same vertices, unless they are not those of a convex hull.
+pub fn rebuilt(hull: &Hull) -> Option<hull::Hull> {
     let positions = positions(hull);
     let source_vertices = (0..positions.len() as u32).collect();
     let points = PointSet { positions, source_vertices, ..PointSet::default() };
-    let built = hull::build(&points).ok().filter(|built| built.vertices == points.positions);
-    built.map_or_else(Vec::new, |built| built.faces)
+    hull::build(&points).ok()
 }
 
 /// The word for a rank.

@@ -16,6 +16,7 @@
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
 //! | `baker` | all calls into `hullmap-bake` |
+//! | `measure`, `estimates` | how parts fit their meshes, and each other |
 //! | `verification` | proves and measures packs |
 //! | `in_memory` | bakes that write no file, for bindings |
 //! | `geometry` | vertices and faces as lists |
@@ -41,6 +42,7 @@ mod commands;
 mod config;
 #[cfg(feature = "command")]
 mod depfile;
+mod estimates;
 #[cfg(feature = "command")]
 mod geometry;
 #[cfg(feature = "command")]
@@ -90,6 +92,7 @@ use std::ffi::OsString;
 #[cfg(feature = "command")]
 use args::{Cli, Command};
 pub use baker::BakedPack;
+pub use estimates::{DecomposedObject, PartsEstimates};
 pub use hullmap_bake::progress::{Progress, Stage};
 pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_source};
 #[cfg(feature = "command")]

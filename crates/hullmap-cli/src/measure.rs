@@ -1,22 +1,31 @@
-//! Measures how the parts of each object fit its mesh: what they leave uncovered, and how far they
-//! protrude.
+//! Measures how the parts of each object fit its mesh: what they leave uncovered, how far they
+//! protrude, how they fit together, and whether an engine can use them.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use hullmap_bake::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, excess, thickness};
 use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::{Fit, fits, mesh_mass};
+use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
+use hullmap_bake::hull::Hull;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 
+use crate::estimates::{DecomposedObject, PartsEstimates};
 use crate::part::{Part, diagonal};
 
-/// Ratio of a protrusion to the requested one up to which rounding may explain the difference.
-const ROOM: f64 = 1.0 + 1e-6;
+/// What was found about the parts of all objects.
+#[derive(Debug, Default)]
+pub struct Measured {
+    /// Remarks on them.
+    pub remarks: Vec<Remark>,
+    /// A summary of each object that has parts.
+    pub objects: Vec<DecomposedObject>,
+}
 
-/// Counts and measures the parts of each point set, records both in their hulls, and returns
-/// remarks on them. The hulls of a set are consecutive, in the order of the sets.
+/// Counts and measures the parts of each point set, and records both in their hulls. The hulls of a
+/// set are consecutive, in the order of the sets.
 ///
 /// A set without triangles has no surface to measure; its hull is no part. `stage` shows the
 /// progress.
@@ -26,8 +35,8 @@ pub fn parts(
     hulls: &mut [BakedHull],
     cover: &Cover,
     stage: Stage,
-) -> Vec<Remark> {
-    let mut remarks = Vec::new();
+) -> Measured {
+    let mut measured = Measured::default();
     let mut start = 0;
     let allows_one_part = cover.max_parts == Some(1);
     let steps = stage.steps(point_sets.len());
@@ -36,51 +45,52 @@ pub fn parts(
         let own = &mut hulls[start..start + count];
         start += count;
         let name = &points.name;
-        let is_cut = |part: &Part| matches!(part.points, Cow::Owned(_));
         let is_whole = !parts.get(start - count).is_some_and(is_cut) || allows_one_part;
         if count == 1 && is_whole {
             let why = if allows_one_part { "at most one part is allowed" } else { "it is convex or thin" };
-            remarks.push(if points.triangles.is_empty() {
+            measured.remarks.push(if points.triangles.is_empty() {
                 advice::without_faces(name)
             } else {
                 Remark::note(why, name, format!("{name}: not decomposed, because {why}"))
             });
         }
+        let is_divided = count > 1 || !is_whole;
         if !points.triangles.is_empty() {
             // With a maximum number of parts, the limit is not proven.
             let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(points)));
-            record(points, own, limit);
-            remarks.extend(beyond(cover, points, own));
+            let estimates = record(points, own, limit, is_divided);
+            judge(name, diagonal(points), own, Some(cover), estimates, &mut measured);
         }
         steps.take();
-        if count > 1 || !is_whole {
-            let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
-            let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-            remarks.push(advice::parts(name, count, fits.as_deref().map(advice::PartsFit::of), size));
+        if is_divided {
+            measured.remarks.push(about_parts(name, own));
         }
     }
-    remarks
+    measured
 }
 
-/// Counts and measures hulls that are the collision parts of a mesh in the same file, and returns
-/// remarks on them. There is one hull for each point set, and the parts of one mesh are
-/// consecutive.
-pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Vec<Remark> {
-    let mut remarks = Vec::new();
+/// Whether the decomposition made a part. Otherwise its points are those of its mesh.
+pub fn is_cut(part: &Part) -> bool {
+    matches!(part.points, Cow::Owned(_))
+}
+
+/// Counts and measures hulls that are the collision parts of a mesh in the same file. There is one
+/// hull for each point set, and the parts of one mesh are consecutive.
+pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Measured {
+    let mut measured = Measured::default();
     let mut start = 0;
     for own in point_sets.chunk_by(stand_for_one) {
         let hulls = &mut hulls[start..start + own.len()];
         start += own.len();
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
-        record(mesh, hulls, None);
+        let estimates = record(mesh, hulls, None, hulls.len() > 1);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
-        let size = hulls.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
-        let fits: Option<Vec<Fit>> = hulls.iter().map(|baked| baked.fit).collect();
+        judge(&mesh.name, diagonal(mesh), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
-            remarks.push(advice::parts(&hulls[0].name, hulls.len(), fits.as_deref().map(advice::PartsFit::of), size));
+            measured.remarks.push(about_parts(&hulls[0].name, hulls));
         }
     }
-    remarks
+    measured
 }
 
 /// Whether two point sets are collision parts of one mesh.
@@ -88,29 +98,73 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
     a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
-/// Remark about parts that protrude more than the maximum error of a cover.
-fn beyond(cover: &Cover, points: &PointSet, own: &[BakedHull]) -> Option<Remark> {
+/// Remark on the fit of the parts of one object.
+fn about_parts(name: &str, own: &[BakedHull]) -> Remark {
+    let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-    let reached = advice::PartsFit::of(fits.as_deref().filter(|fits| !fits.is_empty())?).protrusion;
-    let size = diagonal(points);
-    let requested = cover.max_error.of(size);
-    let is_timed = cover.seconds.is_some();
-    (reached > requested * ROOM)
-        .then(|| advice::beyond(&points.name, cover.max_parts, is_timed, [reached, requested, size]))
+    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::of), size)
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
 /// mesh. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
-/// proof.
-fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>) {
-    let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>(), limit);
+/// proof. Estimates how parts of a mesh that was divided fit together.
+fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>, is_divided: bool) -> Option<PartsEstimates> {
     let count = own.len() as u32;
     // A hull of the whole mesh has its mass already.
     if let Some(first) = own.first_mut().filter(|first| first.mesh_mass.is_none()) {
         first.mesh_mass = mesh_mass(mesh);
     }
+    let volume = own.first().and_then(|first| first.mesh_mass).map(|mass| mass.volume);
+    let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
+    let solid = (!mesh.triangles.is_empty()).then(|| Solid::new(mesh));
+    let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit));
+    let estimates = solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, &solid, &hulls, volume).0);
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
+    }
+    estimates
+}
+
+/// Adds the summary of an object, and remarks on what an engine cannot use. `cover` are the
+/// parameters with which the parts were made, `estimates` those of a mesh that was divided.
+fn judge(
+    name: &str,
+    diagonal: f64,
+    own: &[BakedHull],
+    cover: Option<&Cover>,
+    estimates: Option<PartsEstimates>,
+    measured: &mut Measured,
+) {
+    let of_part = |baked: &BakedHull| (baked.mass.volume, baked.mass.surface_area);
+    let parts: Vec<PartMeasures> = own
+        .iter()
+        .map(|baked| {
+            let (volume, area) = of_part(baked);
+            let protrusion = baked.fit.map(|fit| fit.protrusion);
+            PartMeasures { name: &baked.name, thickness: thickness(volume, area), protrusion }
+        })
+        .collect();
+    let fit = own.first().and_then(|baked| baked.fit);
+    let object = ObjectMeasures {
+        name,
+        diagonal,
+        solid: fit.map(|fit| fit.solid),
+        uncovered: fit.map_or(0.0, |fit| fit.uncovered),
+        overlap: estimates.and_then(|estimates| estimates.overlap),
+        parts: &parts,
+        is_cut: estimates.is_some(),
+        cover,
+    };
+    let doubts = doubts(&object);
+    measured.remarks.extend(excess(&object).filter(|remark| !remark.is_warning));
+    // Another remark states what the parts leave uncovered.
+    measured
+        .remarks
+        .extend(doubts.iter().filter(|doubt| doubt.flaw != Flaw::Uncovered).map(|doubt| doubt.remark.clone()));
+    if let Some(estimates) = estimates {
+        let found = estimates.looseness();
+        measured.remarks.extend(found.map(|found| advice::estimates(name, &found, estimates.voids)));
+        measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
     }
 }

@@ -40,19 +40,12 @@ pub struct Recorded<'a> {
     pub path: &'a str,
     /// The build options.
     pub options: &'a str,
-    /// Whether any of its hulls is a part of an object.
-    pub has_parts: bool,
 }
 
 impl<'a> Recorded<'a> {
     /// The record of `pack`.
     pub fn from_pack(pack: &'a hullmap::Pack) -> Self {
-        Self {
-            hash: pack.header().source_hash,
-            path: pack.source_path(),
-            options: pack.options(),
-            has_parts: pack.hulls().any(|hull| hull.part_count() > 0),
-        }
+        Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
     }
 }
 
@@ -292,9 +285,8 @@ fn import(path: &Path, source: &SourceFile, recorded: Recorded, limits: &Limits)
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let imported = import::import(&name, &stem, path, source, &options.import(), limits);
     let mut imported = imported.map_err(|error| Failure::rejected(error.to_string()))?;
-    if options.decompose().is_some() || recorded.has_parts {
-        imported.give_triangles();
-    }
+    // For the mass of the mesh, and for its parts.
+    imported.give_triangles();
     Ok(imported)
 }
 
@@ -308,7 +300,7 @@ mod tests {
 
     fn recorded(path: &str) -> Recorded<'_> {
         let options = "split object, vertices referenced, index cubemap 5";
-        Recorded { hash: source_hash(CLOUD.as_bytes()), path, options, has_parts: false }
+        Recorded { hash: source_hash(CLOUD.as_bytes()), path, options }
     }
 
     fn search(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {

@@ -12,6 +12,7 @@ use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
 use crate::html;
 use crate::index_reader::{Contents, ReadError};
 use crate::input::{Input, Remarks, Up, Verification};
+use crate::part_colours::{COLOURS, assigned};
 use crate::picture::{picture, picture_of_parts};
 use crate::sizes::Section;
 
@@ -90,6 +91,8 @@ pub struct HullRow {
     pub uncovered: Option<f64>,
     /// Bound on how far a point of the part lies outside the object's solid, a length.
     pub protrusion: Option<f64>,
+    /// Index of its colour among [`COLOURS`].
+    pub colour: usize,
     /// Index kind, in words.
     pub index: String,
     /// Size of the index in bytes.
@@ -143,6 +146,8 @@ pub struct DrawnHull {
     index: String,
     /// Number of parts of its object; 0 for a hull that is not a part.
     part_count: u32,
+    /// Its colour beside other hulls.
+    colour: [u8; 3],
     /// Bound on how far the part protrudes from the mesh's solid, a length; `None`: not measured.
     protrusion: Option<f64>,
     /// Where it protrudes most.
@@ -167,6 +172,11 @@ impl Analysis {
         self.verification.hulls.iter().any(|hull| hull.is_loose_part)
     }
 
+    /// Whether an engine cannot use some parts well.
+    pub fn has_flaws(&self) -> bool {
+        self.verification.hulls.iter().any(|hull| !hull.flaws.is_empty())
+    }
+
     /// Whether the fit of some parts is not known.
     pub fn has_unmeasured_parts(&self) -> bool {
         self.verification.hulls.iter().any(|hull| hull.is_loose_part && !hull.is_measured)
@@ -189,11 +199,12 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
     let mut hulls = Vec::new();
     let mut paces = Vec::new();
     let mut costs = Vec::new();
-    for (hull, index) in pack.hulls().zip(&contents.indices).take(shown_count) {
+    let colours = assigned(&pack.hulls().take(shown_count).map(|hull| hull.bounds()).collect::<Vec<_>>());
+    for ((hull, index), colour) in pack.hulls().zip(&contents.indices).zip(&colours) {
         let census = census(index, &directions);
         costs.extend(cost_warning(&hull, &census));
         paces.push(pace(&hull, &directions, shown_count));
-        hulls.push(hull_row(&hull, polygons, census));
+        hulls.push(HullRow { colour: *colour, ..hull_row(&hull, polygons, census) });
     }
     remarks.warnings.extend(summary(&costs));
     let shown_meshes = source.as_ref().map(|source| source.meshes.as_slice());
@@ -216,7 +227,7 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
         verification,
         remarks,
         sections: contents.sections,
-        picture: still(pack, &meshes, polygons, up),
+        picture: still(pack, &meshes, &colours, polygons, up),
         hulls,
         drawn,
     })
@@ -240,6 +251,7 @@ fn hull_row(hull: &Hull, polygons: Polygons, census: Census) -> HullRow {
         outer_error: hull.outer_error(),
         uncovered: hull.uncovered(),
         protrusion: hull.protrusion(),
+        colour: 0,
         index: hull.index_kind().to_string(),
         index_bytes: hull.index_byte_len(),
         max_nodes: worst.nodes,
@@ -275,6 +287,7 @@ fn draw(
             faces: row.faces,
             index: row.index.clone(),
             part_count: hull.part_count(),
+            colour: COLOURS[row.colour],
             protrusion: hull.protrusion(),
             protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
             source: None,
@@ -296,12 +309,12 @@ fn draw(
 
 /// The still picture: hulls around the meshes, or the hulls alone if there is no source. Parts are
 /// drawn alone, each in a colour.
-fn still(pack: &Pack, meshes: &[DisplayMesh], polygons: Polygons, up: Up) -> String {
+fn still(pack: &Pack, meshes: &[DisplayMesh], colours: &[usize], polygons: Polygons, up: Up) -> String {
     let limit = STILL_TRIANGLES.div_ceil(pack.hull_count());
     let drawn = |hull: Hull| DisplayMesh::of_hull(&hull, &polygons(&hull)).with_at_most(limit);
     let hulls: Vec<DisplayMesh> = pack.hulls().map(drawn).collect();
     if pack.hulls().any(|hull| hull.part_count() > 1) {
-        picture_of_parts(&hulls, up)
+        picture_of_parts(&hulls, colours, up)
     } else {
         picture(&hulls, meshes, up)
     }

@@ -67,6 +67,18 @@ pub struct VerifiedHull {
     pub is_loose_part: bool,
     /// Whether its fit to the mesh was measured.
     pub is_measured: bool,
+    /// Index among the parts of its object; 0 for a hull that is not a part.
+    pub part: u32,
+    /// Number of parts of its object; 0 for a hull that is not a part.
+    pub part_count: u32,
+    /// Thickness, of a plate with its volume and its surface area; 0 below rank 3.
+    pub thickness: f64,
+    /// Mean protrusion of its visible surface; `None` if it was not measured.
+    pub mean_protrusion: Option<f64>,
+    /// How the parts of its object fit together; `None` if they were not compared.
+    pub estimates: Option<PartsEstimates>,
+    /// Why an engine cannot use the part well, in one word each.
+    pub flaws: Vec<&'static str>,
     /// Maximum regret, relative to the diameter.
     pub max_regret: f64,
     /// Number of directions with a wrong support point.
@@ -75,6 +87,21 @@ pub struct VerifiedHull {
     pub max_nodes: u32,
     /// Stored worst case: dot products of one query.
     pub max_dots: u32,
+}
+
+/// Estimates of how the parts of one object fit together; `None` for what was not measured.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PartsEstimates {
+    /// Sum of the parts' volumes less the volume of their union, relative to the latter.
+    pub overlap: Option<f64>,
+    /// Mean distance of the parts' visible surface from the mesh's solid, a length.
+    pub mean_protrusion: Option<f64>,
+    /// Maximum distance of a part from the mesh's convex hull, a length.
+    pub outside_hull: Option<f64>,
+    /// Share of the solid's volume that is in no part.
+    pub voids: Option<f64>,
+    /// Error of `voids`.
+    pub voids_error: Option<f64>,
 }
 
 /// Sentences for the reader of the page.

@@ -18,6 +18,7 @@
 //! | `census` | cost of queries over the sphere |
 //! | `display_mesh` | triangles and edges to draw |
 //! | `picture` | a still picture of them |
+//! | `parts_section`, `part_colours` | the parts of decomposed meshes |
 //! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
 //! | `html`, `encode` | text and numbers in a page |
 
@@ -35,6 +36,8 @@ mod html;
 mod index_reader;
 pub mod input;
 mod pack_page;
+mod part_colours;
+mod parts_section;
 mod picture;
 mod sizes;
 mod spans;

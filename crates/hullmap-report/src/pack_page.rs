@@ -10,6 +10,7 @@ use crate::census::{Pace, mean};
 use crate::display_mesh::EncodedMesh;
 use crate::html::{count, escape, fill, json, link, short};
 use crate::input::VerifiedHull;
+use crate::parts_section::parts_section;
 
 const PAGE: &str = include_str!("page/pack.html");
 /// Style of all pages.
@@ -54,6 +55,7 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
             ("picture", &pack.picture),
             ("picture_alt", alt),
             ("source_note", &source_note(pack)),
+            ("parts", &parts_section(pack)),
             ("hulls", &hulls(pack)),
             ("verification", &verification(pack)),
             ("sizes", &sizes(pack)),
@@ -76,6 +78,8 @@ pub enum Verdict {
     Failed,
     /// It has parts without measures.
     Unmeasured,
+    /// It has parts that an engine cannot use well.
+    PartsNeedAttention,
     /// It has parts, and its source was not found.
     BoundsUnchecked,
     /// Its source was not found.
@@ -97,6 +101,8 @@ impl Verdict {
             Self::Unmeasured
         } else if pack.source.is_none() && pack.has_loose_parts() {
             Self::BoundsUnchecked
+        } else if pack.has_flaws() {
+            Self::PartsNeedAttention
         } else if pack.source.is_none() {
             Self::ExactForTheStoredHull
         } else if pack.is_exact() {
@@ -109,8 +115,14 @@ impl Verdict {
     }
 
     /// The verdicts that are not good, the worst first.
-    pub const DOUBTS: [Self; 5] =
-        [Self::NotOpened, Self::Failed, Self::Unmeasured, Self::BoundsUnchecked, Self::ExactForTheStoredHull];
+    pub const DOUBTS: [Self; 6] = [
+        Self::NotOpened,
+        Self::Failed,
+        Self::Unmeasured,
+        Self::BoundsUnchecked,
+        Self::PartsNeedAttention,
+        Self::ExactForTheStoredHull,
+    ];
 
     /// The verdict in a few words, and the class of its chip: `bad`, `odd` or `good`.
     pub fn words(self) -> (&'static str, &'static str) {
@@ -119,6 +131,7 @@ impl Verdict {
             Self::Failed => ("bad", "failed"),
             Self::Unmeasured => ("odd", "unmeasured"),
             Self::BoundsUnchecked => ("odd", "bounds unchecked"),
+            Self::PartsNeedAttention => ("odd", "parts need attention"),
             Self::ExactForTheStoredHull => ("odd", "exact for the stored hull"),
             Self::Exact => ("good", "exact"),
             Self::WithinItsBounds => ("good", "within its bounds"),
@@ -340,6 +353,7 @@ fn verification(pack: &Analysis) -> String {
     let rows = verification.hulls.iter().enumerate().filter(is_listed).map(|(_, hull)| {
         let (class, word) = match (hull.passed, hull.is_simplified) {
             (false, _) => ("bad", "failed"),
+            (true, _) if !hull.flaws.is_empty() => ("odd", "passed with warnings"),
             (true, _) if hull.is_loose_part && hull.is_measured && verification.is_against_source => {
                 ("good", "within its bounds")
             }

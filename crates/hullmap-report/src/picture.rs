@@ -9,12 +9,13 @@
 use crate::DisplayMesh;
 use crate::encode::base64;
 use crate::input::Up;
+use crate::part_colours::{COLOURS as PART_COLOURS, COUNT as COLOUR_COUNT};
 
 /// Size in pixels; twice the display size.
 pub const SIZE: [usize; 2] = [320, 240];
 
 /// Shades of each colour.
-const SHADES: usize = 24;
+const SHADES: usize = 12;
 
 /// Margin on each side, relative to width or height.
 const MARGIN: f64 = 0.06;
@@ -33,17 +34,8 @@ const LIGHT: [f64; 3] = [-0.36, 0.6, 0.71];
 /// The darkest and lightest shade of hulls, then of meshes.
 const COLOURS: [[[u8; 3]; 2]; 2] = [[[60, 96, 150], [150, 190, 240]], [[92, 74, 52], [244, 212, 164]]];
 
-/// The darkest and lightest shade of parts, in turn.
-const PART_COLOURS: [[[u8; 3]; 2]; 8] = [
-    [[60, 96, 150], [150, 190, 240]],
-    [[138, 84, 24], [246, 196, 128]],
-    [[38, 110, 66], [142, 220, 166]],
-    [[140, 52, 60], [246, 160, 160]],
-    [[96, 74, 146], [200, 180, 244]],
-    [[112, 104, 30], [226, 216, 130]],
-    [[28, 108, 116], [132, 214, 220]],
-    [[134, 60, 116], [240, 168, 220]],
-];
+/// The darkest shade of a part's colour, relative to the colour, which is the lightest.
+const PART_DARKEST: f64 = 0.5;
 
 /// Radius of a dot, in pixels.
 const DOT: f64 = 1.5;
@@ -59,11 +51,14 @@ pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String 
     format!("data:image/png;base64,{}", base64(&png(&pixels, &COLOURS, HULL_ALPHA)))
 }
 
-/// The picture of parts as a `data:` URL, each in a colour.
-pub fn picture_of_parts(parts: &[DisplayMesh], up: Up) -> String {
-    let layer = parts.iter().enumerate().map(|(index, part)| (part, index % PART_COLOURS.len()));
+/// The picture of parts as a `data:` URL; `colours` are the indices of their colours. Parts beyond
+/// their number take the colours in turn.
+pub fn picture_of_parts(parts: &[DisplayMesh], colours: &[usize], up: Up) -> String {
+    let colour = |index: usize| colours.get(index).copied().unwrap_or(index % COLOUR_COUNT);
+    let layer = parts.iter().enumerate().map(|(index, part)| (part, colour(index)));
     let pixels = draw(&[layer.collect()], up);
-    format!("data:image/png;base64,{}", base64(&png(&pixels, &PART_COLOURS, u8::MAX)))
+    let shades = PART_COLOURS.map(|light| [light.map(|c| (f64::from(c) * PART_DARKEST) as u8), light]);
+    format!("data:image/png;base64,{}", base64(&png(&pixels, &shades, u8::MAX)))
 }
 
 /// The pixels of shapes, each with its colour. A group of shapes is in front of those before it.
@@ -244,7 +239,7 @@ mod tests {
                 part_mesh
             })
             .collect();
-        let drawn = pixels(&picture_of_parts(&parts, Up::Z));
+        let drawn = pixels(&picture_of_parts(&parts, &[], Up::Z));
         for layer in 0..PART_COLOURS.len() {
             let shades = 1 + layer * SHADES..1 + (layer + 1) * SHADES;
             let count = drawn.iter().filter(|&&pixel| shades.contains(&usize::from(pixel))).count();

@@ -84,17 +84,20 @@ fn descriptions(help: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// Fields of an object and of the objects in it, as `hulls[].index.kind`.
-fn fields(value: &Value, prefix: &str, found: &mut BTreeSet<String>) {
+/// Fields of an object and of the objects in it, as `hulls[].index.kind`; `empty` are those without
+/// a value.
+fn fields(value: &Value, prefix: &str, found: &mut BTreeSet<String>, empty: &mut BTreeSet<String>) {
     match value {
+        Value::Null => _ = empty.insert(prefix.to_owned()),
+        Value::Array(values) if values.is_empty() => _ = empty.insert(prefix.to_owned()),
         Value::Object(map) => {
             for (key, value) in map {
                 let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-                fields(value, &name, found);
+                fields(value, &name, found, empty);
                 found.insert(name);
             }
         }
-        Value::Array(values) => values.iter().for_each(|value| fields(value, &format!("{prefix}[]"), found)),
+        Value::Array(values) => values.iter().for_each(|value| fields(value, &format!("{prefix}[]"), found, empty)),
         _ => {}
     }
 }
@@ -108,15 +111,27 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     }
     let run = |line: &str| bake_in(folder.path(), line.split_whitespace());
     run("build in --out o").expect(0);
+    // A sheet of two parts.
+    let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
+    fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
     fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
     for (name, lines) in [
-        ("build", ["build in --out o --json", "build in --out o --check --json", "build in --out p --json"].as_slice()),
+        (
+            "build",
+            [
+                "build in --out o --json",
+                "build in --out o --check --json",
+                "build in --out p --json",
+                "build sheet.obj --out q --decompose --json",
+            ]
+            .as_slice(),
+        ),
         ("decompose", &["decompose in/a.obj a.glb --json"]),
         ("key", &["key in/a.obj --json"]),
         ("plan", &["plan in/a.obj --out o"]),
         ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
-        ("verify", &["verify o --json", "verify o in/a.obj --json"]),
+        ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices"]),
         ("export", &["export o/a.hullmap --format json"]),
         (
@@ -129,13 +144,23 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
         ),
     ] {
         let documented = table(&section(name), "field");
+        let mut all = BTreeSet::new();
         for line in lines {
-            let mut printed = BTreeSet::new();
+            let (mut printed, mut empty) = (BTreeSet::new(), BTreeSet::new());
             for value in run(line).json() {
-                fields(&value, "", &mut printed);
+                fields(&value, "", &mut printed, &mut empty);
             }
-            assert_eq!(printed, documented, "{line}: printed, documented");
+            // Something without a value has no fields of its own.
+            let is_below = |field: &String, parent: &String| {
+                field.strip_prefix(parent.as_str()).is_some_and(|rest| rest.starts_with(['.', '[']))
+            };
+            let is_expected =
+                |field: &&String| printed.contains(*field) || !empty.iter().any(|parent| is_below(field, parent));
+            let expected: BTreeSet<String> = documented.iter().filter(is_expected).cloned().collect();
+            assert_eq!(printed, expected, "{line}: printed, documented");
+            all.append(&mut printed);
         }
+        assert_eq!(all, documented, "{name}: printed by any line, documented");
     }
 }
 

@@ -211,6 +211,15 @@ fn robots_weigh_as_much_as_their_mesh() {
     assert_near(&numbers(&text, "ixx"), &[2700.0 * across]);
     assert_near(&numbers(&text, "ixy"), &[2700.0 * -xy]);
     assert_near(&numbers(&text, "izz"), &[2700.0 * up]);
+    bake(&folder, "export ell.hullmap --for sdf --density 2700 --out s").expect(0);
+    let text = fs::read_to_string(folder.path().join("s/ell.sdf")).unwrap();
+    let element = |name: &str| -> f64 {
+        let rest = text.split_once(&format!("<{name}>")).unwrap_or_else(|| panic!("no {name}: {text}")).1;
+        rest.split('<').next().unwrap().parse().unwrap()
+    };
+    assert_near(&["mass", "ixx", "ixy", "izz"].map(element), &[13_500.0, 2700.0 * across, 2700.0 * -xy, 2700.0 * up]);
+    let file = text.split_once("<mesh><uri>").unwrap().1.split_once("</uri></mesh>").unwrap().0;
+    assert!(folder.path().join("s").join(file).is_file(), "{text}");
     // Without its last face, the mesh bounds no solid.
     bake(&folder, "build open.obj --out . --quiet").expect(0);
     let run = bake(&folder, "export open.hullmap --for mjcf --out o").expect(0);

@@ -277,6 +277,115 @@ fn overstated_covers_and_protrusions_fail() {
     assert_claims_are_tight(&folder, &file, false);
 }
 
+/// The recorded mass of the U is that of its three bars, and a pack that records another is
+/// rejected. The truth is the sum of three boxes.
+#[test]
+fn a_wrong_mass_fails_verify() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
+    bake(&folder, "build x.obj --out baked --decompose").expect(0);
+    let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
+    let (mut volume, mut moment, mut second) = (0.0, DVec3::ZERO, DVec3::ZERO);
+    for [low, high] in HORSESHOE.map(|bar| bar.map(DVec3::from_array)) {
+        let box_volume = (high - low).element_product();
+        volume += box_volume;
+        moment += box_volume * (low + high) / 2.0;
+        second += box_volume * (low * low + low * high + high * high) / 3.0;
+    }
+    let centre = moment / volume;
+    let second = second / volume - centre * centre;
+    let pack = Pack::from_bytes(&file).unwrap();
+    let recorded = pack.hull(0).unwrap().mesh_mass_properties(1.0).unwrap();
+    assert!((recorded.mass - volume).abs() < 1e-9 && recorded.center_of_mass.distance(centre) < 1e-9);
+    let about_x = volume * (second.y + second.z);
+    assert!((recorded.inertia.x_axis.x - about_x).abs() < 1e-9, "{recorded:?} {about_x}");
+    let verified = |edited: &[u8], exit: i32| {
+        fs::create_dir_all(folder.path().join("false")).unwrap();
+        fs::write(folder.path().join("false/x.hullmap"), edited).unwrap();
+        problems(&bake(&folder, "verify false --source x.obj --json --directions 200").expect(exit).json())
+    };
+    assert_eq!(verified(&file, 0).replace("[]", ""), "");
+    let wrong = changed(&file, |pack| &pack.masses[0].volume, &(volume * 1.001).to_le_bytes());
+    let found = verified(&wrong, 1);
+    assert!(found.contains("the volume of x is 7, but the pack records 7.007"), "{found}");
+    let wrong = changed(&file, |pack| &pack.masses[0].centroid[1], &(centre.y + 1e-6).to_le_bytes());
+    assert!(verified(&wrong, 1).contains("the centre of mass of x is at 1.5 "));
+    let wrong = changed(&file, |pack| &pack.masses[0].second_moments[0], &(second.x * 1.001).to_le_bytes());
+    assert!(verified(&wrong, 1).contains("the inertia that the pack records is not that of x"));
+}
+
+/// A sheet whose parts may be no thicker than half of a small error: they are covered and within
+/// their bounds, but an engine cannot use them.
+#[test]
+fn thin_parts_pass_with_a_warning_and_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let sheet = "o s\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
+    fs::write(folder.path().join("s.obj"), sheet).unwrap();
+    for (error, is_thin) in [("0.1%", true), ("2%", false)] {
+        let line = format!("build s.obj --out baked --decompose --max-error {error} --json");
+        let built = bake(&folder, &line).expect(0).json()[0].clone();
+        let object = &built["objects"][0];
+        let flaws = if is_thin { serde_json::json!(["thin"]) } else { serde_json::json!([]) };
+        assert_eq!((&object["parts"], &object["flaws"]), (&2.into(), &flaws), "{built}");
+        let warnings = built["warnings"].to_string();
+        assert_eq!(warnings.contains("2 of 2 parts are thinner than 0.1% of the diagonal"), is_thin, "{warnings}");
+        assert!(!warnings.contains("hull s_part"), "{warnings}");
+        let ran = bake(&folder, "verify baked").expect(0);
+        let expected = if is_thin { "0 exact, 2 passed with warnings, 0 failed" } else { "0 exact, 2 parts within" };
+        assert!(ran.stdout.contains(expected), "{ran:?}");
+        assert_eq!(ran.stderr.contains("try another --max-error"), is_thin, "{ran:?}");
+        let row = bake(&folder, "verify baked --json").expect(0).json()[0].clone();
+        assert_eq!(row["warnings"].as_array().unwrap().is_empty(), !is_thin, "{row}");
+        let thickness = if is_thin { 0.0005 } else { 0.005 } * 3_f64.sqrt();
+        let found = row["thickness"].as_f64().unwrap();
+        assert!((found - thickness).abs() < 0.1 * thickness, "{found} {thickness}");
+    }
+}
+
+/// Six slabs around a hollow, as the collision parts of a solid cube: the hollow is an eighth of
+/// it.
+#[test]
+fn voids_and_overlap_are_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let corner = |[low, high]: [[f64; 3]; 2], i: usize| -> [f64; 3] {
+        std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] })
+    };
+    let (mut text, mut count) = (String::new(), 0);
+    let mut add = |name: &str, bounds: [[f64; 3]; 2]| {
+        text += &format!("o {name}\n");
+        for [x, y, z] in (0..8).map(|i| corner(bounds, i)) {
+            text += &format!("v {x} {y} {z}\n");
+        }
+        for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+            text += &format!("f {} {} {} {}\n", a + count + 1, b + count + 1, c + count + 1, d + count + 1);
+        }
+        count += 8;
+    };
+    add("Crate", [[0.0; 3], [4.0; 3]]);
+    for side in 0..6 {
+        let (mut low, mut high) = ([0.0; 3], [4.0; 3]);
+        if side < 3 {
+            high[side] = 1.0
+        } else {
+            low[side - 3] = 3.0
+        }
+        add(&format!("UCX_Crate_0{side}"), [low, high]);
+    }
+    fs::write(folder.path().join("x.obj"), text).unwrap();
+    let built = bake(&folder, "build x.obj --out baked --split auto --json").expect(0).json()[0].clone();
+    let object = &built["objects"][0];
+    let near = |value: &serde_json::Value, truth: f64, room: f64| (value.as_f64().unwrap() - truth).abs() < room;
+    // Six slabs of 16 have a union of 64 − 8.
+    assert!(near(&object["voids"], 0.125, 1e-4) && near(&object["overlap"], 96.0 / 56.0 - 1.0, 0.01), "{object}");
+    assert!(object["voids_error"].as_f64().unwrap() < 1e-3 && near(&object["mean_protrusion"], 0.0, 1e-9), "{object}");
+    assert!(built["notes"].to_string().contains("leave 12.5% of the solid empty"), "{built}");
+    let row = bake(&folder, "verify baked --source x.obj --json").expect(0).json()[0].clone();
+    assert_eq!((&row["parts"]["voids"], &row["parts"]["overlap"]), (&object["voids"], &object["overlap"]));
+    fs::rename(folder.path().join("x.obj"), folder.path().join("gone")).unwrap();
+    let row = bake(&folder, "verify baked --json").expect(0).json()[0].clone();
+    assert_eq!((&row["parts"]["voids"], &row["parts"]["overlap"]), (&serde_json::Value::Null, &object["overlap"]));
+}
+
 /// Packs of versions that had V-HACD: they open, and are stale with a reason.
 #[test]
 fn packs_of_removed_options_open_and_are_stale() {

@@ -421,8 +421,63 @@ fn tables_fit_a_screen_of_1400_px() {
         let loaded = load(browser, &folder.path().join("measured.html"), &["--window-size=1400,1600"]);
         loaded.assert_sound();
         let wide = loaded.attribute("html ", "data-wide").split_whitespace().collect::<Vec<_>>().join(" ");
-        assert_eq!(wide, "5 tables, cut off:", "{pack}");
+        let tables = if text(folder.path().join("measured.html")).contains("id=\"parts\"") { 6 } else { 5 };
+        assert_eq!(wide, format!("{tables} tables, cut off:"), "{pack}");
     }
+}
+
+/// The table of parts has the worst part first, with the colour in which the pictures show it.
+#[test]
+fn the_worst_part_is_first_and_has_its_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("u.obj"), comb()).unwrap();
+    run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--max-error", "5%"]).expect(0);
+    let page = page(&folder, "u");
+    let html = text(&page);
+    let section = html.split("id=\"parts\"").nth(1).unwrap().split("</section>").next().unwrap();
+    let rows: Vec<&str> = section.split("<tr data-part=\"").skip(1).collect();
+    let (hulls, drawn) = (hulls_of(&folder), data(&html));
+    assert_eq!(rows.len(), hulls.len());
+    let mut before = f64::INFINITY;
+    for row in rows {
+        let number: usize = row.split('"').next().unwrap().parse().unwrap();
+        let protrusion = hulls[number]["protrusion"].as_f64().unwrap();
+        assert!(protrusion <= before, "{section}");
+        before = protrusion;
+        let colour: Vec<u64> =
+            drawn["hulls"][number]["colour"].as_array().unwrap().iter().map(|c| c.as_u64().unwrap()).collect();
+        assert!(row.contains(&format!("rgb({},{},{})", colour[0], colour[1], colour[2])), "{row}");
+    }
+    for word in
+        ["Overlap, of their union", "Mean protrusion", "Worst protrusion", "Surface uncovered", "Solid in no part"]
+    {
+        assert!(section.contains(word), "{word}");
+    }
+    assert!(section.contains("chip good\">fit for physics engines<"));
+    let Some(browser) = browser("the_worst_part_is_first_and_has_its_colour") else { return };
+    let act = "document.querySelectorAll('tr[data-part] button')[1].click();";
+    let loaded = acted(browser, &page, act);
+    loaded.assert_sound();
+    let second = loaded.attribute("html ", "data-part").to_owned();
+    assert!(loaded.dom.contains(&format!(
+        "<tr data-part=\"{second}\"><td class=\"word name\"><button type=\"button\" aria-pressed=\"true\""
+    )));
+}
+
+/// Thin parts were green: within their bounds, and of no use to an engine.
+#[test]
+fn thin_parts_are_not_green() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
+    fs::write(folder.path().join("in/sheet.obj"), sheet).unwrap();
+    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "0.1%"]).expect(0);
+    let html = text(page(&folder, "sheet"));
+    assert!(html.contains("chip odd\">parts need attention<") && html.contains("chip odd\">parts are thin<"));
+    assert_eq!(html.matches("2 of 2 parts are thinner than 0.1% of the diagonal").count(), 1, "stated once");
+    assert!(!html.contains("chip good"), "nothing on the page is green");
+    run(&folder, &["report", "packs", "--out", "all.html"]).expect(0);
+    assert!(text(folder.path().join("all.html")).contains("chip odd\">1 pack parts need attention<"));
 }
 
 /// The overview said "all verified" in green, while a card said "bounds unchecked" in amber.

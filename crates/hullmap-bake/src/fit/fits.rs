@@ -49,19 +49,29 @@ pub struct Fit {
 /// The cost of [`uncovered`](super::uncovered()), plus the cost of
 /// [`protrusion`](super::protrusion()) for each part, on all threads of the pool.
 pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<Fit>> {
-    if mesh.triangles.is_empty() || parts.is_empty() {
+    if mesh.triangles.is_empty() {
         return None;
     }
-    let solid = Solid::new(mesh);
+    fits_around(&Solid::new(mesh), mesh, parts, limit)
+}
+
+/// As [`fits`], of parts around the solid of `mesh`, which has triangles.
+///
+/// # Complexity
+/// That of [`fits`], without the solid.
+pub fn fits_around(solid: &Solid, mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<Fit>> {
+    if parts.is_empty() {
+        return None;
+    }
     let uncovered = uncovered(mesh, parts).bound;
     let accuracy = Accuracy::tight(solid.diagonal());
     let fit = |part: &&Hull| {
-        let mut found = protrusion(&solid, part, &accuracy);
+        let mut found = protrusion(solid, part, &accuracy);
         // A bound may exceed a valid limit by the accuracy of the bound, and by more beside closing
         // triangles: distances are upper bounds there, and some points have better ones.
         let may_hold = |limit: &f64| found.reached <= *limit || solid.kind() == SolidKind::Closed;
         if let Some(limit) = limit.filter(|limit| found.bound > *limit).filter(may_hold) {
-            let decided = protrusion(&solid, part, &Accuracy::decide(limit));
+            let decided = protrusion(solid, part, &Accuracy::decide(limit));
             if decided.bound <= limit {
                 found = decided;
             }

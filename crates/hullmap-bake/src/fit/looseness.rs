@@ -7,11 +7,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{
-    Solid,
-    planes::{self, HalfSpace},
-    triangle::Triangle,
-};
+use super::{Solid, planes, region::Region, triangle::Triangle};
 use crate::{hull::Hull, mass::mass, simplify::nearest::Nearest, spread::spread};
 
 /// How loose the parts of a mesh are. Lengths are in the unit of the positions.
@@ -41,29 +37,58 @@ const COVERED: f64 = 1e-6;
 /// 40,000 points, each compared with the planes of the parts near it; half of them need a distance
 /// from the solid.
 pub fn looseness(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> Looseness {
-    let parts: Vec<Part> = parts.iter().filter(|part| part.rank == 3).map(|part| Part::new(part)).collect();
-    let volume: f64 = parts.iter().map(|part| part.volume).sum();
+    looseness_of_parts(solid, hull, parts).0
+}
+
+/// As [`looseness`], and the mean protrusion of each part's own visible surface; `None` for a part
+/// that is not a solid, or of which nothing is visible.
+///
+/// # Complexity
+/// That of [`looseness`].
+pub fn looseness_of_parts(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> (Looseness, Vec<Option<f64>>) {
+    let count = parts.len();
+    let is_solid = |index: &usize| parts[*index].rank == 3;
+    let indices: Vec<usize> = (0..count).filter(is_solid).collect();
+    let parts: Vec<Part> = indices.iter().map(|index| Part::new(parts[*index])).collect();
     let area: f64 = parts.iter().map(|part| part.area).sum();
-    let shares: Vec<[f64; 3]> =
-        (0..parts.len()).into_par_iter().map(|index| share(solid, &parts, index, volume, area)).collect();
-    let [union, protrusion, visible] =
-        shares.into_iter().fold([0.0; 3], |sum, share| std::array::from_fn(|k| sum[k] + share[k]));
+    let depth = COVERED * solid.diagonal();
+    let visible: Vec<[f64; 2]> =
+        (0..parts.len()).into_par_iter().map(|index| visible(solid, &parts, index, area, depth)).collect();
+    let mean = |[protrusion, area]: [f64; 2]| (area > 0.0).then(|| protrusion / area);
+    let mut means = vec![None; count];
+    indices.iter().zip(&visible).for_each(|(index, visible)| means[*index] = mean(*visible));
+    let all = visible.into_iter().fold([0.0; 2], |sum, share| [sum[0] + share[0], sum[1] + share[1]]);
     let nearest = Nearest::new(hull);
     let outside = |p: &DVec3| nearest.nearest_from(*p, 0).point.distance(*p);
     let points: Vec<DVec3> = parts.iter().flat_map(|part| part.points.iter().copied()).collect();
-    Looseness {
-        overlap: if union > 0.0 { (volume / union - 1.0).max(0.0) } else { 0.0 },
-        mean_protrusion: if visible > 0.0 { protrusion / visible } else { 0.0 },
+    let found = Looseness {
+        overlap: overlap_of(&parts),
+        mean_protrusion: mean(all).unwrap_or(0.0),
         outside_hull: if hull.rank == 3 { points.par_iter().map(outside).reduce(|| 0.0, f64::max) } else { 0.0 },
-    }
+    };
+    (found, means)
+}
+
+/// [`Looseness::overlap`] of parts whose mesh need not be known.
+///
+/// # Complexity
+/// 20,000 points, each compared with the planes of the parts near it.
+pub fn overlap(parts: &[&Hull]) -> f64 {
+    let solids = parts.iter().filter(|part| part.rank == 3);
+    overlap_of(&solids.map(|part| Part::new(part)).collect::<Vec<_>>())
+}
+
+fn overlap_of(parts: &[Part]) -> f64 {
+    let volume: f64 = parts.iter().map(|part| part.volume).sum();
+    let shares: Vec<f64> = (0..parts.len()).into_par_iter().map(|index| share(parts, index, volume)).collect();
+    let union: f64 = shares.into_iter().sum();
+    if union > 0.0 { (volume / union - 1.0).max(0.0) } else { 0.0 }
 }
 
 struct Part {
     points: Vec<DVec3>,
-    planes: Vec<HalfSpace>,
+    region: Region,
     triangles: Vec<Triangle>,
-    low: DVec3,
-    high: DVec3,
     volume: f64,
     area: f64,
 }
@@ -74,27 +99,23 @@ impl Part {
         let corners = |face: &Vec<u32>| face.iter().map(|v| points[*v as usize]).collect::<Vec<_>>();
         let mass = mass(hull);
         Self {
-            planes: planes::half_spaces(hull),
+            region: Region::new(hull),
             triangles: hull.faces.iter().flat_map(|face| planes::fan(&corners(face))).collect(),
-            low: points.iter().copied().fold(DVec3::INFINITY, DVec3::min),
-            high: points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
             volume: mass.volume,
             area: mass.surface_area,
             points,
         }
     }
-
-    /// Whether a point is in the part, and deeper than `depth`.
-    fn holds(&self, p: DVec3, depth: f64) -> bool {
-        p.cmpge(self.low).all() && p.cmple(self.high).all() && self.planes.iter().all(|plane| plane.height(p) <= -depth)
-    }
 }
 
-/// A part's contribution to the volume of the union, to the integral of the distance over the
-/// visible surface, and to its area.
-fn share(solid: &Solid, parts: &[Part], index: usize, volume: f64, area: f64) -> [f64; 3] {
+/// Number of points for a part with this share of the whole.
+fn count(share: f64) -> usize {
+    ((POINTS as f64 * share).ceil() as usize).max(16)
+}
+
+/// A part's contribution to the volume of the union.
+fn share(parts: &[Part], index: usize, volume: f64) -> f64 {
     let part = &parts[index];
-    let count = |share: f64| ((POINTS as f64 * share).ceil() as usize).max(16);
     let origin = part.points[0];
     let triangle_volume = |[a, b, c]: &Triangle| (*a - origin).cross(*b - origin).dot(*c - origin).abs();
     let inside = Spread::new(&part.triangles, triangle_volume, count(part.volume / volume));
@@ -103,23 +124,29 @@ fn share(solid: &Solid, parts: &[Part], index: usize, volume: f64, area: f64) ->
         // Uniform in the tetrahedron of the triangle and the origin.
         let (r, s, t) = (libm::cbrt(w), v.sqrt(), u);
         let p = origin + ((a - origin) * (1.0 - s) + ((b - origin) * (1.0 - t) + (c - origin) * t) * s) * r;
-        let others = parts.iter().enumerate().filter(|(other, part)| *other != index && part.holds(p, 0.0)).count();
-        shared += 1.0 / (1 + others) as f64;
+        let others = parts.iter().enumerate().filter(|(other, part)| *other != index && part.region.holds(p, 0.0));
+        shared += 1.0 / (1 + others.count()) as f64;
     }
+    shared * part.volume / inside.count as f64
+}
+
+/// A part's contribution to the integral of the distance over the visible surface, and to the area
+/// of that. A point is not visible if it is deeper than `depth` in another part.
+fn visible(solid: &Solid, parts: &[Part], index: usize, area: f64, depth: f64) -> [f64; 2] {
+    let part = &parts[index];
     let triangle_area = |[a, b, c]: &Triangle| (*b - *a).cross(*c - *a).length();
     let surface = Spread::new(&part.triangles, triangle_area, count(part.area / area));
     let (mut distance, mut visible) = (0.0, 0.0);
     for ([a, b, c], [u, v, _]) in surface.points() {
         let s = v.sqrt();
         let p = a * (1.0 - s) + (b * (1.0 - u) + c * u) * s;
-        let depth = COVERED * solid.diagonal();
-        if !parts.iter().enumerate().any(|(other, part)| other != index && part.holds(p, depth)) {
+        if !parts.iter().enumerate().any(|(other, part)| other != index && part.region.holds(p, depth)) {
             distance += solid.distance(p);
             visible += 1.0;
         }
     }
-    let [inside, surface] = [inside.count, surface.count].map(|count| count as f64);
-    [shared * part.volume / inside, distance * part.area / surface, visible * part.area / surface]
+    let of_point = part.area / surface.count as f64;
+    [distance * of_point, visible * of_point]
 }
 
 /// Evenly spread choices among weighted triangles.

@@ -11,6 +11,8 @@
 //! | [`coverage`] | proof of coverage: how far the surface lies outside all parts, at most |
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | `looseness` | estimates: overlap of the parts, mean protrusion, distance from the hull |
+//! | `voids` | estimate: volume of the solid that is in no part |
+//! | `region` | a part as half-spaces in a box |
 //! | [`branch`] | branch and bound, which both use |
 //! | [`sides`] | regions that are inside although triangles cut them |
 //! | `triangle_tree` | bounding volume hierarchy of a mesh's triangles |
@@ -26,19 +28,22 @@ mod looseness;
 pub mod mesh_mass;
 pub mod planes;
 pub mod protrusion;
+mod region;
 pub mod sides;
 pub mod solid;
 pub mod triangle;
 mod triangle_tree;
+mod voids;
 pub mod winding;
 
 pub use branch::Accuracy;
 pub use coverage::{Uncovered, uncovered, uncovered_triangles};
-pub use fits::{Fit, fits};
-pub use looseness::{Looseness, looseness};
+pub use fits::{Fit, fits, fits_around};
+pub use looseness::{Looseness, looseness, looseness_of_parts, overlap};
 pub use mesh_mass::mesh_mass;
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
+pub use voids::{Voids, voids};
 
 #[cfg(test)]
 mod tests;

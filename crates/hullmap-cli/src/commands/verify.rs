@@ -12,8 +12,11 @@ use crate::source::{Folders, Recorded, SourceSearch, find_source, given_sources}
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
 use crate::verification::pack::{
-    BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITHIN_BOUNDS, verify_hulls,
+    BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS, verify_hulls,
 };
+
+/// Maximum number of warnings that are printed about one pack. JSON has all of them.
+const MAX_WARNINGS: usize = 8;
 
 /// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Problems with
 /// single packs are reported in their rows.
@@ -82,7 +85,27 @@ fn verify_pack(
     Ok(results)
 }
 
-/// Errors, the table, and the summary.
+/// Prints what engines cannot use well in the hulls of one pack: each sentence once.
+fn print_warnings(hulls: &[HullVerification]) {
+    let mut texts: Vec<&str> = Vec::new();
+    for text in hulls.iter().flat_map(|hull| &hull.warnings) {
+        if !texts.contains(&text.as_str()) {
+            texts.push(text);
+        }
+        if texts.len() > MAX_WARNINGS {
+            break;
+        }
+    }
+    let file = &hulls[0].file;
+    for text in texts.iter().take(MAX_WARNINGS) {
+        terminal::warning(format_args!("{file}: {text}"));
+    }
+    if texts.len() > MAX_WARNINGS {
+        terminal::warning(format_args!("{file}: and more like these; --json has all of them"));
+    }
+}
+
+/// Errors, warnings, the table, and the summary.
 fn write_text(results: &[HullVerification], lists_hulls: bool, out: &mut Output) -> Result<(), Failure> {
     for result in results.iter().filter(|result| !result.pass) {
         terminal::error(if result.hull.is_some() {
@@ -91,6 +114,7 @@ fn write_text(results: &[HullVerification], lists_hulls: bool, out: &mut Output)
             result.problems.join("; ")
         });
     }
+    results.chunk_by(|result, next| result.file == next.file).for_each(print_warnings);
     let table = if lists_hulls { hull_table(results) } else { pack_table(results) };
     table.write(out)?;
     out.line("")?;
@@ -139,8 +163,16 @@ fn pack_table(results: &[HullVerification]) -> Table {
         let max = |of: &dyn Fn(&HullVerification) -> Option<u32>| hulls.iter().filter_map(of).max();
         let regret = hulls.iter().filter_map(|result| result.max_regret).max_by(f64::total_cmp);
         // The most cautious of the words, failures first.
-        let order =
-            ["FAILED", UNMEASURED, BOUNDS_UNCHECKED, "index exact", WITHIN_BOUNDS, "contains its source", "exact"];
+        let order = [
+            "FAILED",
+            UNMEASURED,
+            BOUNDS_UNCHECKED,
+            WITH_WARNINGS,
+            "index exact",
+            WITHIN_BOUNDS,
+            "contains its source",
+            "exact",
+        ];
         let words = hulls.iter().map(HullVerification::result);
         let result = words.min_by_key(|word| order.iter().position(|known| known == word)).unwrap_or("-");
         let mut cells = vec![
@@ -225,15 +257,21 @@ fn outer_error(result: &HullVerification) -> String {
 fn summary(results: &[HullVerification]) -> String {
     let passed: Vec<&HullVerification> = results.iter().filter(|result| result.pass).collect();
     let parts = passed.iter().filter(|result| result.result() == WITHIN_BOUNDS).count();
+    let doubtful = passed.iter().filter(|result| result.result() == WITH_WARNINGS).count();
     let unknown = passed.iter().filter(|result| [UNMEASURED, BOUNDS_UNCHECKED].contains(&result.result())).count();
-    let is_simplified = |result: &&&HullVerification| result.is_simplified() && !result.is_loose_part();
+    let is_simplified = |result: &&&HullVerification| {
+        result.is_simplified() && !result.is_loose_part() && result.result() != WITH_WARNINGS
+    };
     let simplified = passed.iter().filter(is_simplified).count();
     let held = passed.iter().filter(is_simplified).filter(|result| result.is_against_source()).count();
     let unsourced = passed.iter().filter(|result| !result.is_against_source()).count();
-    let mut text = format!("{} exact", passed.len() - simplified - parts - unknown);
+    let mut text = format!("{} exact", passed.len() - simplified - parts - unknown - doubtful);
     if parts > 0 {
         let noun = if parts == 1 { "part within its bounds" } else { "parts within their bounds" };
         text += &format!(", {parts} {noun}");
+    }
+    if doubtful > 0 {
+        text += &format!(", {doubtful} passed with warnings");
     }
     if unknown > 0 {
         text += &format!(", {unknown} with unknown or unchecked bounds");
@@ -301,7 +339,11 @@ mod tests {
         let words = [&tight, &loose, &open, &unmeasured, &unsourced].map(HullVerification::result);
         assert_eq!(words, ["exact", WITHIN_BOUNDS, WITHIN_BOUNDS, UNMEASURED, BOUNDS_UNCHECKED]);
         assert_eq!(summary(&[tight, loose.clone(), open]), "1 exact, 2 parts within their bounds, 0 failed");
-        assert_eq!(summary(&[loose]), "0 exact, 1 part within its bounds, 0 failed");
+        assert_eq!(summary(std::slice::from_ref(&loose)), "0 exact, 1 part within its bounds, 0 failed");
+        let warnings = vec!["thin".to_owned()];
+        let thin = HullVerification { warnings, ..loose.clone() };
+        assert_eq!(thin.result(), WITH_WARNINGS);
+        assert_eq!(summary(&[loose, thin]), "0 exact, 1 part within its bounds, 1 passed with warnings, 0 failed");
     }
 
     #[test]

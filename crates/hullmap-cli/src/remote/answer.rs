@@ -142,6 +142,7 @@ fn take(found: &Row, member: &Member, row: &mut Row) {
     row.vertices_source = found.vertices_source;
     row.vertices_unreferenced = found.vertices_unreferenced;
     row.vertices_duplicate = found.vertices_duplicate;
+    row.objects.clone_from(&found.objects);
 }
 
 /// The output files of a batch that was baked here, for others; `None` if they would mislead

@@ -12,7 +12,7 @@ use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
 
 use super::freshness::{Expected, Found, judge};
-use super::rows::{Origin, Row, Status};
+use super::rows::{MAX_OBJECTS, Origin, Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
@@ -190,6 +190,7 @@ impl Build<'_> {
         row.hulls = Some(pack.ranks.len());
         row.vertices_hull = Some(pack.vertex_count);
         row.ranks = Some(pack.ranks);
+        row.objects = Some(pack.objects.into_iter().take(MAX_OBJECTS).collect());
         row.bytes = Some(pack.bytes.len() as u64);
         row.origin = Some(Origin::Local);
         row.notes.extend(pack.notes);

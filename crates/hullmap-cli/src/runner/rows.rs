@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::estimates::DecomposedObject;
 use crate::outcome::Failure;
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::Output;
@@ -56,6 +57,9 @@ impl Status {
     }
 }
 
+/// Maximum number of objects in a row. Rows of a batch travel in one blob of bounded size.
+pub const MAX_OBJECTS: usize = 1000;
+
 /// Result of one file. Field names are the JSON's; `None` if the file did not get that far.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
@@ -83,6 +87,10 @@ pub struct Row {
     pub vertices_hull: Option<usize>,
     /// Rank of each hull: 3 solid, 2 polygon, 1 segment, 0 point.
     pub ranks: Option<Vec<u32>>,
+    /// The first [`MAX_OBJECTS`] objects whose meshes were decomposed, or whose parts came with
+    /// them; `None` for a pack that was not baked now.
+    #[serde(default)]
+    pub objects: Option<Vec<DecomposedObject>>,
     /// Size of the pack.
     pub bytes: Option<u64>,
     /// Where it was baked, if it was.
@@ -118,6 +126,7 @@ impl Row {
             vertices_duplicate: None,
             vertices_hull: None,
             ranks: None,
+            objects: None,
             bytes: None,
             origin: None,
             millis: 0.0,

@@ -21,14 +21,14 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use hullmap::{Hull, SolidKind};
+use hullmap_bake::PointSet;
 use hullmap_bake::fit::{Solid, uncovered};
-use hullmap_bake::{PointSet, hull};
 use rayon::prelude::*;
 
 use super::outside::to_point;
 use super::random::SplitMix;
 use super::soup::{Triangle, TriangleSoup, closest};
-use crate::geometry::polygons;
+use crate::geometry::{polygons, rebuilt};
 
 /// Maximum number of cells of one search.
 const MAX_CELLS: usize = 40_000;
@@ -164,12 +164,7 @@ impl Judge {
     /// The point of the surface that the baker finds to be farthest from all hulls, if it is on the
     /// surface.
     fn least_covered(&self, mesh: &PointSet, hulls: &[Hull]) -> Option<DVec3> {
-        let rebuild = |hull: &Hull| {
-            let positions: Vec<[f32; 3]> = hull.vertices().map(|vertex| vertex.to_array()).collect();
-            let source_vertices = (0..positions.len() as u32).collect();
-            hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
-        };
-        let parts = hulls.par_iter().map(rebuild).collect::<Option<Vec<_>>>()?;
+        let parts = hulls.par_iter().map(rebuilt).collect::<Option<Vec<_>>>()?;
         let at = uncovered(mesh, &parts.iter().collect::<Vec<_>>()).at;
         self.soup.to_mesh(at).filter(|(distance, _)| *distance <= self.rounding).map(|_| at)
     }

@@ -11,8 +11,10 @@
 pub mod directions;
 pub mod fit;
 pub mod index;
+pub mod mass;
 pub mod outside;
 pub mod pack;
+pub mod parts;
 pub mod random;
 pub mod soup;
 pub mod truth;

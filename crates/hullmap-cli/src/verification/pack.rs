@@ -7,12 +7,16 @@
 //!    and stay within its recorded outer error.
 //! 4. No point of an object's surface may lie farther outside its parts than recorded, and no part
 //!    may protrude farther from its solid than recorded.
+//! 5. The recorded mass must be that of the mesh.
+//! 6. Parts that a physics engine cannot use well pass with warnings.
 
 use std::collections::HashSet;
 
 use glam::Vec3;
 use hullmap::{Cost, Hull, Pack, SolidKind};
+use hullmap_bake::advice::usability::{Flaw, thickness};
 use hullmap_bake::decompose::Cover;
+use hullmap_bake::fit::mesh_mass;
 use hullmap_bake::number::short;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
@@ -20,9 +24,12 @@ use serde::Serialize;
 
 use super::directions::directions;
 use super::fit::{Judge, Witness};
+use super::mass;
 use super::outside::measure_outside;
+use super::parts::{PartsFindings, findings};
 use super::truth::Points;
 use super::{Measurement, REGRET_LIMIT, index, measure};
+use crate::estimates::PartsEstimates;
 use crate::geometry::polygons;
 use crate::measure::stand_for_one;
 use crate::options::BuildOptions;
@@ -37,6 +44,9 @@ pub const BOUNDS_UNCHECKED: &str = "bounds unchecked";
 
 /// Result of a part without recorded bounds.
 pub const UNMEASURED: &str = "unmeasured";
+
+/// Result of a part that passes, and that an engine cannot use well.
+pub const WITH_WARNINGS: &str = "passed with warnings";
 
 /// Reference that the hulls of a pack are compared with.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +108,21 @@ pub struct HullVerification {
     pub protrusion_at: Option<[f64; 3]>,
     /// Recorded kind of solid: `watertight`, `closed` or `sheet`.
     pub solid: Option<&'static str>,
+    /// Thickness of a solid: of a plate with its volume and surface area.
+    pub thickness: Option<f64>,
+    /// Mean protrusion of the part's visible surface, an estimate.
+    pub mean_protrusion: Option<f64>,
+    /// How the parts of its object fit together, the same for all of them; `None` for a hull that
+    /// is not one of several parts.
+    pub parts: Option<PartsEstimates>,
+    /// Why an engine cannot use the part well, each with its remedy.
+    pub warnings: Vec<String>,
+    /// The kinds of these warnings.
+    #[serde(skip)]
+    pub flaws: Vec<Flaw>,
+    /// Index among the parts of its object, and their number: 0 for a hull that is not a part.
+    #[serde(skip)]
+    pub part_of: [u32; 2],
     /// Maximum distance between two vertices.
     #[serde(skip)]
     pub diameter: Option<f64>,
@@ -148,6 +173,8 @@ impl HullVerification {
         };
         match (self.pass, self.is_simplified(), self.is_against_source()) {
             (false, _, _) => "FAILED",
+            (true, _, _) if self.is_loose_part() && of_part != WITHIN_BOUNDS => of_part,
+            (true, _, _) if !self.warnings.is_empty() => WITH_WARNINGS,
             (true, _, _) if self.is_loose_part() => of_part,
             (true, true, true) => "contains its source",
             (true, _, false) => "index exact",
@@ -183,16 +210,16 @@ pub fn verify_hulls(
 
 /// Compares every hull with its source, or with its own vertices, in `count` directions.
 fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> Result<Vec<HullVerification>, String> {
-    let Reference::Source(sets) = reference else {
-        return Ok(pack.hulls().map(|hull| verify_hull(&hull, None, count, seed)).collect());
-    };
     let decompose = BuildOptions::from_recorded(pack.options()).and_then(|options| options.decompose());
+    let Reference::Source(sets) = reference else {
+        return Ok(verify_alone(pack, decompose.as_ref(), count, seed));
+    };
     let has_collision_parts = sets.iter().any(|points| points.stands_for.is_some());
     let has_own_parts = decompose.is_none() && !has_collision_parts && pack.hulls().any(|hull| hull.part_count() > 0);
     // A search that ends by the clock does not find the same parts again.
     let is_timed = matches!(decompose, Some(Cover { seconds: Some(_), .. }));
     if has_own_parts || is_timed {
-        return verify_parts_of_others(pack, sets, count, seed);
+        return verify_parts_of_others(pack, sets, decompose.as_ref(), count, seed);
     }
     let parts = parts(sets, decompose.as_ref(), Stage::default())?;
     if parts.len() != pack.hull_count() {
@@ -211,10 +238,22 @@ fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> 
         let end = start + own.len();
         let points = &sets[own[0].set];
         let mesh = points.stands_for.as_deref().filter(|_| decompose.is_none()).unwrap_or(points);
-        verify_fit(&hulls[start..end], mesh, &mut results[start..end]);
+        verify_object(&hulls[start..end], mesh, decompose.as_ref(), &mut results[start..end]);
         start = end;
     }
     Ok(results)
+}
+
+/// Verifies a pack whose source is not known: each hull against its own vertices.
+fn verify_alone(pack: &Pack, cover: Option<&Cover>, count: usize, seed: u64) -> Vec<HullVerification> {
+    let hulls: Vec<Hull> = pack.hulls().collect();
+    let mut results: Vec<HullVerification> = hulls.iter().map(|hull| verify_hull(hull, None, count, seed)).collect();
+    let mut start = 0;
+    for own in hulls.chunk_by(|_, next| next.part() > 0) {
+        add(findings(own, None, None, cover), &mut results[start..start + own.len()]);
+        start += own.len();
+    }
+    results
 }
 
 /// Verifies a pack whose parts were not cut by this program, or cannot be cut again: each hull
@@ -222,6 +261,7 @@ fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> 
 fn verify_parts_of_others(
     pack: &Pack,
     sets: &[PointSet],
+    cover: Option<&Cover>,
     count: usize,
     seed: u64,
 ) -> Result<Vec<HullVerification>, String> {
@@ -236,10 +276,34 @@ fn verify_parts_of_others(
     for (own, points) in objects.into_iter().zip(sets) {
         let source = (own[0].part_count() == 0).then_some(points);
         results.extend(own.iter().map(|hull| verify_hull(hull, source, count, seed)));
-        verify_fit(own, points, &mut results[start..]);
+        verify_object(own, points, cover, &mut results[start..start + own.len()]);
         start += own.len();
     }
     Ok(results)
+}
+
+/// Checks what the hulls of one object record about its mesh, and whether an engine can use them.
+fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
+    let computed = mesh_mass(mesh);
+    if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
+        result.problems.extend(mass::problem(first, mesh, computed.as_ref()));
+    }
+    verify_fit(hulls, mesh, results);
+    add(findings(hulls, Some(mesh), computed.map(|mass| mass.volume), cover), results);
+}
+
+/// Adds what was found about the parts of one object to their results.
+fn add(found: Option<PartsFindings>, results: &mut [HullVerification]) {
+    let Some(PartsFindings { estimates, means, doubts }) = found else { return };
+    for (result, mean) in results.iter_mut().zip(means) {
+        (result.parts, result.mean_protrusion) = (Some(estimates), mean);
+    }
+    for doubt in doubts {
+        for part in doubt.parts {
+            results[part].warnings.push(doubt.remark.text().to_owned());
+            results[part].flaws.push(doubt.flaw);
+        }
+    }
 }
 
 /// Checks what the parts of one object record about their fit against its mesh: see [`Judge`].
@@ -348,6 +412,12 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         protrusion: hull.protrusion(),
         protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
         solid: hull.solid().map(SolidKind::as_str),
+        thickness: (hull.rank() == 3).then(|| thickness(hull.volume(), hull.surface_area())),
+        mean_protrusion: None,
+        parts: None,
+        warnings: Vec::new(),
+        flaws: Vec::new(),
+        part_of: [hull.part(), hull.part_count()],
         diameter: Some(hull.diameter()),
         is_part: hull.part_count() > 0,
     }

@@ -92,11 +92,6 @@ function colourOf(number) {
   return oklch(0.64 + 0.24 * step, 0.05 + 0.06 * ((number * 0.5698402909) % 1), hue);
 }
 
-/** A colour for one of several hulls, light enough to be shaded. */
-function hullColourOf(number) {
-  return oklch(0.78, 0.095, (number * 0.61803398875 + 0.7) % 1);
-}
-
 /** A colour scale from 0 to 1: pale to deep. */
 function scaleColour(share) {
   return oklch(0.93 - 0.55 * share, 0.05 + 0.09 * Math.min(share * 2, 2 - 1.2 * share), 0.72 - 0.12 * share);

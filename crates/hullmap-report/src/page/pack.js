@@ -17,6 +17,8 @@
   const camera = new Camera();
   let chosen = isMany ? ALL : 0;
   let marked = null;
+  // Parts of the table of parts: the one under the pointer, and the one whose button is pressed.
+  let pointed = null, pressed = null, highlighted = null;
 
   // Controls.
   get("up").value = data.up;
@@ -76,16 +78,17 @@
     if (!list.length) return;
     camera.up = get("up").value;
     camera.look({ ...whole3d, radius: whole3d.radius * (1 + spread()) });
-    const look = Object.fromEntries(["hull", "mesh", "edge", "mesh-edge", "mark"].map((name) => [name, cssColour(`--${name}`)]));
+    const look = Object.fromEntries(["hull", "mesh", "edge", "mesh-edge", "mark", "well"].map((name) => [name, cssColour(`--${name}`)]));
     const isOn = (id) => get(id).checked;
     views.hull.begin();
     for (const hull of list) {
       const shape = hull.hull;
       const moved = movedBy(camera, offsetOf(hull));
-      const colour = chosen === ALL ? hullColourOf(hull.number) : look.hull;
+      const isFaded = highlighted !== null && chosen === ALL && hull.number !== highlighted;
+      const colour = isFaded ? look.well : chosen === ALL ? hull.colour : look.hull;
       if (shape.triangles.length) views.hull.triangles(shape, moved, colour);
       // Dense edges are drawn paler.
-      const opacity = Math.min(0.9, Math.max(0.12, Math.sqrt(900 / (shape.edges.length + 1))));
+      const opacity = Math.min(0.9, Math.max(0.12, Math.sqrt(900 / (shape.edges.length + 1)))) * (isFaded ? 0.35 : 1);
       if (isOn("show-edges") || !shape.triangles.length) views.hull.edges(shape, moved, { colour: look.edge, opacity });
       if (isOn("show-vertices") || hull.rank === 0) views.hull.dots(shape, moved, { size: hull.rank ? 5 : 12 });
     }
@@ -227,6 +230,29 @@
     draw3d();
     gauss.draw();
     check();
+  }
+
+  function highlight() {
+    highlighted = pointed ?? pressed;
+    root.dataset.part = highlighted ?? "none";
+    if (highlighted !== null && chosen !== ALL) choose((choice.value = ALL));
+    redraw();
+  }
+  for (const row of document.querySelectorAll("tr[data-part]")) {
+    const number = Number(row.dataset.part), button = row.querySelector("button");
+    const point = (now) => () => {
+      pointed = now;
+      highlight();
+    };
+    row.addEventListener("pointerenter", point(number));
+    row.addEventListener("pointerleave", point(null));
+    button.addEventListener("click", () => {
+      pressed = pressed === number ? null : number;
+      for (const other of document.querySelectorAll("tr[data-part] button")) {
+        other.setAttribute("aria-pressed", pressed !== null && other === button);
+      }
+      highlight();
+    });
   }
 
   choice.addEventListener("change", () => choose(choice.value));

@@ -77,7 +77,7 @@ struct Export<'a> {
 /// several packs are reported, and the others exported.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let is_many = args.packs.len() > 1 || args.packs.iter().any(|pack| pack.is_dir());
-    let is_folder = args.parts || matches!(args.target, Some(Target::Mjcf | Target::Urdf));
+    let is_folder = args.parts || args.target.is_some_and(Target::is_document);
     check_flags(args, is_many, is_folder)?;
     let format = format(args, is_many || is_folder)?;
     if is_many && args.out.is_none() && format != Format::Json {
@@ -165,7 +165,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
         None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json],
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
         Some(Target::Godot) => &[Format::Glb],
-        Some(Target::Mjcf | Target::Urdf) => &[Format::Obj, Format::Stl],
+        Some(Target::Mjcf | Target::Urdf | Target::Sdf) => &[Format::Obj, Format::Stl],
     };
     let extension = args.out.as_deref().and_then(Path::extension).map(|extension| extension.to_ascii_lowercase());
     let named = || allowed.iter().find(|format| extension.as_ref().is_some_and(|ending| ending == format.extension()));
@@ -218,11 +218,11 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     if args.is_visible && args.target != Some(Target::Godot) {
         return usage("--visible: only for Godot; add --for godot".to_owned());
     }
-    if args.mesh_prefix.is_some() && !matches!(args.target, Some(Target::Mjcf | Target::Urdf)) {
-        return usage("--mesh-prefix: only for documents that name files; add --for mjcf or --for urdf".to_owned());
+    if args.mesh_prefix.is_some() && !args.target.is_some_and(Target::is_document) {
+        return usage("--mesh-prefix: only for documents that name files; add --for mjcf, urdf or sdf".to_owned());
     }
-    if args.density.is_some() && !matches!(args.target, Some(Target::Mjcf | Target::Urdf)) {
-        return usage("--density: only for documents with masses; add --for mjcf or --for urdf".to_owned());
+    if args.density.is_some() && !args.target.is_some_and(Target::is_document) {
+        return usage("--density: only for documents with masses; add --for mjcf, urdf or sdf".to_owned());
     }
     if is_many && args.name.is_some() {
         return usage("--name: several packs are exported, and each needs a name; export this one alone".to_owned());
@@ -304,7 +304,7 @@ impl Export<'_> {
     /// Mass properties of the hulls of these indices as one body, for a document that states them.
     /// Prints a note if they are not those of the mesh.
     fn mass(&self, place: &PackPlace, pack: &Pack, indices: &[usize]) -> Option<MassProperties> {
-        if !matches!(self.args.target, Some(Target::Mjcf | Target::Urdf)) {
+        if !self.args.target.is_some_and(Target::is_document) {
             return None;
         }
         let density = self.args.density.unwrap_or(DENSITY);
@@ -331,7 +331,7 @@ impl Export<'_> {
                 names::unreal(&own, mesh.as_deref())
             }
             Some(Target::Godot) => names::godot(&own, args.name.as_deref(), args.is_visible),
-            Some(Target::Mjcf | Target::Urdf) => {
+            Some(Target::Mjcf | Target::Urdf | Target::Sdf) => {
                 names::unique(own.iter().map(|(name, _)| names::token(name)).collect())
             }
         };
@@ -396,6 +396,7 @@ fn files(
     let document = match args.target {
         Some(Target::Mjcf) => Some((format!("{name}.xml"), robot.mjcf())),
         Some(Target::Urdf) => Some((format!("{name}.urdf"), robot.urdf())),
+        Some(Target::Sdf) => Some((format!("{name}.sdf"), robot.sdf())),
         _ => None,
     };
     // Last, so that the files that it names exist when it does.

@@ -4,13 +4,15 @@
 //! |---|---|---|
 //! | MJCF | `mujoco` | a `mesh` asset and a `geom` each, in one body without joints |
 //! | URDF | `robot` | a `collision` each, in one link |
+//! | SDF | `sdf` | a `collision` each, in one link of one model |
 //!
-//! Both documents load as they are. Copy the elements from them into a model. The element
+//! All documents load as they are. Copy the elements from them into a model. The element
 //! `inertial` has the mass, so that the simulator does not add the masses of overlapping parts.
 //!
 //! # Reference
 //! MuJoCo, "XML Reference", elements `mesh`, `geom` and `inertial`; ROS, "URDF XML Specification",
-//! elements `collision` and `inertial`.
+//! elements `collision` and `inertial`; Open Robotics, "SDFormat Specification", elements `link`,
+//! `inertial` and `collision`.
 
 use crate::mesh_file::body::Inertial;
 
@@ -71,7 +73,33 @@ impl Robot<'_> {
     }
 }
 
-/// The text of an attribute. Characters that XML 1.0 does not allow are replaced.
+impl Robot<'_> {
+    /// The SDF document.
+    pub fn sdf(&self) -> String {
+        let (name, prefix) = (escaped(self.name), escaped(self.prefix));
+        let mut text = format!("<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n  <model name=\"{name}\">\n");
+        text += &format!("    <link name=\"{name}\">\n");
+        if let Some(Inertial { mass, center: [x, y, z], inertia: [[xx, xy, xz], [_, yy, yz], [.., zz]] }) =
+            self.inertial
+        {
+            text += &format!("      <inertial>\n        <pose>{x} {y} {z} 0 0 0</pose>\n        <mass>{mass}</mass>\n");
+            text += "        <inertia>\n";
+            for (entry, value) in [("ixx", xx), ("ixy", xy), ("ixz", xz), ("iyy", yy), ("iyz", yz), ("izz", zz)] {
+                text += &format!("          <{entry}>{value}</{entry}>\n");
+            }
+            text += "        </inertia>\n      </inertial>\n";
+        }
+        for (mesh, file) in self.meshes {
+            let (mesh, file) = (escaped(mesh), escaped(file));
+            text += &format!("      <collision name=\"{mesh}\">\n        <geometry>\n");
+            text += &format!("          <mesh><uri>{prefix}{file}</uri></mesh>\n");
+            text += "        </geometry>\n      </collision>\n";
+        }
+        text + "    </link>\n  </model>\n</sdf>\n"
+    }
+}
+
+/// The text of an attribute or an element. Characters that XML 1.0 does not allow are replaced.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -97,7 +125,7 @@ mod tests {
     fn names_stay_in_their_attributes() {
         let meshes = [("a\"/><evil x='\n".to_owned(), "a&b.obj".to_owned())];
         let robot = Robot { name: "r<1>", prefix: "package://p/", meshes: &meshes, inertial: None };
-        for text in [robot.mjcf(), robot.urdf()] {
+        for text in [robot.mjcf(), robot.urdf(), robot.sdf()] {
             assert!(!text.contains("<evil") && text.contains("package://p/a&amp;b.obj"), "{text}");
             assert!(text.contains("\"r&lt;1&gt;\"") && text.contains("\"a&quot;/&gt;&lt;evil x=&apos;_\""), "{text}");
         }

@@ -4,12 +4,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use hullmap::Pack;
-use hullmap_report::input::{self as report, Verification, VerifiedHull};
+use hullmap_bake::advice::{self, Remark};
+use hullmap_report::input::{self as report, Remarks, Verification, VerifiedHull};
 use hullmap_report::{Analysis, Input, analyse};
 
 use super::remarks::remarks;
 use super::source_mesh::source_meshes;
 use crate::args::ReportArgs;
+use crate::estimates::PartsEstimates;
 use crate::geometry::polygons;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
@@ -17,6 +19,9 @@ use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
+
+/// Maximum number of warnings about one pack.
+const MAX_WARNINGS: usize = 100;
 
 /// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it. `folders`
 /// remembers the folders that were read for other packs. Fails if the pack cannot be read or is
@@ -51,7 +56,7 @@ pub fn analyse_pack(
         );
         remarks.warnings.insert(0, warning);
     }
-    let verification = verify(&pack, source.as_ref(), args, &mut faults);
+    let verification = verify(&pack, source.as_ref(), args, &mut faults, &mut remarks);
     remarks.faults = faults;
     let source = source.map(|source| report::Source {
         name: source_name(&source, &pack),
@@ -76,8 +81,15 @@ fn source_name(source: &Source, pack: &Pack) -> String {
     source.path.display().to_string()
 }
 
-/// Verifies the pack as `bake verify` does. Failures are added to `faults`.
-fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut Vec<String>) -> Verification {
+/// Verifies the pack as `bake verify` does. Failures are added to `faults`, and what engines cannot
+/// use well to the warnings, unless the pack keeps it. How parts fit together is a note.
+fn verify(
+    pack: &Pack,
+    source: Option<&Source>,
+    args: &ReportArgs,
+    faults: &mut Vec<String>,
+    remarks: &mut Remarks,
+) -> Verification {
     let start = Instant::now();
     let reference = source.map_or(Reference::StoredHull, |source| Reference::Source(&source.point_sets));
     let results = verify_hulls(pack, reference, args.directions, args.seed).unwrap_or_else(|error| {
@@ -85,6 +97,12 @@ fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut 
         Vec::new()
     });
     faults.extend(results.iter().filter(|result| !result.pass).map(HullVerification::verdict));
+    for text in results.iter().flat_map(|result| &result.warnings) {
+        if remarks.warnings.len() < MAX_WARNINGS && !remarks.warnings.contains(text) {
+            remarks.warnings.push(text.clone());
+        }
+    }
+    remarks.notes.extend(advice::summarise(results.iter().filter_map(about_fit)).0);
     Verification {
         is_against_source: source.is_some(),
         directions: args.directions,
@@ -93,11 +111,30 @@ fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut 
     }
 }
 
+fn estimates(found: PartsEstimates) -> report::PartsEstimates {
+    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error } = found;
+    report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error }
+}
+
+/// Note on how the parts of an object fit together, if this is the first of them.
+fn about_fit(result: &HullVerification) -> Option<Remark> {
+    let estimates = result.parts.filter(|_| result.part_of[0] == 0)?;
+    let hull = result.hull.as_deref()?;
+    let name = hull.rsplit_once("_part_").map_or(hull, |(name, _)| name);
+    Some(advice::estimates(name, &estimates.looseness()?, estimates.voids))
+}
+
 fn verified_hull(result: HullVerification) -> VerifiedHull {
     VerifiedHull {
         is_simplified: result.is_simplified(),
         is_loose_part: result.is_loose_part(),
         is_measured: result.solid.is_some(),
+        part: result.part_of[0],
+        part_count: result.part_of[1],
+        thickness: result.thickness.unwrap_or(0.0),
+        mean_protrusion: result.mean_protrusion,
+        estimates: result.parts.map(estimates),
+        flaws: result.flaws.iter().map(|flaw| flaw.as_str()).collect(),
         name: result.hull.unwrap_or_default(),
         passed: result.pass,
         max_regret: result.max_regret.unwrap_or(f64::NAN),

@@ -6,6 +6,7 @@ use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
 use hullmap_report::input::Remarks;
 
 use crate::open::kept_warnings;
+use crate::options::BuildOptions;
 use crate::source::Source;
 
 /// Remarks of the import, and about the pack's parts and hulls.
@@ -23,7 +24,9 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
     for parts in hulls.chunk_by(|_, next| next.part() > 0) {
         found.extend(about_object(parts, source.is_some(), &mut remarks.warnings));
     }
-    found.extend(hulls.iter().flat_map(about_hull));
+    let is_decomposed =
+        BuildOptions::from_recorded(pack.options()).is_some_and(|options| options.decompose().is_some());
+    found.extend(hulls.iter().flat_map(|hull| about_hull(hull, is_decomposed && hull.part_count() > 1)));
     let (notes, warnings) = advice::summarise(found);
     remarks.notes.extend(notes);
     remarks.warnings.extend(warnings);
@@ -54,7 +57,8 @@ fn fit(parts: &[Hull]) -> Option<PartsFit> {
     Some(PartsFit { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
 }
 
-fn about_hull(hull: &Hull) -> Vec<Remark> {
+/// Remarks on one hull; `is_cut` says whether the bake cut it from a mesh.
+fn about_hull(hull: &Hull, is_cut: bool) -> Vec<Remark> {
     let max_coordinate = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
     let measures = HullMeasures {
         name: hull.name(),
@@ -65,6 +69,7 @@ fn about_hull(hull: &Hull) -> Vec<Remark> {
         inner_radius: hull.inner_radius(),
         max_coordinate: max_coordinate.into(),
         outer_error: hull.outer_error(),
+        is_cut,
     };
     advice::of_hull(&measures).into_iter().chain(advice::simplified(&measures)).collect()
 }

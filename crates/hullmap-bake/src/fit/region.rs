@@ -1,0 +1,47 @@
+//! A convex part as half-spaces in a box: whether it contains points and boxes.
+
+use glam::DVec3;
+
+use super::planes::{self, HalfSpace};
+use crate::hull::Hull;
+
+/// The points of a solid hull.
+pub struct Region {
+    planes: Vec<HalfSpace>,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Region {
+    /// The points of a hull of rank 3.
+    pub fn new(hull: &Hull) -> Self {
+        let points = hull.positions();
+        Self {
+            planes: planes::half_spaces(hull),
+            low: points.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+            high: points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+        }
+    }
+
+    /// Whether a point is in the part, and at least `depth` below each face.
+    pub fn holds(&self, p: DVec3, depth: f64) -> bool {
+        p.cmpge(self.low).all() && p.cmple(self.high).all() && self.planes.iter().all(|plane| plane.height(p) <= -depth)
+    }
+
+    /// Whether all of a box is in the part.
+    pub fn holds_box(&self, low: DVec3, high: DVec3) -> bool {
+        let farthest = |plane: &HalfSpace| DVec3::select(plane.normal.cmpge(DVec3::ZERO), high, low);
+        low.cmpge(self.low).all()
+            && high.cmple(self.high).all()
+            && self.planes.iter().all(|plane| plane.height(farthest(plane)) <= 0.0)
+    }
+
+    /// Whether a box is certainly outside the part. Some boxes beside an edge or a corner are not
+    /// recognised.
+    pub fn misses_box(&self, low: DVec3, high: DVec3) -> bool {
+        let nearest = |plane: &HalfSpace| DVec3::select(plane.normal.cmpge(DVec3::ZERO), low, high);
+        low.cmpgt(self.high).any()
+            || high.cmplt(self.low).any()
+            || self.planes.iter().any(|plane| plane.height(nearest(plane)) > 0.0)
+    }
+}

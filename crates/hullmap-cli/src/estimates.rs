@@ -1,0 +1,98 @@
+//! Estimates of how the parts of an object fit together, and the summary of an object in the rows
+//! of a build.
+
+use hullmap_bake::PointSet;
+use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
+use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
+use hullmap_bake::hull::{self, Hull};
+#[cfg(feature = "command")]
+use serde::{Deserialize, Serialize};
+
+/// Maximum number of parts of an object that are compared with each other. Anybody may have written
+/// a pack, and the time grows with the square of their number.
+const MAX_PARTS: usize = 4096;
+
+/// Estimates of how the parts of one object fit together. Field names are the JSON's; `None` if
+/// something was not measured. Lengths are in source units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+pub struct PartsEstimates {
+    /// Sum of the parts' volumes less the volume of their union, relative to the latter.
+    pub overlap: Option<f64>,
+    /// Mean distance of the parts' visible surface from the mesh's solid.
+    pub mean_protrusion: Option<f64>,
+    /// Maximum distance of a part from the mesh's convex hull.
+    pub outside_hull: Option<f64>,
+    /// Share of the solid's volume that is in no part.
+    pub voids: Option<f64>,
+    /// Error of `voids`: twice its standard deviation.
+    pub voids_error: Option<f64>,
+}
+
+impl PartsEstimates {
+    /// The estimates of `parts` that stand for `mesh`, and the mean protrusion of each part.
+    /// `volume` is that of the mesh's solid, if it is known.
+    pub fn new(mesh: &PointSet, solid: &Solid, parts: &[&Hull], volume: Option<f64>) -> (Self, Vec<Option<f64>>) {
+        let Some(whole) = hull::build(mesh).ok().filter(|_| parts.len() <= MAX_PARTS) else {
+            return (Self::default(), vec![None; parts.len()]);
+        };
+        let (Looseness { overlap, mean_protrusion, outside_hull }, means) = looseness_of_parts(solid, &whole, parts);
+        let (overlap, mean_protrusion) = (Some(overlap), Some(mean_protrusion));
+        let mut found = Self { overlap, mean_protrusion, outside_hull: Some(outside_hull), ..Self::default() };
+        if let Some(volume) = volume {
+            let Voids { volume: empty, error } = voids(solid, parts);
+            (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
+        }
+        (found, means)
+    }
+
+    /// The estimates of `parts` whose mesh is not known.
+    pub fn without_mesh(parts: &[&Hull]) -> Self {
+        Self { overlap: (parts.len() <= MAX_PARTS).then(|| overlap(parts)), ..Self::default() }
+    }
+
+    /// What a sentence states of them, if the parts were compared.
+    pub fn looseness(&self) -> Option<Looseness> {
+        let (overlap, mean_protrusion, outside_hull) = (self.overlap?, self.mean_protrusion?, self.outside_hull?);
+        Some(Looseness { overlap, mean_protrusion, outside_hull })
+    }
+}
+
+/// An object whose mesh was decomposed, or whose parts came with it. Field names are the JSON's.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+pub struct DecomposedObject {
+    /// Name of the object.
+    pub name: String,
+    /// Number of its parts.
+    pub parts: usize,
+    /// How its solid is known; `None` if the parts were not measured.
+    pub solid: Option<String>,
+    /// Bound on how far its surface lies outside all parts.
+    pub uncovered: Option<f64>,
+    /// Bound on how far a part protrudes from its solid.
+    pub protrusion: Option<f64>,
+    /// Thickness of the thinnest part.
+    pub thickness: Option<f64>,
+    /// Why an engine cannot use the parts well, in one word each; empty if it can.
+    pub flaws: Vec<String>,
+    /// How the parts fit together.
+    #[cfg_attr(feature = "command", serde(flatten))]
+    pub estimates: PartsEstimates,
+}
+
+impl DecomposedObject {
+    /// The summary of an object.
+    pub fn new(object: &ObjectMeasures, doubts: &[Doubt], estimates: PartsEstimates) -> Self {
+        Self {
+            name: object.name.to_owned(),
+            parts: object.parts.len(),
+            solid: object.solid.map(|solid| solid.as_str().to_owned()),
+            uncovered: object.solid.map(|_| object.uncovered),
+            protrusion: object.parts.iter().filter_map(|part| part.protrusion).reduce(f64::max),
+            thickness: object.parts.iter().map(|part| part.thickness).reduce(f64::min),
+            flaws: doubts.iter().map(|doubt| doubt.flaw.as_str().to_owned()).collect(),
+            estimates,
+        }
+    }
+}

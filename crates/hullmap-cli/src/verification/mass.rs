@@ -1,0 +1,48 @@
+//! Verification of the mass that a pack records for a mesh: it is computed again from the source.
+
+use glam::{DMat3, DVec3};
+use hullmap::Hull;
+use hullmap_bake::PointSet;
+use hullmap_bake::mass::Mass;
+
+use crate::part::diagonal;
+use crate::table::rounded;
+
+/// Difference from the recorded mass that rounding may explain, relative to the volume and to the
+/// mesh's diagonal.
+const ROUNDING: f64 = 1e-9;
+
+/// Why the mass that the first of an object's hulls records is not that of its mesh; `None` if it
+/// is, or if nothing is recorded. `computed` is the mass of the mesh's solid.
+pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option<String> {
+    let recorded = first.mesh_mass_properties(1.0)?;
+    let name = &mesh.name;
+    let Some(computed) = computed else {
+        return Some(format!("it records the mass of {name}, which bounds no solid that can be measured"));
+    };
+    let size = diagonal(mesh);
+    let (found, claimed) = (computed.volume, recorded.mass);
+    let room = ROUNDING * found;
+    // Written so that NaN is a problem, here and below.
+    if !((found - claimed).abs() <= room) {
+        let (found, claimed) = (rounded(found), rounded(claimed));
+        return Some(format!("the volume of {name} is {found}, but the pack records {claimed}"));
+    }
+    let found = DVec3::from_array(computed.centroid);
+    if !(found.distance(recorded.center_of_mass) <= ROUNDING * size) {
+        let [found, claimed] = [found, recorded.center_of_mass].map(|p| p.to_array().map(rounded).join(" "));
+        return Some(format!("the centre of mass of {name} is at {found}, but the pack records {claimed}"));
+    }
+    let difference = inertia(computed) - recorded.inertia;
+    if !difference.to_cols_array().iter().all(|entry| entry.abs() <= room * size * size) {
+        return Some(format!("the inertia that the pack records is not that of {name}"));
+    }
+    None
+}
+
+/// Inertia tensor about the centre of mass, at density 1.
+fn inertia(mass: &Mass) -> DMat3 {
+    let [xx, yy, zz, yz, zx, xy] = mass.second_moments;
+    let moments = DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
+    (DMat3::from_diagonal(DVec3::splat(xx + yy + zz)) - moments) * mass.volume
+}
