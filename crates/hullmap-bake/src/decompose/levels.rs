@@ -40,6 +40,9 @@ const STRIDE: i32 = 16;
 /// Number of levels between few enough parts and too many at which the search ends.
 const CLOSE_ENOUGH: i32 = 2;
 
+/// Limits for which parts are divided further where there may be more, relative to what they reach.
+const FURTHER: [f64; 3] = [0.5, 0.7, 0.85];
+
 /// The lowest level at which the search for a number of parts starts: 1 % of the diagonal.
 const LOWEST_FIRST: i32 = -PER_OCTAVE;
 
@@ -176,14 +179,10 @@ impl<'a> Levels<'a> {
         self.searches += 1;
         let (limit, stage) = (self.limit(level), self.stage.from_to(from, to));
         let limits = PartitionLimits {
-            limit,
-            max_vertices: self.max_vertices,
+            bounds: Bounds { stage, ..self.bounds(limit) },
             overlap: self.parameters.overlap,
-            thickness: self.bounds(limit).thickness,
             enough,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
-            deadline: self.deadline,
-            stage,
         };
         let partition::Found { parts, fewest } = partition::search(self.mesh, &mut self.field, &limits)?;
         Some(Found { parts, fewest, limit })
@@ -272,6 +271,20 @@ impl<'a> Levels<'a> {
                 break;
             }
         }
-        best.map(|(_, found)| found)
+        best.map(|(_, found)| self.refined(found, count))
+    }
+
+    /// The same parts, of which some are divided, where there may be more.
+    fn refined(&mut self, found: Found, count: usize) -> Found {
+        let (reached, mut found) = (found.reached(), found);
+        for limit in FURTHER.map(|share| share * reached) {
+            let is_useful = limit.is_finite() && limit >= LEAST_FOR_TIGHTNESS * self.diagonal();
+            if found.parts.len() >= count || !is_useful {
+                break;
+            }
+            let bounds = self.bounds(limit);
+            found.parts = partition::divided_further(self.mesh, &mut self.field, bounds, found.parts, count);
+        }
+        found
     }
 }

@@ -65,6 +65,28 @@ struct Piece {
 }
 
 impl Piece {
+    /// A whole surface.
+    fn new(triangles: &[[DVec3; 3]], diagonal: f64) -> Self {
+        let mut piece = Self::default();
+        for t in triangles {
+            piece.push(t, (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero());
+        }
+        piece.edges = concave_edges(triangles, diagonal);
+        piece
+    }
+
+    /// The planes of faces that may divide the piece.
+    fn face_planes(&self) -> FacePlanes {
+        let of_polygon = |(corners, normal): (&[DVec3], DVec3)| {
+            let area: f64 = planes::fan(corners).iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
+            (area, HalfSpace { normal, offset: normal.dot(corners[0]) }, corners[0])
+        };
+        let all = grouped(self, self.polygons().map(of_polygon).filter(|(area, ..)| *area > 0.0));
+        let total: f64 = all.iter().map(|(area, _)| area).sum();
+        let large = all.into_iter().take_while(|(area, _)| *area >= LARGE * total).map(|(_, plane)| plane).collect();
+        FacePlanes { concave: ranked(self).into_iter().map(|(_, plane)| plane).collect(), large }
+    }
+
     fn polygons(&self) -> impl Iterator<Item = (&[DVec3], DVec3)> {
         (0..self.ends.len()).map(|i| self.polygon(i))
     }
@@ -250,6 +272,13 @@ pub struct FacePlanes {
     pub large: Vec<HalfSpace>,
 }
 
+impl FacePlanes {
+    /// Those of a surface.
+    pub fn new(triangles: &[[DVec3; 3]], diagonal: f64) -> Self {
+        Piece::new(triangles, diagonal).face_planes()
+    }
+}
+
 /// The cells of a surface; `None` if `is_over` before they are found.
 pub fn cells(
     triangles: &[[DVec3; 3]],
@@ -257,13 +286,8 @@ pub fn cells(
     cutting: &Cutting,
     is_over: &(dyn Fn() -> bool + Sync),
 ) -> Option<Cells> {
-    let mut root = Piece::default();
-    for t in triangles {
-        let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero();
-        root.push(t, normal);
-    }
-    root.edges = concave_edges(triangles, cutting.diagonal);
-    let planes = face_planes(&root);
+    let root = Piece::new(triangles, cutting.diagonal);
+    let planes = root.face_planes();
     // Level by level, so that pieces are independent of each other.
     let mut level = vec![(root, 0_u32)];
     let mut cells = Vec::new();
@@ -438,17 +462,6 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
 
 /// Share of the area of all faces from which faces in one plane count as large.
 const LARGE: f64 = 0.005;
-
-fn face_planes(root: &Piece) -> FacePlanes {
-    let of_polygon = |(corners, normal): (&[DVec3], DVec3)| {
-        let area: f64 = planes::fan(corners).iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
-        (area, HalfSpace { normal, offset: normal.dot(corners[0]) }, corners[0])
-    };
-    let all = grouped(root, root.polygons().map(of_polygon).filter(|(area, ..)| *area > 0.0));
-    let total: f64 = all.iter().map(|(area, _)| area).sum();
-    let large = all.into_iter().take_while(|(area, _)| *area >= LARGE * total).map(|(_, plane)| plane).collect();
-    FacePlanes { concave: ranked(root).into_iter().map(|(_, plane)| plane).collect(), large }
-}
 
 /// The planes of faces at the concave edges of a piece, each with the length and sine of its edges,
 /// the greatest first.

@@ -99,22 +99,14 @@ const STAGES: [f64; 2] = [0.1, 0.95];
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct PartitionLimits<'a> {
-    /// Maximum protrusion of a part, above 0.
-    pub limit: f64,
-    /// Maximum number of vertices of a part.
-    pub max_vertices: usize,
+    /// Limits of a part.
+    pub bounds: Bounds<'a>,
     /// Volume that parts may have in common, relative to the volume of all.
     pub overlap: f64,
-    /// The least thickness of a part.
-    pub thickness: f64,
     /// Number of parts above which the search gives up.
     pub enough: Option<usize>,
     /// Number of parts down to which they are merged, where they can be.
     pub wanted: usize,
-    /// When to stop.
-    pub deadline: Option<Deadline>,
-    /// The progress of the search.
-    pub stage: Stage<'a>,
 }
 
 /// Parts that together contain the surface of `mesh`.
@@ -125,11 +117,11 @@ pub struct PartitionLimits<'a> {
 /// about `enough` parts are needed.
 pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
     let triangles = triangles(mesh);
-    field.find_peaks(limits.limit * HARD_SHARE);
+    field.find_peaks(limits.bounds.limit * HARD_SHARE);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { limit, max_vertices, overlap, thickness, enough, wanted, deadline, stage } = *limits;
-    let bounds = Bounds { limit, max_vertices, diagonal, thickness, deadline, stage };
+    let PartitionLimits { bounds, overlap, enough, wanted } = *limits;
+    let (limit, stage) = (bounds.limit, bounds.stage);
     let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
     let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
     stage.reach(STAGES[0]);
@@ -142,6 +134,41 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
     let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
     Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
+}
+
+/// Divides parts further, as long as there are at most `count`: those that protrude much from a
+/// large surface first, until each is within the limit of `bounds`. A part that would become too
+/// many stays as it is.
+pub fn divided_further(
+    mesh: &PointSet,
+    field: &mut Field,
+    bounds: Bounds,
+    parts: Vec<Part>,
+    count: usize,
+) -> Vec<Part> {
+    field.find_peaks(bounds.limit * HARD_SHARE);
+    let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
+    let planes = cells::FacePlanes::new(&triangles(mesh), bounds.diagonal);
+    let search = Search { field, scale, planes: &planes, bounds };
+    let mut room = count.saturating_sub(parts.len());
+    let mut parts = parts;
+    let excess = |part: &Part| part.bound * part.piece.area();
+    parts.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
+    let further = |part: Part| {
+        if room == 0 || part.bound <= bounds.limit || search.is_over() {
+            return vec![part];
+        }
+        let piece = part.piece.clone();
+        match divided(&search, piece, room + 1, 0, &mut Vec::new(), Stage::default()) {
+            // When the time ends, the bounds of what is left are not known.
+            Some(found) if found.iter().all(|found| found.bound <= part.bound) => {
+                room -= found.len() - 1;
+                found
+            }
+            _ => vec![part],
+        }
+    };
+    parts.into_iter().flat_map(further).collect()
 }
 
 /// The mesh's triangles. Their faces point outward.

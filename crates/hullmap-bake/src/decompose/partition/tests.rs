@@ -2,22 +2,13 @@ use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::{body::Body, *};
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
-use crate::fit::{Solid, coverage::uncovered};
+use crate::fit::{Accuracy, Solid, coverage::uncovered, protrusion};
 use crate::hull::Hull;
 
-fn limits(limit: f64) -> PartitionLimits<'static> {
-    let thickness = 0.5 * limit;
-    let stage = Stage::default();
-    PartitionLimits {
-        limit,
-        max_vertices: 64,
-        overlap: 0.05,
-        thickness,
-        enough: None,
-        wanted: 1,
-        deadline: None,
-        stage,
-    }
+fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
+    let (thickness, diagonal, stage) = (0.5 * limit, solid.diagonal(), Stage::default());
+    let bounds = Bounds { limit, max_vertices: 64, diagonal, thickness, deadline: None, stage };
+    PartitionLimits { bounds, overlap: 0.05, enough: None, wanted: 1 }
 }
 
 /// Searches, and checks both promises by other means: the certified cover, and random points of the
@@ -25,7 +16,7 @@ fn limits(limit: f64) -> PartitionLimits<'static> {
 fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let found = search(mesh, &mut Field::new(&solid), &limits(limit)).unwrap().parts;
+    let found = search(mesh, &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;
     let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
@@ -128,12 +119,30 @@ fn any_number_of_parts_is_reached_from_a_small_error() {
     assert_eq!(covering(&mesh, cover).len(), 2);
 }
 
+/// More parts never fit worse, up to the accuracy of the bounds.
+#[test]
+fn more_parts_are_used_where_they_help() {
+    let mesh = point_set(&concave::horseshoe(24));
+    let solid = Solid::new(&mesh);
+    let reached = |count| {
+        let hulls = covering(&mesh, Cover { max_parts: Some(count), ..Cover::default() });
+        let accuracy = Accuracy::tight(solid.diagonal());
+        let bound = |hull: &Hull| protrusion(&solid, hull, &accuracy).bound;
+        (hulls.len(), hulls.iter().map(bound).fold(0.0, f64::max))
+    };
+    let found: Vec<(usize, f64)> = [4, 5, 6, 7, 8].map(reached).into();
+    eprintln!("{found:?}");
+    assert!(found.iter().zip([4, 5, 6, 7, 8]).all(|((parts, _), count)| *parts == count), "{found:?}");
+    assert!(found.windows(2).all(|pair| pair[1].1 <= 1.006 * pair[0].1), "{found:?}");
+}
+
 #[test]
 fn a_search_without_time_ends_with_halves() {
     let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
-    let what = PartitionLimits { deadline: Some(Deadline::after(0.0)), ..limits(limit) };
+    let mut what = limits(limit, &solid);
+    what.bounds.deadline = Some(Deadline::after(0.0));
     assert!(search(&mesh, &mut Field::new(&solid), &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
     assert!(found.len() > 2 && found.len() <= 8, "{}", found.len());
@@ -210,7 +219,7 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found = search(&mesh, &mut Field::new(&solid), &limits(limit)).unwrap().parts;
+        let found = search(&mesh, &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;
         let bound = uncovered(&mesh, &found.iter().map(|part| &part.hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
         assert!(found.iter().all(|part| part.bound <= limit), "seed {seed}");
