@@ -7,10 +7,10 @@
 //!
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
-mod body;
+pub(super) mod body;
 mod glb;
-mod names;
-mod obj;
+pub(super) mod names;
+pub(super) mod obj;
 mod robot;
 mod stl;
 

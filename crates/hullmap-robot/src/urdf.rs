@@ -1,0 +1,154 @@
+//! URDF: `robot` / `link` / `collision` / `geometry` / `mesh filename`.
+//!
+//! # Reference
+//! <https://wiki.ros.org/urdf/XML/link>
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use roxmltree::Node;
+
+use crate::description::{
+    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference, scheme_of,
+};
+use crate::document::Document;
+use crate::edit::{Edit, edited};
+use crate::element::{child, children, lead, removed, rename, set, unique};
+use crate::error::RobotError;
+use crate::places::Places;
+
+/// Solids that need no mesh.
+const PRIMITIVES: [&str; 4] = ["box", "cylinder", "sphere", "capsule"];
+
+/// Finds the links of a description.
+///
+/// # Errors
+/// Two links have one name, or a link has none.
+pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
+    let tree = document.parse()?;
+    let folder = folder_of(document.path()).to_owned();
+    let mut links: Vec<Link> = Vec::new();
+    let mut lines: BTreeMap<String, u32> = BTreeMap::new();
+    for node in children(tree.root_element(), "link") {
+        let at = node.range().start;
+        let name = node.attribute("name").ok_or_else(|| document.error(at, "this link has no name; add one"))?;
+        let line = document.line(at);
+        if let Some(first) = lines.insert(name.to_owned(), line) {
+            return Err(
+                document.error(at, format!("link `{name}` exists already, in line {first}; rename one of them"))
+            );
+        }
+        let shapes = |kind: &'static str| -> Vec<Shape> {
+            children(node, kind).map(|node| shape(node, &document, places)).collect()
+        };
+        let (collisions, visuals) = (shapes("collision"), shapes("visual"));
+        links.push(Link { name: name.to_owned(), document: 0, line, collisions, visuals, takes_visuals: true });
+    }
+    let named = tree.descendants().filter_map(|node| node.attribute("filename"));
+    let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, &folder)).collect();
+    drop(tree);
+    let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
+    Ok(Description {
+        format: Format::Urdf,
+        documents: vec![document],
+        links,
+        references: references.into_iter().collect(),
+        notes: Vec::new(),
+        mesh_names,
+        mjcf: None,
+    })
+}
+
+fn shape(node: Node, document: &Document, places: &Places) -> Shape {
+    let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
+    let geometry = match geometry {
+        None => Geometry::Other("it has no geometry".to_owned()),
+        Some(geometry) => match geometry.tag_name().name() {
+            "mesh" => {
+                let written = geometry.attribute("filename").unwrap_or_default();
+                Geometry::Mesh(mesh_use(written, geometry.attribute("scale"), places, folder_of(document.path())))
+            }
+            name if PRIMITIVES.contains(&name) => Geometry::Primitive(name.to_owned()),
+            name => Geometry::Other(format!("`{name}` is not a mesh")),
+        },
+    };
+    let at = node.range().start;
+    let name = node.attribute("name").unwrap_or_default().to_owned();
+    Shape { name, document: 0, line: document.line(at), geometry, stays_single: None, at }
+}
+
+/// The edits that make these changes.
+///
+/// # Errors
+/// The document cannot be parsed, which it was before.
+pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
+    let tree = document.parse()?;
+    let nodes: BTreeMap<usize, Node> =
+        tree.descendants().filter(Node::is_element).map(|node| (node.range().start, node)).collect();
+    let text = document.text();
+    let mut edits = Vec::new();
+    for change in changes {
+        let (link, shape, meshes) = change.parts(links);
+        let node = nodes[&shape.at];
+        let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
+        match change {
+            Change::Replace { .. } => {
+                let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
+                edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));
+            }
+            Change::FromVisual { .. } => {
+                let last = link.visuals.last().map_or(shape.at, |last| last.at);
+                let at = nodes[&last].range().end;
+                let one = [None];
+                let each: Vec<Option<&String>> =
+                    meshes.map_or(one.to_vec(), |meshes| meshes.iter().map(Some).collect());
+                let is_single = each.len() == 1;
+                for (index, mesh) in each.into_iter().enumerate() {
+                    let index = if is_single { None } else { Some(index) };
+                    edits.push(Edit::insert(at, from_visual(node, text, mesh, index, &mut names)));
+                }
+            }
+        }
+    }
+    Ok(edits)
+}
+
+/// The first mesh in place of the old one, and a copy of the element for each other.
+fn replace(node: Node, text: &str, meshes: &[String], mut copy: impl FnMut(usize, &String) -> String) -> Vec<Edit> {
+    let Some((first, others)) = meshes.split_first() else { return Vec::new() };
+    let mut edits: Vec<Edit> = mesh_of(node).map(|mesh| set(mesh, text, "filename", first)).into_iter().collect();
+    edits.extend((1..).zip(others).map(|(index, mesh)| Edit::insert(node.range().end, copy(index, mesh))));
+    edits
+}
+
+fn mesh_of<'a, 'input>(node: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
+    child(child(node, "geometry")?, "mesh")
+}
+
+/// A copy of a collision with another mesh, for part `index`.
+fn part(node: Node, text: &str, mesh: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> String {
+    let mut edits: Vec<Edit> = mesh_of(node).map(|node| set(node, text, "filename", mesh)).into_iter().collect();
+    edits.extend(renamed(node, text, index, names));
+    text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
+}
+
+/// The name of a part, if the element has a name.
+fn renamed(node: Node, text: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> Option<Edit> {
+    let name = node.attribute("name").filter(|name| !name.is_empty())?;
+    let name = index.map_or_else(|| name.to_owned(), |index| format!("{name}_part_{index:02}"));
+    Some(set(node, text, "name", &unique(&name, names)))
+}
+
+/// A collision with the pose of a visual.
+fn from_visual(
+    node: Node,
+    text: &str,
+    mesh: Option<&String>,
+    index: Option<usize>,
+    names: &mut BTreeSet<String>,
+) -> String {
+    let mut edits = rename(node, text, "collision");
+    edits.extend(children(node, "material").map(|material| removed(material, text)));
+    edits.extend(mesh.and_then(|mesh| Some(set(mesh_of(node)?, text, "filename", mesh))));
+    edits.extend(renamed(node, text, index, names));
+    text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
+}
