@@ -114,7 +114,7 @@ pub enum Command {
 /// The meshes to bake, and their options.
 #[derive(Clone, Debug, clap::Args)]
 pub struct MeshArgs {
-    /// Mesh files (OBJ, glTF, GLB, STL, PLY), or folders to search for them
+    /// Mesh files (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH), or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Options that shape the packs.

@@ -19,6 +19,7 @@
 //! | `verification` | proves and measures packs |
 //! | `in_memory` | bakes that write no file, for bindings |
 //! | `geometry` | vertices and faces as lists |
+//! | `hull_mesh` | hulls as meshes for other programs |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | finds the source of a pack |
 //! | `project` | the folder outside of which no source is read |
@@ -44,6 +45,8 @@ mod depfile;
 mod geometry;
 #[cfg(feature = "command")]
 mod glob;
+#[cfg(feature = "command")]
+mod hull_mesh;
 mod in_memory;
 #[cfg(feature = "command")]
 mod interrupt;

@@ -12,6 +12,7 @@ mod meshes;
 mod parts;
 mod pipeline;
 mod report;
+mod robot;
 mod sources;
 mod subcommands;
 #[cfg(unix)]

@@ -7,10 +7,7 @@
 //!
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
-pub(super) mod body;
 mod glb;
-pub(super) mod names;
-pub(super) mod obj;
 mod robot;
 mod stl;
 
@@ -25,6 +22,7 @@ use serde::Serialize;
 
 use crate::args::{ExportArgs, Format, Target};
 use crate::geometry::rank_name;
+use crate::hull_mesh::{body, names, obj};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};

@@ -9,8 +9,8 @@ use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Unresolved};
 
 use super::target::Target;
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
-use crate::commands::export::{names::token, obj};
 use crate::config::{Chosen, Configs};
+use crate::hull_mesh::{names::token, obj};
 use crate::jobs::Job;
 use crate::jobs::pack_names::PackName;
 use crate::options::OptionLayer;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use hullmap_import::open_regular;
 
-use crate::commands::export::obj;
+use crate::hull_mesh::obj;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
 

@@ -24,8 +24,8 @@ use hullmap_robot::{Change, Description, Geometry, Places, RobotError, relative}
 
 use crate::args::{DECIDED_BY_ROBOTS, RobotArgs};
 use crate::baker::bake_pack;
-use crate::commands::export::{body::Body, obj};
 use crate::config::Configs;
+use crate::hull_mesh::{body::Body, obj};
 use crate::interrupt;
 use crate::jobs::Job;
 use crate::open::open_pack;
