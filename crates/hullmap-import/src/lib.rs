@@ -1,13 +1,13 @@
-//! Import of OBJ, glTF, GLB, STL, PLY, COLLADA and MSH files: from the bytes of a file to the point sets of
-//! hulls.
+//! Import of OBJ, glTF, GLB, STL, PLY, COLLADA and MSH files: from the bytes of a file to the point
+//! sets of hulls.
 //!
 //! Each point keeps the index of its vertex in the file, so that every hull vertex can be traced to
 //! its source.
 //!
 //! 1. [`read()`] loads the file, and the buffers beside a glTF file. `foreign` rejects files of
 //!    other formats.
-//! 2. `obj`, `gltf`, `stl`, `ply`, `collada` or `msh` parses it into a source `mesh` of vertices, elements and
-//!    objects, within `limits`.
+//! 2. `obj`, `gltf`, `stl`, `ply`, `collada` or `msh` parses it into a source `mesh` of vertices,
+//!    elements and objects, within `limits`.
 //! 3. `point_sets` selects the points and splits them by object (with `--split auto` by
 //!    `conventions`). `placement` rotates, scales and recentres them.
 //! 4. `far` warns about points too far from the origin for the precision of `f32`.

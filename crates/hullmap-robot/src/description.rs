@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::document::Document;
-use crate::edit::Edit;
 use crate::error::RobotError;
+use crate::mjcf::model::Model;
 use crate::places::{Places, Scheme, Unresolved, package_of, relative};
-use crate::{mjcf, sdf, urdf};
 
 /// Format of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +44,7 @@ pub struct Description {
     pub notes: Vec<String>,
     /// Where names of meshes start.
     pub(crate) mesh_names: MeshNames,
-    pub(crate) mjcf: Option<mjcf::Model>,
+    pub(crate) mjcf: Option<Model>,
 }
 
 /// How a description names meshes.
@@ -172,36 +171,6 @@ impl Change {
 }
 
 impl Description {
-    /// Reads a description, and finds the files that it names.
-    ///
-    /// # Errors
-    /// A file cannot be read or is invalid, or names are used twice. A missing mesh is no error
-    /// here: see [`MeshUse::file`].
-    pub fn read(path: &Path, places: &Places) -> Result<Self, RobotError> {
-        let document = Document::read(path)?;
-        let tree = document.parse()?;
-        let root = tree.root_element();
-        if let Some(node) = tree.descendants().find(|node| is_xacro(*node, &document)) {
-            let name = path.display().to_string();
-            let expanded = name.strip_suffix(".xacro").map_or_else(|| format!("{name}.urdf"), str::to_owned);
-            let message = format!("has macros of xacro; expand them first: xacro {name} > {expanded}");
-            return Err(document.error(node.range().start, message));
-        }
-        let (name, at) = (root.tag_name().name().to_owned(), root.range().start);
-        drop(tree);
-        match name.as_str() {
-            "robot" => urdf::read(document, places),
-            "mujoco" => mjcf::read(document, places),
-            "sdf" | "gazebo" => sdf::read(document, places),
-            "mujocoinclude" => {
-                let message = "is a part of a model; name the file that includes it";
-                Err(document.error(at, message))
-            }
-            name => Err(document
-                .error(at, format!("`{name}` is not the root of a URDF (robot), MJCF (mujoco) or SDF (sdf) file"))),
-        }
-    }
-
     /// The file's path.
     pub fn path(&self) -> &Path {
         self.documents[0].path()
@@ -238,28 +207,6 @@ impl Description {
             RobotError::rejected(self.path(), None, message)
         })
     }
-
-    /// The bytes of each document after changes. Whatever is not a collision keeps its bytes.
-    ///
-    /// # Errors
-    /// The encoding of a file cannot express a name.
-    ///
-    /// # Panics
-    /// An index of a change is out of range, or a shape is changed twice.
-    pub fn changed(&self, changes: &[Change]) -> Result<Vec<Vec<u8>>, RobotError> {
-        let edits = match self.format {
-            Format::Urdf => vec![urdf::edits(&self.documents[0], &self.links, changes)?],
-            Format::Sdf => vec![sdf::edits(&self.documents[0], &self.links, changes)?],
-            Format::Mjcf => mjcf::edits(self, changes)?,
-        };
-        let apply = |(document, edits): (&Document, Vec<Edit>)| document.edited(edits);
-        self.documents.iter().zip(edits).map(apply).collect()
-    }
-}
-
-/// Whether this is an element of xacro.
-fn is_xacro(node: roxmltree::Node, document: &Document) -> bool {
-    node.is_element() && document.text()[node.range().start + 1..].starts_with("xacro:")
 }
 
 /// Three numbers, separated by white space; `None` for anything else.

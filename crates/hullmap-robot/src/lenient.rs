@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `--` inside a comment | spaces |
 //! | an XML declaration that is not the first thing in the file | spaces |
+//! | anything behind the root element, such as another end tag | spaces |
 //! | a prefix without a namespace, as in `<sensor:camera>` | `_` for the colon |
 
 use std::borrow::Cow;
@@ -28,6 +29,8 @@ pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
     let mut blank: Vec<std::ops::Range<usize>> = Vec::new();
     let bytes = text.as_bytes();
     let (mut at, mut depth) = (0, 0_usize);
+    // Where the root ends.
+    let mut root = None;
     let find = |from: usize, what: &str| text[from..].find(what).map_or(text.len(), |found| from + found);
     while let Some(next) = text[at..].find('<').map(|found| at + found) {
         let rest = &text[next..];
@@ -49,6 +52,11 @@ pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
             }
         } else {
             let end = end_of_tag(bytes, next);
+            let is_empty = text[..end].ends_with("/>") && !rest.starts_with("</");
+            let closes = rest.starts_with("</") && depth == 1 || is_empty && depth == 0;
+            if closes && !rest.starts_with("<!") {
+                root.get_or_insert(end);
+            }
             if rest.starts_with("</") {
                 depth = depth.saturating_sub(1);
             } else if !rest.starts_with("<!") && !text[..end].ends_with("/>") {
@@ -60,6 +68,7 @@ pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
             at = end;
         }
     }
+    blank.extend(root.filter(|end| !text[*end..].trim().is_empty()).map(|end| end..text.len()));
     Ok(if blank.is_empty() { Cow::Borrowed(text) } else { Cow::Owned(blanked(text, &blank)) })
 }
 
@@ -117,6 +126,8 @@ mod tests {
             ("<a><!-- x ---></a>", "<a><!-- x  --></a>"),
             ("\n<?xml version='1.0'?>\n<a/>", "\n                     \n<a/>"),
             ("<?xml version='1.0'?><a/>", "<?xml version='1.0'?><a/>"),
+            ("<a><b/></a>\n</a>é", "<a><b/></a>\n      "),
+            ("<a/><b>", "<a/>   "),
             ("<a b='<!-- -- -->'/>", "<a b='<!-- -- -->'/>"),
             ("<a><![CDATA[<!-- -- -->]]></a>", "<a><![CDATA[<!-- -- -->]]></a>"),
         ] {

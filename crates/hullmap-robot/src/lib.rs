@@ -12,6 +12,7 @@
 //! | module | concept |
 //! |---|---|
 //! | `description` | links, shapes and changes, in every format |
+//! | `formats` | reading and editing in any format |
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `places` | from a name to a file |
 //! | `document` | bytes, encoding, and parsing within limits |
@@ -41,6 +42,7 @@ mod document;
 mod edit;
 mod element;
 mod error;
+mod formats;
 mod lenient;
 mod mjcf;
 mod places;

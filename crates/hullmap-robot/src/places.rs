@@ -115,6 +115,8 @@ impl Places {
 
     /// The path of `PACKAGE/REST`.
     fn in_package(&self, scheme: Scheme, rest: &str, folder: &Path) -> Result<PathBuf, Unresolved> {
+        // Three slashes are as usual as two.
+        let rest = rest.trim_start_matches('/');
         let (package, below) = rest.split_once('/').unwrap_or((rest, ""));
         let not_found = || {
             Unresolved::Failed(format!(
@@ -262,6 +264,7 @@ mod tests {
         for (name, file) in [
             ("package://arm/meshes/a.stl", "ws/arm/meshes/a.stl"),
             ("package://plain/d.stl", "ws/plain/d.stl"),
+            ("package:///plain/d.stl", "ws/plain/d.stl"),
             ("package://other/c.stl", "ws/checkout/c.stl"),
             ("package://far/e.stl", "else/far/e.stl"),
             ("model://far/e.stl", "else/far/e.stl"),

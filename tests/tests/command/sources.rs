@@ -165,7 +165,7 @@ fn meshes_of_other_formats_are_counted_and_listed() {
     }
     let run = bake(folder.path(), "build meshes --out out").expect(0);
     assert!(run.stdout.contains("6 baked, 0 fresh, 0 failed, 3 not read; "), "{}", run.stdout);
-    let note = "note: not read: 2 .usd (USD), 1 .fbx (FBX); export them as OBJ, glTF, GLB, STL, PLY, COLLADA or MSH";
+    let note = "note: not read: 1 .fbx (FBX), 2 .usd (USD); export them as OBJ, glTF, GLB, STL, PLY, COLLADA or MSH";
     assert!(run.stderr.contains(note), "{}", run.stderr);
     assert_eq!(bake(folder.path(), "build meshes --out out --quiet").expect(0).stderr, "");
     let unread = |line: &str, code: i32| -> Vec<String> {

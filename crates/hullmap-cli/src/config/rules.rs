@@ -1,5 +1,5 @@
-//! The rules of a `hullmap.toml`: options for all meshes, for meshes that globs match, and for links
-//! of robots.
+//! The rules of a `hullmap.toml`: options for all meshes, for meshes that globs match, and for
+//! links of robots.
 
 use std::path::{Path, PathBuf};
 

@@ -73,8 +73,8 @@ pub fn without_meshes(folder: &Path) -> String {
     format!("{}: no meshes ({NAMES}) in this folder; name a folder of meshes", folder.display())
 }
 
-/// Files of formats that are not supported, counted by extension: `53 .usd (USD), 2 .fbx
-/// (FBX)`; `None` if there are none.
+/// Files of formats that are not supported, counted by extension: `2 .fbx (FBX), 53 .usd
+/// (USD)`; `None` if there are none.
 pub fn in_words<'a>(files: impl Iterator<Item = &'a Path>) -> Option<String> {
     let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
     for file in files {
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn unread_files_are_counted_by_extension() {
         let files = ["b.usd", "a.USD", "c.fbx"].map(Path::new);
-        assert_eq!(in_words(files.into_iter()).unwrap(), "2 .usd (USD), 1 .fbx (FBX)");
+        assert_eq!(in_words(files.into_iter()).unwrap(), "1 .fbx (FBX), 2 .usd (USD)");
         assert_eq!(in_words(std::iter::empty()), None);
     }
 

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::{DAffine3, DVec3};
 use roxmltree::Node;
 
-use super::{at, child, local, number};
+use super::xml::{at, child, local, number};
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::mesh::Polygons;
 

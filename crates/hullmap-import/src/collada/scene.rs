@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use roxmltree::{Document, Node};
 
 use super::geometry::{Target, positions_of};
-use super::{at, child, local, number};
+use super::xml::{at, child, local, number};
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::limits::{GLTF_LIST, Limits};
 use crate::mesh::{Polygons, Positions, SourceMesh};

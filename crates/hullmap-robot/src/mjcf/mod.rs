@@ -9,6 +9,7 @@
 
 mod classes;
 mod edits;
+pub(crate) mod model;
 mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,7 +23,8 @@ use crate::error::RobotError;
 use crate::places::Places;
 use classes::Classes;
 pub(crate) use edits::edits;
-use tree::{Element, Includes, Tree};
+use model::{Geom, Model};
+use tree::{Element, Tree};
 
 /// Groups below this one are drawn unless the user hides them.
 const FIRST_HIDDEN_GROUP: i32 = 3;
@@ -32,23 +34,6 @@ const TRANSPARENT: [&str; 2] = ["frame", "replicate"];
 
 /// Attributes that name geoms.
 const NAMES_OF_GEOMS: [&str; 4] = ["geom", "geom1", "geom2", "objname"];
-
-/// What an edit of a model needs to know.
-#[derive(Debug)]
-pub(crate) struct Model {
-    includes: Includes,
-    /// By document and start of the geom.
-    geoms: BTreeMap<(usize, usize), Geom>,
-}
-
-/// A geom of a mesh or primitive.
-#[derive(Clone, Debug)]
-struct Geom {
-    /// Whether a copy must be drawn, or keep the mass.
-    keeps_copy: bool,
-    /// Document and start of its mesh asset.
-    asset: Option<(usize, usize)>,
-}
 
 /// A mesh asset.
 struct Asset<'a> {

@@ -1,10 +1,11 @@
 //! A model and the files that it includes, as one tree.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use roxmltree::Node;
 
+use super::model::Includes;
 use crate::description::folder_of;
 use crate::document::Document;
 use crate::error::RobotError;
@@ -12,9 +13,6 @@ use crate::places::{Places, Unresolved};
 
 /// Maximum number of included files.
 const MAX_FILES: usize = 1000;
-
-/// Document and start of an `include`, and the document that it stands for.
-pub type Includes = BTreeMap<(usize, usize), usize>;
 
 /// Reads the files that a model includes. Their names start from the folder of the model, or, as
 /// in newer versions of MuJoCo, from that of the including file.
