@@ -41,7 +41,7 @@ pub fn set(node: Node, text: &str, name: &str, value: &str) -> Edit {
     match node.attribute_node(name) {
         Some(attribute) => Edit::replace(attribute.range_value(), escaped(value)),
         None => {
-            let at = node.attributes().last().map_or_else(|| name_span(node, text).end, |last| last.range().end);
+            let at = node.attributes().next_back().map_or_else(|| name_span(node, text).end, |last| last.range().end);
             Edit::insert(at, format!(" {name}=\"{}\"", escaped(value)))
         }
     }

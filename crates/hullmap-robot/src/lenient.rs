@@ -46,7 +46,8 @@ pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
             at = (find(next, "]]>") + 3).min(text.len());
         } else if rest.starts_with("<?") {
             at = (find(next, "?>") + 2).min(text.len());
-            let is_declaration = rest[2..].starts_with("xml") && rest[5..].starts_with(|c: char| c.is_whitespace());
+            let name = rest.strip_prefix("<?xml");
+            let is_declaration = name.is_some_and(|rest| rest.starts_with(|c: char| c.is_whitespace()));
             if is_declaration && next > 0 {
                 blank.push(next..at);
             }

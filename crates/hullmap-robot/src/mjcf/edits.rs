@@ -42,8 +42,8 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
         let own = &mut result[shape.document];
         match change {
             Change::Replace { .. } => writer.replace(geom, &names, &mut geoms, own),
-            Change::FromVisual { meshes: None, .. } => own.push(writer.from_visual(None)),
-            Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.from_visual(Some(name)))),
+            Change::FromVisual { meshes: None, .. } => own.push(writer.as_collision(None)),
+            Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),
         }
     }
     for (document, edit) in assets.edits {
@@ -139,7 +139,7 @@ impl Writer<'_> {
     }
 
     /// A collision with the pose of a geom that is drawn: it collides, is hidden, and has no mass.
-    fn from_visual(&self, mesh: Option<&String>) -> Edit {
+    fn as_collision(&self, mesh: Option<&String>) -> Edit {
         let value = |text: &str| Some(text.to_owned());
         let mut own = vec![("name", None), ("contype", value("1")), ("conaffinity", value("1"))];
         own.extend([("group", value(GROUP)), ("mass", value("0"))]);

@@ -137,6 +137,9 @@ struct Reader<'a> {
     strips: bool,
 }
 
+/// An element, and the class that it inherits.
+type Inherited<'a, 'c> = (Element<'a>, Option<&'c str>);
+
 type Geoms = BTreeMap<(usize, usize), Geom>;
 
 impl<'a> Reader<'a> {
@@ -148,7 +151,7 @@ impl<'a> Reader<'a> {
         waiting.reverse();
         while let Some((body, inherited)) = waiting.pop() {
             let childclass = body.node.attribute("childclass").or(inherited);
-            let (own, bodies) = self.contents(body, childclass);
+            let [own, bodies] = self.contents(body, childclass);
             waiting.extend(bodies.into_iter().rev());
             let document = &self.documents[body.document];
             let line = document.line(body.node.range().start);
@@ -175,11 +178,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The geoms of a body, and the bodies in it, each with its inherited class.
-    fn contents<'c>(
-        &self,
-        body: Element<'a>,
-        childclass: Option<&'c str>,
-    ) -> (Vec<(Element<'a>, Option<&'c str>)>, Vec<(Element<'a>, Option<&'c str>)>)
+    fn contents<'c>(&self, body: Element<'a>, childclass: Option<&'c str>) -> [Vec<Inherited<'a, 'c>>; 2]
     where
         'a: 'c,
     {
@@ -197,7 +196,7 @@ impl<'a> Reader<'a> {
                 }
             }
         }
-        (geoms, bodies)
+        [geoms, bodies]
     }
 
     /// A geom, and whether it collides.
