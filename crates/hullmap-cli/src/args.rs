@@ -534,12 +534,13 @@ pub struct RobotArgs {
     /// Folder that holds packages or models, or is one; repeatable
     #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Make collisions from visuals: of links that have no collision, or of no link
+    /// Make collisions from visuals: of links that have no collision, of all links in place of the
+    /// collisions that they have, or of no link
     #[arg(
         long,
         value_enum,
         default_value_t = FromVisual::Missing,
-        value_name = "missing|never",
+        value_name = "missing|always|never",
         hide_possible_values = true,
         help_heading = Section::Parts.heading()
     )]
@@ -569,6 +570,8 @@ pub struct RobotArgs {
 pub enum FromVisual {
     /// Links without a collision
     Missing,
+    /// All links with a visual mesh, in place of their collisions
+    Always,
     /// None
     Never,
 }

@@ -154,6 +154,13 @@ pub enum Change {
         /// Names of the meshes; `None` for a primitive.
         meshes: Option<Vec<String>>,
     },
+    /// A collision is removed. Not in MJCF, where a geom may be drawn and have mass, too.
+    Remove {
+        /// Index of the link.
+        link: usize,
+        /// Index of the collision.
+        collision: usize,
+    },
 }
 
 impl Change {
@@ -163,6 +170,7 @@ impl Change {
             Self::Replace { link, collision, meshes } => {
                 (&links[*link], &links[*link].collisions[*collision], Some(meshes))
             }
+            Self::Remove { link, collision } => (&links[*link], &links[*link].collisions[*collision], None),
             Self::FromVisual { link, visual, meshes } => {
                 (&links[*link], &links[*link].visuals[*visual], meshes.as_deref())
             }

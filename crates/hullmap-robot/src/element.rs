@@ -9,6 +9,10 @@ use crate::edit::Edit;
 
 /// The text of an attribute's value: characters that XML gives a meaning are escaped, and those
 /// that it does not allow are replaced.
+///
+/// ```
+/// assert_eq!(hullmap_robot::escaped("a<b>\n"), "a&lt;b&gt;_");
+/// ```
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {

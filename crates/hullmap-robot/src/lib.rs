@@ -51,5 +51,6 @@ mod urdf;
 
 pub use description::{Change, Description, Format, Geometry, Link, MeshUse, Reference, Shape};
 pub use document::Document;
+pub use element::escaped;
 pub use error::RobotError;
 pub use places::{Places, Scheme, Unresolved, relative};

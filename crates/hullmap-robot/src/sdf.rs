@@ -128,6 +128,7 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
         let names =
             names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
         match change {
+            Change::Remove { .. } => edits.push(removed(node, text)),
             Change::Replace { .. } => {
                 let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
                 edits.extend(uri_of(node).map(|span| Edit::replace(span, escaped(first))));

@@ -91,6 +91,7 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
         let node = nodes[&shape.at];
         let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
         match change {
+            Change::Remove { .. } => edits.push(removed(node, text)),
             Change::Replace { .. } => {
                 let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
                 edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));

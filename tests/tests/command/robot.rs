@@ -109,6 +109,11 @@ fn rules_and_flags_choose_for_each_link() {
     let found =
         run(folder.path(), "robot in/arm.urdf --out out --no-config --skip base --from-visual never --json").expect(0);
     assert_eq!(actions(&found.json()[0]), ["kept", "kept", "hull"]);
+    let found = run(folder.path(), "robot in/arm.urdf --out out --no-config --from-visual always --json").expect(0);
+    assert_eq!(actions(&found.json()[0]), ["removed", "removed", "hull", "hull", "primitive"]);
+    let text = fs::read_to_string(folder.path().join("out/arm.urdf")).unwrap();
+    assert!(!text.contains("foot") && text.matches("<collision").count() == 3, "{text}");
+    run(folder.path(), "robot in/arm.xml --out out --from-visual always").expect(2);
     run(folder.path(), "robot in/arm.urdf --out out --unit-scale 2").expect(2);
     run(folder.path(), "robot in/arm.urdf --out out --no-config --max-parts 2").expect(2);
     // A rule of links does not match meshes.

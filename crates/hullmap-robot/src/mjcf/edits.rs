@@ -41,6 +41,7 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
         let writer = Writer { element, text: documents[shape.document].text() };
         let own = &mut result[shape.document];
         match change {
+            Change::Remove { .. } => {}
             Change::Replace { .. } => writer.replace(geom, &names, &mut geoms, own),
             Change::FromVisual { meshes: None, .. } => own.push(writer.as_collision(None)),
             Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),

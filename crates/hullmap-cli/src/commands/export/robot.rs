@@ -12,6 +12,8 @@
 //! MuJoCo, "XML Reference", elements `mesh`, `geom` and `inertial`; ROS, "URDF XML Specification",
 //! elements `collision` and `inertial`.
 
+use hullmap_robot::escaped;
+
 use super::body::Inertial;
 
 /// Collision meshes of one body.
@@ -69,24 +71,6 @@ impl Robot<'_> {
         }
         text + "  </link>\n</robot>\n"
     }
-}
-
-/// The text of an attribute. Characters that XML 1.0 does not allow are replaced.
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            '\'' => escaped += "&apos;",
-            '\u{fffe}' | '\u{ffff}' => escaped.push('_'),
-            letter if letter.is_control() => escaped.push('_'),
-            letter => escaped.push(letter),
-        }
-    }
-    escaped
 }
 
 #[cfg(test)]

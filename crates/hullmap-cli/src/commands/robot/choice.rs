@@ -28,6 +28,8 @@ pub enum Choice {
     Job(usize),
     /// A primitive that is drawn becomes a collision.
     Primitive,
+    /// A collision gives way to those from visuals.
+    Removed,
     /// It is left alone, and why.
     Kept(String),
 }
@@ -74,8 +76,10 @@ impl Chooser<'_> {
         let mut choices = Choices::default();
         let (mut known, mut names) = (BTreeMap::new(), self.names_of_sources());
         for (index, link) in self.description.links.iter().enumerate() {
-            let from_visual =
-                link.collisions.is_empty() && link.takes_visuals && self.args.from_visual == FromVisual::Missing;
+            let from_visual = self.takes_visuals(link);
+            for shape in 0..if from_visual { link.collisions.len() } else { 0 } {
+                choices.shapes.push(ShapeChoice { link: index, shape, from_visual: false, choice: Choice::Removed });
+            }
             let shapes = if from_visual { &link.visuals } else { &link.collisions };
             for (shape_index, shape) in shapes.iter().enumerate() {
                 let choice = match &shape.geometry {
@@ -93,6 +97,18 @@ impl Chooser<'_> {
             }
         }
         Ok(choices)
+    }
+
+    /// Whether the collisions of a link are made from its visuals.
+    fn takes_visuals(&self, link: &Link) -> bool {
+        let is_skipped = self.args.skip.iter().any(|glob| matches(glob, &link.name));
+        let has_mesh = link.visuals.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh(_)));
+        link.takes_visuals
+            && match self.args.from_visual {
+                FromVisual::Missing => link.collisions.is_empty(),
+                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped,
+                FromVisual::Never => false,
+            }
     }
 
     fn of_mesh(

@@ -20,9 +20,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap_import::UpAxis;
-use hullmap_robot::{Change, Description, Geometry, Places, RobotError, relative};
+use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, relative};
 
-use crate::args::{DECIDED_BY_ROBOTS, RobotArgs};
+use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::hull_mesh::{body::Body, obj};
@@ -156,6 +156,11 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
     let places = Places { packages: args.packages.clone(), roots };
     let description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
+    if args.from_visual == FromVisual::Always && description.format == Format::Mjcf {
+        let message =
+            "--from-visual always is for URDF and SDF: in MJCF a geom that collides may be drawn and have mass, too";
+        return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
+    }
     let target = Target::new(args, &description).map_err(one)?;
     let chooser = Chooser { args, description: &description, target: &target };
     let mut choices = chooser.choose(configs).map_err(one)?;
@@ -312,6 +317,10 @@ fn changes(
         let (link_index, index) = (own.link, own.shape);
         match &own.choice {
             Choice::Kept(reason) => collision.reason = Some(reason.clone()),
+            Choice::Removed => {
+                collision.action = "removed";
+                changes.push(Change::Remove { link: link_index, collision: index });
+            }
             Choice::Primitive => {
                 collision.action = "primitive";
                 changes.push(Change::FromVisual { link: link_index, visual: index, meshes: None });

@@ -60,7 +60,8 @@ pub struct Collision {
     pub name: String,
     /// Line in its file.
     pub line: u32,
-    /// `hull`, `parts`, `primitive` (a primitive that was only drawn) or `kept`.
+    /// `hull`, `parts`, `primitive` (a primitive that was only drawn), `removed` (for those from
+    /// visuals) or `kept`.
     pub action: &'static str,
     /// Why it was kept.
     pub reason: Option<String>,
