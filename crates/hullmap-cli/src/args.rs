@@ -43,8 +43,7 @@ pub const DEFAULT_MEMORY: u64 = 4 << 30;
     name = "bake",
     version,
     disable_help_subcommand = true,
-    after_help = "Start with `bake build FOLDER --out DIR`. `bake COMMAND --help` lists options.\n\
-                  Exit codes: 0 success, 1 input rejected, 2 usage or I/O error, 130 Ctrl-C."
+    after_help = "Start: `bake build FOLDER --out DIR`. Exit: 0 success, 1 rejected, 2 usage, I/O."
 )]
 pub struct Cli {
     /// The subcommand.
@@ -91,7 +90,7 @@ pub enum Command {
                       bake export baked --for godot --out collision          (a file per pack)\n  \
                       bake export baked/arm.hullmap --for urdf --out arm")]
     Export(ExportArgs),
-    /// Replace the collision meshes of robots (URDF, MJCF, SDF) by hulls or parts
+    /// Replace collision meshes in robots: URDF, MJCF, SDF
     #[command(after_help = "Examples:\n  \
                       bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
                       bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \

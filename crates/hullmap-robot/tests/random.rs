@@ -26,8 +26,72 @@ fn link(index: usize) -> impl Strategy<Value = String> {
     })
 }
 
+/// Descriptions that are damaged below: each format, every kind of change.
+const SAMPLES: [(&str, &str); 3] = [
+    (
+        "r.urdf",
+        "<robot name='r'>\n <link name='a'><visual name='v'><geometry><mesh filename='a.stl'/></geometry><material/></visual>\
+      <collision name='c'><geometry><mesh filename='a.stl' scale='1 1 1'/></geometry></collision></link><link name='b'/>\n</robot>",
+    ),
+    (
+        "r.sdf",
+        "<sdf><model name='m'><link name='a'><collision name='c'><geometry><mesh><uri>a.stl</uri></mesh></geometry>\
+      </collision><visual name='v'><geometry><mesh><uri>a.stl</uri></mesh></geometry></visual></link></model></sdf>",
+    ),
+    (
+        "r.xml",
+        "<mujoco><default><default class='k'><geom type='mesh'/></default></default><asset><mesh file='a.stl'/></asset>\
+      <worldbody><body name='b' childclass='k'><geom name='g' mesh='a' group='3'/><geom mesh='a' contype='0' conaffinity='0'/>\
+      <frame><geom mesh='a' mass='1'/></frame></body></worldbody></mujoco>",
+    ),
+];
+
+/// A text with pieces of it cut out, repeated, or moved.
+fn damaged() -> impl Strategy<Value = (usize, String)> {
+    (
+        0..SAMPLES.len(),
+        prop::collection::vec((any::<prop::sample::Index>(), any::<prop::sample::Index>(), 0..3_u8), 1..4),
+    )
+        .prop_map(|(sample, steps)| {
+            let mut text = SAMPLES[sample].1.to_owned();
+            for (a, b, step) in steps {
+                // Cuts at tags keep most texts well-formed.
+                let tags: Vec<usize> = text.match_indices(['<', '\'']).map(|(at, _)| at).collect();
+                if tags.is_empty() {
+                    break;
+                }
+                let (a, b) = (*a.get(&tags), *b.get(&tags));
+                let piece = text[a.min(b)..a.max(b)].to_owned();
+                match step {
+                    0 => text.replace_range(a.min(b)..a.max(b), ""),
+                    1 => text.insert_str(a.max(b), &piece),
+                    _ => text.insert_str(a.min(b), &piece),
+                }
+            }
+            (sample, text)
+        })
+}
+
+/// Replaces or removes every mesh of a description, and makes collisions of all visuals.
+fn all_changes(description: &Description) -> Vec<Change> {
+    let mut changes = Vec::new();
+    let names = || vec!["x_hull.obj".to_owned(), "y.obj".to_owned()];
+    for (link, own) in description.links.iter().enumerate() {
+        for (collision, shape) in own.collisions.iter().enumerate() {
+            match &shape.geometry {
+                Geometry::Mesh(_) => changes.push(Change::Replace { link, collision, meshes: names() }),
+                _ => changes.push(Change::Remove { link, collision }),
+            }
+        }
+        for visual in 0..own.visuals.len() {
+            changes.push(Change::FromVisual { link, visual, meshes: Some(names()) });
+        }
+    }
+    changes
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn only_file_names_change(links in (1..5_usize).prop_flat_map(|count| (0..count).map(link).collect::<Vec<_>>()),
@@ -50,5 +114,19 @@ proptest! {
             .collect();
         let changed = description.changed(&changes).unwrap().remove(0);
         prop_assert_eq!(String::from_utf8(changed).unwrap(), text.replace("a&amp;b.stl", "h&lt;1&gt;.obj"));
+    }
+
+    #[test]
+    fn damaged_descriptions_are_errors_or_stay_readable((sample, text) in damaged()) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(SAMPLES[sample].0);
+        std::fs::write(&path, &text).unwrap();
+        if let Ok(description) = Description::read(&path, &Places::default()) {
+            prop_assert_eq!(&description.changed(&[]).unwrap()[0], text.as_bytes());
+            let changed = description.changed(&all_changes(&description)).unwrap().remove(0);
+            std::fs::write(&path, &changed).unwrap();
+            let again = Description::read(&path, &Places::default());
+            prop_assert!(again.is_ok(), "{}\n{}\n{:?}", text, String::from_utf8_lossy(&changed), again.err());
+        }
     }
 }

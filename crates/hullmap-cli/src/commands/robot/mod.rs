@@ -15,12 +15,13 @@ mod files;
 mod rows;
 mod target;
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap_import::UpAxis;
-use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, relative};
+use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, escaped, relative};
 
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
 use crate::baker::bake_pack;
@@ -371,9 +372,12 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
         let real = file.canonicalize().ok();
         description.documents.iter().any(|document| document.path().canonicalize().ok() == real)
     };
+    let texts: Vec<_> = documents.iter().map(|text| String::from_utf8_lossy(text)).collect();
+    // Names of meshes that were replaced do not appear any more. Text that is not UTF-8 is not
+    // searched: too many copies do no harm.
     let is_named = |written: &str| {
-        let written = written.as_bytes();
-        documents.iter().any(|text| text.windows(written.len().max(1)).any(|window| window == written))
+        let is_searched = written.is_ascii() && texts.iter().all(|text| matches!(text, Cow::Borrowed(_)));
+        !is_searched || texts.iter().any(|text| text.contains(written) || text.contains(&escaped(written)))
     };
     let mut outputs: BTreeMap<PathBuf, files::Output> = BTreeMap::new();
     for reference in &description.references {
