@@ -547,6 +547,10 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
+    /// Replace the inertia of links by that of their meshes, for the mass that they state; URDF
+    /// only
+    #[arg(long, help_heading = Section::Shape.heading())]
+    pub inertia: bool,
     /// Read options from FILE [default: the nearest hullmap.toml above each description]
     #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,

@@ -71,8 +71,12 @@ pub struct Link {
     pub collisions: Vec<Shape>,
     /// What is drawn only.
     pub visuals: Vec<Shape>,
+    /// Where its element starts.
+    pub(crate) at: usize,
     /// Whether a collision may be made from its visuals.
     pub takes_visuals: bool,
+    /// The mass that it states; only read in URDF.
+    pub mass: Option<f64>,
 }
 
 /// An element with a geometry.
@@ -86,6 +90,8 @@ pub struct Shape {
     pub line: u32,
     /// Its geometry.
     pub geometry: Geometry,
+    /// Its pose in the link: translation, then roll, pitch and yaw; only read in URDF.
+    pub pose: Option<[f64; 6]>,
     /// Why it must stay a single mesh, if so.
     pub stays_single: Option<String>,
     /// Where its element starts.
@@ -154,6 +160,15 @@ pub enum Change {
         /// Names of the meshes; `None` for a primitive.
         meshes: Option<Vec<String>>,
     },
+    /// The inertia of a link that states its mass is replaced. Only in URDF.
+    Inertia {
+        /// Index of the link.
+        link: usize,
+        /// The centre of mass.
+        center: [f64; 3],
+        /// Rows of the tensor about it, in the axes of the link.
+        inertia: [[f64; 3]; 3],
+    },
     /// A collision is removed. Not in MJCF, where a geom may be drawn and have mass, too.
     Remove {
         /// Index of the link.
@@ -164,9 +179,10 @@ pub enum Change {
 }
 
 impl Change {
-    /// The link, the shape, and the meshes.
-    pub(crate) fn parts<'a>(&'a self, links: &'a [Link]) -> (&'a Link, &'a Shape, Option<&'a [String]>) {
-        match self {
+    /// The link, the shape, and the meshes; `None` if no shape changes.
+    pub(crate) fn parts<'a>(&'a self, links: &'a [Link]) -> Option<(&'a Link, &'a Shape, Option<&'a [String]>)> {
+        Some(match self {
+            Self::Inertia { .. } => return None,
             Self::Replace { link, collision, meshes } => {
                 (&links[*link], &links[*link].collisions[*collision], Some(meshes))
             }
@@ -174,7 +190,7 @@ impl Change {
             Self::FromVisual { link, visual, meshes } => {
                 (&links[*link], &links[*link].visuals[*visual], meshes.as_deref())
             }
-        }
+        })
     }
 }
 

@@ -54,7 +54,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
             children(node, kind).map(|node| shape(node, &document, places)).collect()
         };
         let (collisions, visuals) = (shapes("collision"), shapes("visual"));
-        links.push(Link { name, document: 0, line, collisions, visuals, takes_visuals: true });
+        links.push(Link { name, document: 0, line, at, collisions, visuals, takes_visuals: true, mass: None });
     }
     for node in tree.descendants().filter(|node| node.has_tag_name("include")) {
         let uri = child(node, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
@@ -107,7 +107,7 @@ fn shape(node: Node, document: &Document, places: &Places) -> Shape {
     };
     let at = node.range().start;
     let name = node.attribute("name").unwrap_or_default().to_owned();
-    Shape { name, document: 0, line: document.line(at), geometry, stays_single: None, at }
+    Shape { name, document: 0, line: document.line(at), geometry, pose: None, stays_single: None, at }
 }
 
 /// The edits that make these changes.
@@ -123,12 +123,13 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
     // Names of collisions are unique in a link.
     let mut names: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
     for change in changes {
-        let (link, shape, meshes) = change.parts(links);
+        let Some((link, shape, meshes)) = change.parts(links) else { continue };
         let node = nodes[&shape.at];
         let names =
             names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
         match change {
             Change::Remove { .. } => edits.push(removed(node, text)),
+            Change::Inertia { .. } => {}
             Change::Replace { .. } => {
                 let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
                 edits.extend(uri_of(node).map(|span| Edit::replace(span, escaped(first))));

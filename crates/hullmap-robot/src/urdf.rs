@@ -8,7 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use roxmltree::Node;
 
 use crate::description::{
-    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference, scheme_of,
+    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference,
+    scheme_of, triple,
 };
 use crate::document::Document;
 use crate::edit::{Edit, edited};
@@ -41,7 +42,16 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
             children(node, kind).map(|node| shape(node, &document, places)).collect()
         };
         let (collisions, visuals) = (shapes("collision"), shapes("visual"));
-        links.push(Link { name: name.to_owned(), document: 0, line, collisions, visuals, takes_visuals: true });
+        links.push(Link {
+            name: name.to_owned(),
+            document: 0,
+            line,
+            at,
+            collisions,
+            visuals,
+            takes_visuals: true,
+            mass: mass(node),
+        });
     }
     let named = tree.descendants().filter_map(|node| node.attribute("filename"));
     let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, &folder)).collect();
@@ -73,7 +83,7 @@ fn shape(node: Node, document: &Document, places: &Places) -> Shape {
     };
     let at = node.range().start;
     let name = node.attribute("name").unwrap_or_default().to_owned();
-    Shape { name, document: 0, line: document.line(at), geometry, stays_single: None, at }
+    Shape { name, document: 0, line: document.line(at), geometry, pose: pose(node), stays_single: None, at }
 }
 
 /// The edits that make these changes.
@@ -87,11 +97,18 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
     let text = document.text();
     let mut edits = Vec::new();
     for change in changes {
-        let (link, shape, meshes) = change.parts(links);
+        let Some((link, shape, meshes)) = change.parts(links) else {
+            if let Change::Inertia { link, center, inertia } = change {
+                let inertial = nodes.get(&links[*link].at).and_then(|link| child(*link, "inertial"));
+                edits.extend(inertial.into_iter().flat_map(|node| of_inertial(node, text, *center, *inertia)));
+            }
+            continue;
+        };
         let node = nodes[&shape.at];
         let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
         match change {
             Change::Remove { .. } => edits.push(removed(node, text)),
+            Change::Inertia { .. } => {}
             Change::Replace { .. } => {
                 let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
                 edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));
@@ -111,6 +128,48 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
         }
     }
     Ok(edits)
+}
+
+/// The mass that a link states.
+fn mass(link: Node) -> Option<f64> {
+    let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
+    value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
+}
+
+/// The pose that the `origin` of an element states; `None` if it is invalid.
+fn pose(node: Node) -> Option<[f64; 6]> {
+    let origin = child(node, "origin");
+    let stated = |name: &str| match origin.and_then(|origin| origin.attribute(name)) {
+        Some(text) => triple(text),
+        None => Some([0.0; 3]),
+    };
+    let ([x, y, z], [roll, pitch, yaw]) = (stated("xyz")?, stated("rpy")?);
+    Some([x, y, z, roll, pitch, yaw])
+}
+
+/// Edits of an `inertial`: the origin is the centre of mass, with the axes of the link.
+fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3]) -> Vec<Edit> {
+    let centre = format!("{x} {y} {z}");
+    let [[xx, xy, xz], [_, yy, yz], [.., zz]] = tensor;
+    let entries = [("ixx", xx), ("ixy", xy), ("ixz", xz), ("iyy", yy), ("iyz", yz), ("izz", zz)];
+    let mut edits = Vec::new();
+    match child(node, "origin") {
+        Some(origin) => edits.extend([set(origin, text, "xyz", &centre), set(origin, text, "rpy", "0 0 0")]),
+        None => {
+            let mass = child(node, "mass").unwrap_or(node);
+            let origin = format!("<origin xyz=\"{centre}\" rpy=\"0 0 0\"/>{}", &text[lead(mass, text)]);
+            edits.push(Edit::insert(mass.range().start, origin));
+        }
+    }
+    match child(node, "inertia") {
+        Some(inertia) => edits.extend(entries.map(|(name, value)| set(inertia, text, name, &value.to_string()))),
+        None => {
+            let mass = child(node, "mass").unwrap_or(node);
+            let values: String = entries.iter().map(|(name, value)| format!(" {name}=\"{value}\"")).collect();
+            edits.push(Edit::insert(mass.range().end, format!("{}<inertia{values}/>", &text[lead(mass, text)])));
+        }
+    }
+    edits
 }
 
 /// The first mesh in place of the old one, and a copy of the element for each other.

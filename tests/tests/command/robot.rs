@@ -161,6 +161,36 @@ fn a_description_that_fails_leaves_no_output_and_the_others_go_on() {
     );
 }
 
+/// The bracket has a foot of 4 x 1 x 1 and a post of 1 x 1 x 2; the link `left` mirrors it in y.
+#[test]
+fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
+    let folder = robots();
+    let found = run(folder.path(), "robot in/arm.urdf --out out --inertia --from-visual never --json").expect(0);
+    assert!(found.stderr.contains("link `base` keeps its inertia"), "it has a box: {}", found.stderr);
+    let text = fs::read_to_string(folder.path().join("out/arm.urdf")).unwrap();
+    let left = text.split("<link name=\"left\">").nth(1).unwrap().split("</link>").next().unwrap();
+    let numbers = |from: &str| -> Vec<f64> {
+        let value = left.split(from).nth(1).unwrap().split('"').next().unwrap();
+        value.split(' ').map(|number| number.parse().unwrap()).collect()
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-7, "{found} {expected}: {left}");
+    // Volumes 4 and 2, so centres (2, 0.5, 0.5) and (0.5, 0.5, 2) count 2 : 1, in decimetres.
+    for (found, expected) in numbers("xyz=\"").into_iter().zip([0.15, -0.05, 0.1]) {
+        near(found, expected);
+    }
+    // 2 kg: a foot of 4/3 kg and a post of 2/3 kg.
+    let (foot, post) = (4.0 / 3.0, 2.0 / 3.0);
+    let ixx = foot * (2.0 / 1200.0 + 0.05 * 0.05) + post * (5.0 / 1200.0 + 0.1 * 0.1);
+    let iyy = foot * (17.0 / 1200.0 + 0.05 * 0.05 + 0.05 * 0.05) + post * (5.0 / 1200.0 + 0.1 * 0.1 + 0.1 * 0.1);
+    let ixz = -(foot * 0.05 * -0.05 + post * -0.1 * 0.1);
+    near(numbers("ixx=\"")[0], ixx);
+    near(numbers("iyy=\"")[0], iyy);
+    near(numbers("ixz=\"")[0], ixz);
+    near(numbers("ixy=\"")[0], 0.0);
+    assert!(left.contains("<mass value=\"2\"/>"));
+    run(folder.path(), "robot in/arm.xml --out out --inertia").expect(2);
+}
+
 #[test]
 fn inputs_are_not_replaced_by_accident() {
     let folder = robots();

@@ -34,14 +34,14 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
     let named = tree.all().filter(|element| element.name() == "geom").filter_map(|geom| geom.node.attribute("name"));
     let mut geoms: BTreeSet<String> = named.map(str::to_owned).collect();
     for change in changes {
-        let (_, shape, meshes) = change.parts(&description.links);
+        let Some((_, shape, meshes)) = change.parts(&description.links) else { continue };
         let key = (shape.document, shape.at);
         let (Some(&element), Some(geom)) = (nodes.get(&key), model.geoms.get(&key)) else { continue };
         let names = assets.of(geom, &nodes, meshes.unwrap_or_default());
         let writer = Writer { element, text: documents[shape.document].text() };
         let own = &mut result[shape.document];
         match change {
-            Change::Remove { .. } => {}
+            Change::Remove { .. } | Change::Inertia { .. } => {}
             Change::Replace { .. } => writer.replace(geom, &names, &mut geoms, own),
             Change::FromVisual { meshes: None, .. } => own.push(writer.as_collision(None)),
             Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),

@@ -172,7 +172,17 @@ impl<'a> Reader<'a> {
                 geoms.insert((geom.document, shape.at), facts);
                 if collides { collisions.push(shape) } else { visuals.push(shape) }
             }
-            links.push(Link { name, document: body.document, line, collisions, visuals, takes_visuals: !is_world });
+            let at = body.node.range().start;
+            links.push(Link {
+                name,
+                document: body.document,
+                line,
+                at,
+                collisions,
+                visuals,
+                takes_visuals: !is_world,
+                mass: None,
+            });
         }
         Ok((links, geoms))
     }
@@ -224,7 +234,8 @@ impl<'a> Reader<'a> {
         let document = &self.documents[geom.document];
         let at = geom.node.range().start;
         let stays_single = pinned.map(|by| format!("an element `{by}` names the geom"));
-        let shape = Shape { name, document: geom.document, line: document.line(at), geometry, stays_single, at };
+        let shape =
+            Shape { name, document: geom.document, line: document.line(at), geometry, pose: None, stays_single, at };
         let asset = mesh.map(|(_, asset)| (asset.element.document, asset.element.node.range().start));
         (shape, Geom { keeps_copy: is_drawn || counts_mass && has_mass, asset }, collides)
     }

@@ -12,6 +12,7 @@
 
 mod choice;
 mod files;
+mod inertia;
 mod rows;
 mod target;
 
@@ -20,6 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hullmap::MassProperties;
 use hullmap_import::UpAxis;
 use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, escaped, relative};
 
@@ -66,6 +68,8 @@ struct Hulls {
     uncovered: Option<f64>,
     /// Whether a hull has no volume.
     is_flat: bool,
+    /// Of the mesh, at density 1; `None` if it is not closed.
+    mass: Option<MassProperties>,
 }
 
 /// Runs the command. Fails if flags are wrong or a `hullmap.toml` cannot be read. Failures of
@@ -162,6 +166,10 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
             "--from-visual always is for URDF and SDF: in MJCF a geom that collides may be drawn and have mass, too";
         return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
     }
+    if args.inertia && description.format != Format::Urdf {
+        let message = "--inertia is for URDF; remove the flag, or set the inertia in the file";
+        return Err(one(Failure::usage(format!("{}: {message}", input.display()))));
+    }
     let target = Target::new(args, &description).map_err(one)?;
     let chooser = Chooser { args, description: &description, target: &target };
     let mut choices = chooser.choose(configs).map_err(one)?;
@@ -234,7 +242,10 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         return Ok(Exit::Rejected);
     }
     let mut hulls: Vec<Hulls> = choices.jobs.iter().map(read_hulls).collect::<Result<_, _>>()?;
-    let changes = changes(&description, &target, &choices, &hulls, row)?;
+    let mut changes = changes(&description, &target, &choices, &hulls, row)?;
+    if args.inertia {
+        changes.extend(inertias(&description, &choices, &hulls, row));
+    }
     let documents = description.changed(&changes).map_err(|error| failure(&error))?;
     let mut outputs: Vec<files::Output> =
         hulls.iter_mut().filter(|own| !own.is_flat).flat_map(|own| std::mem::take(&mut own.files)).collect();
@@ -286,7 +297,8 @@ fn read_hulls(job: &Job) -> Result<Hulls, Failure> {
     };
     let protrusion = worst(pack.hulls().map(|hull| hull.protrusion()).collect());
     let uncovered = worst(pack.hulls().map(|hull| hull.uncovered()).collect());
-    Ok(Hulls { pack: job.output.clone(), files, vertices, is_parts, protrusion, uncovered, is_flat })
+    let mass = pack.hulls().next().and_then(|hull| hull.mesh_mass_properties(1.0));
+    Ok(Hulls { pack: job.output.clone(), files, vertices, is_parts, protrusion, uncovered, is_flat, mass })
 }
 
 /// The changes of the description, and a row for each collision.
@@ -361,6 +373,34 @@ fn changes(
         row.collisions.push(collision);
     }
     Ok(changes)
+}
+
+/// Inertias of the links whose collisions are all closed meshes. A warning names each other link
+/// that states a mass.
+fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: &mut Row) -> Vec<Change> {
+    let mut changes = Vec::new();
+    for (index, link) in description.links.iter().enumerate() {
+        let Some(mass) = link.mass else { continue };
+        let own = choices.shapes.iter().filter(|own| own.link == index && !matches!(own.choice, Choice::Removed));
+        let body = |own: &choice::ShapeChoice| {
+            let shape = if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] };
+            let (Choice::Job(job), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
+            Some(inertia::Body { own: hulls[*job].mass?, scale: mesh.scale, pose: shape.pose? })
+        };
+        let bodies: Option<Vec<inertia::Body>> = own.map(body).collect();
+        match bodies.and_then(|bodies| inertia::inertia(&bodies, mass)) {
+            Some((center, tensor)) => changes.push(Change::Inertia {
+                link: index,
+                center: center.to_array(),
+                inertia: tensor.transpose().to_cols_array_2d(),
+            }),
+            None => row.warnings.push(format!(
+                "{}:{}: link `{}` keeps its inertia, because its collisions are not all closed meshes that were baked",
+                row.file, link.line, link.name
+            )),
+        }
+    }
+    changes
 }
 
 /// Files that the description names by relative paths, if it is written to another folder.
