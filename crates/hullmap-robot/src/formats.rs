@@ -14,7 +14,7 @@ impl Description {
     ///
     /// # Errors
     /// A file cannot be read or is invalid, or names are used twice. A missing mesh is no error
-    /// here: see [`MeshUse::file`].
+    /// here: see [`MeshUse::file`](crate::MeshUse::file).
     pub fn read(path: &Path, places: &Places) -> Result<Self, RobotError> {
         let document = Document::read(path)?;
         let tree = document.parse()?;
