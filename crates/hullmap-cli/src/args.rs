@@ -43,8 +43,7 @@ pub const DEFAULT_MEMORY: u64 = 4 << 30;
     name = "bake",
     version,
     disable_help_subcommand = true,
-    // One line, so that the help fits a screen. docs/COMMAND.md has the exit codes.
-    after_help = "Start with `bake build FOLDER --out DIR`. `bake COMMAND --help` lists options."
+    after_help = "Start: `bake build FOLDER --out DIR`. Exit: 0 success, 1 rejected, 2 usage, I/O."
 )]
 pub struct Cli {
     /// The subcommand.
@@ -96,6 +95,12 @@ pub enum Command {
                       bake export baked --for godot --out collision          (a file per pack)\n  \
                       bake export baked/arm.hullmap --for urdf --out arm")]
     Export(ExportArgs),
+    /// Replace collision meshes in robots: URDF, MJCF, SDF
+    #[command(after_help = "Examples:\n  \
+                      bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
+                      bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \
+                      bake robot arm.urdf --out arm_hulls.urdf --check                  (in CI: exit 1 if it would change)")]
+    Robot(Box<RobotArgs>),
     /// Compute intersection, distance or contact of two hulls or packs
     #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
@@ -113,7 +118,7 @@ pub enum Command {
 /// The meshes to bake, and their options.
 #[derive(Clone, Debug, clap::Args)]
 pub struct MeshArgs {
-    /// Mesh files (OBJ, glTF, GLB, STL, PLY), or folders to search for them
+    /// Mesh files (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH), or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Options that shape the packs.
@@ -540,6 +545,73 @@ pub struct ExportArgs {
     pub force: bool,
 }
 
+/// Arguments of `bake robot`.
+#[derive(Debug, clap::Args)]
+pub struct RobotArgs {
+    /// Robot descriptions: URDF, MJCF or SDF
+    #[arg(required = true, value_name = "FILE")]
+    pub inputs: Vec<PathBuf>,
+    /// File to write, or folder for all of them; hulls go to a folder beside each
+    #[arg(long, value_name = "DIR|FILE")]
+    pub out: PathBuf,
+    /// Options that shape the hulls.
+    #[command(flatten)]
+    pub options: OptionLayer,
+    /// Limits on source files.
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Folder that holds packages or models, or is one; repeatable
+    #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
+    pub packages: Vec<PathBuf>,
+    /// Make collisions from visuals: of links that have no collision, of all links in place of the
+    /// collisions that they have, or of no link
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = FromVisual::Missing,
+        value_name = "missing|always|never",
+        hide_possible_values = true,
+        help_heading = Section::Parts.heading()
+    )]
+    pub from_visual: FromVisual,
+    /// Leave the collisions of links that match GLOB alone; repeatable
+    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
+    pub skip: Vec<Glob>,
+    /// Replace the inertia of links by that of their meshes, for the mass that they state; URDF
+    /// only
+    #[arg(long, help_heading = Section::Shape.heading())]
+    pub inertia: bool,
+    /// Read options from FILE [default: the nearest hullmap.toml above each description]
+    #[arg(long, value_name = "FILE", help_heading = FILES)]
+    pub config: Option<PathBuf>,
+    /// Do not read any hullmap.toml
+    #[arg(long, hide_short_help = true, conflicts_with = "config", help_heading = FILES)]
+    pub no_config: bool,
+    /// Bake every mesh again, and allow --out to name an input
+    #[arg(long, help_heading = RUNNING)]
+    pub force: bool,
+    /// Write nothing; list descriptions that would change, and exit with 1 if there are any
+    #[arg(long, conflicts_with = "force", help_heading = RUNNING)]
+    pub check: bool,
+    /// How jobs run.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// Links whose collisions are made from visuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FromVisual {
+    /// Links without a collision
+    Missing,
+    /// All links with a visual mesh, in place of their collisions
+    Always,
+    /// None
+    Never,
+}
+
+/// Options that a description decides: `bake robot` does not take them.
+pub const DECIDED_BY_ROBOTS: [&str; 6] = ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source"];
+
 /// Formats of exported meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -723,7 +795,10 @@ pub fn program(words: &[OsString]) -> String {
 
 /// The command line of a program with this name.
 pub fn command(program: &str) -> clap::Command {
-    let command = Cli::command().bin_name(program);
+    let hidden = |own: clap::Command| {
+        DECIDED_BY_ROBOTS.iter().fold(own, |own, key| own.mut_arg(key, |option| option.hide(true)))
+    };
+    let command = Cli::command().bin_name(program).mut_subcommand("robot", hidden);
     if program == "bake" {
         return command;
     }
@@ -780,8 +855,8 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
         }
         _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
     })?;
-    if let Some((name, meshes)) = cli.command.meshes() {
-        let clash = meshes.options.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
+    if let Some((name, options)) = cli.command.options() {
+        let clash = options.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
         if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {
             return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
         }
@@ -790,13 +865,14 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
 }
 
 impl Command {
-    /// Name and meshes of a subcommand that takes meshes with options.
-    fn meshes(&self) -> Option<(&'static str, &MeshArgs)> {
+    /// Name and options of a subcommand that takes meshes with options.
+    fn options(&self) -> Option<(&'static str, &OptionLayer)> {
         match self {
-            Self::Build(args) => Some(("build", &args.meshes)),
-            Self::Key(args) => Some(("key", &args.meshes)),
-            Self::Plan(args) => Some(("plan", &args.meshes)),
-            Self::Status(args) => Some(("status", &args.meshes)),
+            Self::Build(args) => Some(("build", &args.meshes.options)),
+            Self::Key(args) => Some(("key", &args.meshes.options)),
+            Self::Plan(args) => Some(("plan", &args.meshes.options)),
+            Self::Status(args) => Some(("status", &args.meshes.options)),
+            Self::Robot(args) => Some(("robot", &args.options)),
             _ => None,
         }
     }

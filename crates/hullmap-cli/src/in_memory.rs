@@ -71,7 +71,7 @@ pub fn bake_arrays(
     bake(imported, &options, SourceRecord::default(), name, stage)
 }
 
-/// Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
+/// Bakes a mesh file: OBJ, glTF, GLB, STL, PLY, COLLADA or MSH.
 ///
 /// The pack has the same bytes as from `bake build` with the same options, if it is saved in the
 /// folder of the mesh: it records the name of the file, its hash and the options. `stage` shows the

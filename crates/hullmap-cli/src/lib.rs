@@ -47,6 +47,7 @@ mod estimates;
 mod geometry;
 #[cfg(feature = "command")]
 mod glob;
+#[cfg(feature = "command")]
 mod in_memory;
 #[cfg(feature = "command")]
 mod interrupt;
@@ -150,6 +151,7 @@ fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure>
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
         Command::Export(args) => commands::export::run(args, out),
+        Command::Robot(args) => commands::robot::run(args, out),
         Command::Query(args) => commands::query::run(args, out),
         Command::Report(args) => commands::report::run(args, out),
         Command::Init(args) => commands::init::run(args, out),

@@ -57,6 +57,11 @@ impl Project {
         Some(Self { root: widest.unwrap_or(&folder).to_owned() })
     }
 
+    /// The folder, canonical.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
     /// Follows an absolute path. `..` is resolved before links are.
     pub fn find(&self, path: &Path) -> Found {
         let path = plain(path);

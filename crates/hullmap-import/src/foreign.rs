@@ -35,14 +35,12 @@ impl Unread {
 }
 
 const FBX: Unread = format("FBX", &["fbx"]).in_program("Blender");
-const COLLADA: Unread = format("COLLADA", &["dae"]).in_program("MeshLab");
 const USD: Unread = format("USD", &["usd", "usda", "usdc", "usdz"]).in_program("Blender");
 const BLEND: Unread = format("Blender's own format", &["blend"]).in_program("Blender");
 
 /// The formats that are recognised by their extensions.
-const UNREAD: [Unread; 43] = [
+const UNREAD: [Unread; 41] = [
     FBX,
-    COLLADA,
     USD,
     BLEND,
     // Interchange, and printing.
@@ -80,7 +78,6 @@ const UNREAD: [Unread; 43] = [
     format("SolidWorks", &["sldprt", "sldasm"]),
     format("STEP", &["step", "stp"]).in_program("FreeCAD"),
     // Simulation, engines, and point clouds.
-    format("MSH (of MuJoCo or Gmsh)", &["msh"]),
     format("MESH (of OGRE or Medit)", &["mesh"]),
     format("Quake", &["md2", "md3", "md5mesh"]),
     format("Valve's SMD", &["smd"]),
@@ -95,6 +92,8 @@ const UNREAD: [Unread; 43] = [
 enum Foreign {
     /// A scene in this format.
     Scene(&'static Unread),
+    /// COLLADA, with the extension of another format.
+    Misnamed,
     /// A Git LFS pointer.
     LfsPointer,
     /// An archive or compressed file of this kind.
@@ -109,6 +108,10 @@ pub fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     let format = Format::detect(path, bytes);
     // The first 80 bytes of a binary STL file are a comment, which may hold anything.
     if format == Format::Stl && stl::has_binary_length(bytes) {
+        return Ok(format);
+    }
+    // Any XML is left to the reader of COLLADA, which reports what it is.
+    if format == Format::Collada && !bytes.starts_with(b"version ") && !is_utf16(bytes) {
         return Ok(format);
     }
     let by_name = || of_extension(path).map(Foreign::Scene);
@@ -141,6 +144,7 @@ fn fault(foreign: Foreign) -> Fault {
                 "the file is {name}, which is not supported; expected {NAMES}: open it in the program that wrote it{program} and export it as one of these"
             )
         }
+        Foreign::Misnamed => "the file is COLLADA, with the extension of another format: rename it to .dae".to_owned(),
         Foreign::LfsPointer => format!("the file is a Git LFS pointer, not the mesh itself: {LFS_REMEDY}"),
         Foreign::Packed(kind) => format!("the file is {kind}; expected {NAMES}: unpack it"),
         Foreign::WebPage => format!("the file is a web page; expected {NAMES}: download the mesh itself"),
@@ -175,7 +179,7 @@ fn of_content(bytes: &[u8]) -> Option<Foreign> {
     }
     if starts(b"<") {
         if has(b"<COLLADA") {
-            return Some(Foreign::Scene(&COLLADA));
+            return Some(Foreign::Misnamed);
         }
         if starts(b"<!DOCTYPE html") || starts(b"<html") {
             return Some(Foreign::WebPage);
@@ -195,7 +199,7 @@ fn of_extension(path: &Path) -> Option<&'static Unread> {
 /// ```
 /// use std::path::Path;
 ///
-/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.DAE")), Some("COLLADA"));
+/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.FBX")), Some("FBX"));
 /// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.stl")), None);
 /// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.png")), None);
 /// ```
@@ -247,7 +251,6 @@ mod tests {
     fn foreign_extensions_are_named_whatever_the_content() {
         for (name, expected) in [
             ("a.FBX", "the file is FBX"),
-            ("a.dae", "the file is COLLADA"),
             ("a.usd", "the file is USD"),
             ("a.usdz", "the file is USD"),
             ("a.blend", "Blender's own format"),

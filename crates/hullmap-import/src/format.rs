@@ -13,13 +13,17 @@ pub enum Format {
     Stl,
     /// PLY, text or binary.
     Ply,
+    /// COLLADA.
+    Collada,
+    /// MuJoCo's MSH.
+    Msh,
 }
 
 /// File name extensions of source files, in lower case.
-pub const EXTENSIONS: [&str; 5] = ["obj", "gltf", "glb", "stl", "ply"];
+pub const EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "stl", "ply", "dae", "msh"];
 
 /// Names of the formats, for messages.
-pub const NAMES: &str = "OBJ, glTF, GLB, STL or PLY";
+pub const NAMES: &str = "OBJ, glTF, GLB, STL, PLY, COLLADA or MSH";
 
 impl Format {
     /// Format of a file, by its extension in any case. If the extension is unknown, the first bytes
@@ -39,6 +43,8 @@ impl Format {
             "gltf" | "glb" => Self::Gltf,
             "stl" => Self::Stl,
             "ply" => Self::Ply,
+            "dae" => Self::Collada,
+            "msh" => Self::Msh,
             _ => return None,
         })
     }
@@ -79,6 +85,8 @@ mod tests {
             ("a.gltf", b"", Format::Gltf),
             ("a.Stl", b"", Format::Stl),
             ("a.ply", b"", Format::Ply),
+            ("a.DAE", b"", Format::Collada),
+            ("a.msh", b"", Format::Msh),
             ("a.txt", b"ply\r\n", Format::Ply),
             ("a.txt", b"glTF", Format::Gltf),
             ("a.txt", b"plywood", Format::Obj),

@@ -1,13 +1,13 @@
-//! Import of OBJ, glTF, GLB, STL and PLY files: from the bytes of a file to the point sets of
-//! hulls.
+//! Import of OBJ, glTF, GLB, STL, PLY, COLLADA and MSH files: from the bytes of a file to the point
+//! sets of hulls.
 //!
 //! Each point keeps the index of its vertex in the file, so that every hull vertex can be traced to
 //! its source.
 //!
 //! 1. [`read()`] loads the file, and the buffers beside a glTF file. `foreign` rejects files of
 //!    other formats.
-//! 2. `obj`, `gltf`, `stl` or `ply` parses it into a source `mesh` of vertices, elements and
-//!    objects, within `limits`.
+//! 2. `obj`, `gltf`, `stl`, `ply`, `collada` or `msh` parses it into a source `mesh` of vertices,
+//!    elements and objects, within `limits`.
 //! 3. `point_sets` selects the points and splits them by object (with `--split auto` by
 //!    `conventions`). `placement` rotates, scales and recentres them.
 //! 4. `far` warns about points too far from the origin for the precision of `f32`.
@@ -18,6 +18,8 @@
 //! | glTF, GLB | positions of each instance, node by node | nodes with a mesh |
 //! | STL | distinct positions, by first appearance | `solid`s |
 //! | PLY | instances of the element `vertex` | the file |
+//! | COLLADA | positions of each instance, node by node | instances of geometries |
+//! | MSH | vertices | the file |
 //!
 //! ```
 //! use std::path::Path;
@@ -36,6 +38,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 mod arrays;
+mod collada;
 mod conventions;
 mod coordinate;
 mod ears;
@@ -47,6 +50,7 @@ mod format;
 mod gltf;
 mod limits;
 mod mesh;
+mod msh;
 mod obj;
 mod options;
 mod placement;
@@ -170,6 +174,8 @@ pub fn import(
         Format::Gltf => gltf::read(&source.bytes, &source.beside, limits),
         Format::Stl => stl::read(&source.bytes, is_double, limits),
         Format::Ply => ply::read(&source.bytes, is_double),
+        Format::Collada => collada::read(&source.bytes, limits),
+        Format::Msh => msh::read(&source.bytes),
     }
     .map_err(name)?;
     imported(file, stem, mesh, options, limits)

@@ -51,7 +51,7 @@ impl Baked {
     }
 }
 
-/// Bakes a mesh file: OBJ, STL, PLY, GLB, or glTF with its buffers inside.
+/// Bakes a mesh file: OBJ, STL, PLY, COLLADA, MSH, GLB, or glTF with its buffers inside.
 ///
 /// `file` is the name of the file, whose extension selects the format. The pack has the same bytes
 /// as that of `bake build` with the same options, saved in the folder of the mesh.

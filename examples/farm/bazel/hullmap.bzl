@@ -32,7 +32,7 @@ hullmap_pack = rule(
     implementation = _hullmap_pack_impl,
     doc = "Bakes one mesh into a .hullmap pack.",
     attrs = {
-        "mesh": attr.label(allow_single_file = [".obj", ".gltf", ".glb", ".stl", ".ply"], mandatory = True),
+        "mesh": attr.label(allow_single_file = [".obj", ".gltf", ".glb", ".stl", ".ply", ".dae", ".msh"], mandatory = True),
         "buffers": attr.label_list(allow_files = True, doc = "Buffers beside a glTF file."),
         "options": attr.string_list(doc = "Flags of `bake build`, for instance --index=compact."),
         "bake": attr.label(executable = True, cfg = "exec", allow_single_file = True, mandatory = True),

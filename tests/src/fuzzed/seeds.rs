@@ -1,7 +1,7 @@
 //! First inputs of the fuzz targets. Without them, nearly all inputs fail the first check.
 
 use hullmap_import::EXTENSIONS;
-use shapes::{gltf, mesh::Mesh, obj, ply, rng::SplitMix64, solids, stl};
+use shapes::{collada, gltf, mesh::Mesh, msh, obj, ply, rng::SplitMix64, solids, stl};
 
 use crate::hostile::samples;
 
@@ -72,6 +72,8 @@ fn source_files() -> Vec<(String, Vec<u8>)> {
         ("stl", "two-solids", texts.into_bytes()),
         ("stl", "binary", stl::binary(&prism, "made by hullmap")),
         ("ply", "text", ply::file(&prism, ply::Encoding::Text)),
+        ("dae", "prism", collada::file(&prism).into_bytes()),
+        ("msh", "cone", msh::file(&cone)),
         ("ply", "by-hand", PLY.as_bytes().to_vec()),
         ("ply", "little", ply::file(&cone, ply::Encoding::Little)),
         ("ply", "big", ply::file(&cone, ply::Encoding::Big)),

@@ -64,16 +64,18 @@ fn flags(name: &str) -> BTreeSet<String> {
 /// The first paragraph of each flag's help. It follows the flag on its line or stands below it:
 /// clap decides by the width of the terminal.
 fn descriptions(help: &str) -> BTreeMap<String, String> {
+    // A line of a description may start with "--decompose: ".
+    let is_text = |line: &str| line.split(' ').next().is_some_and(|word| word.ends_with(':'));
     let mut found = BTreeMap::new();
     let mut lines = help.lines().peekable();
     while let Some(line) = lines.next() {
         let words = line.trim_start().trim_start_matches("-h, ");
-        if line.starts_with(' ') && words.starts_with("--") {
+        if line.starts_with(' ') && words.starts_with("--") && !is_text(words) {
             let (flag, text) = words.split_once("  ").unwrap_or((words, ""));
             let mut text = text.trim().to_owned();
             while let Some(next) = lines.next_if(|next| {
                 let next = next.trim_start();
-                !next.is_empty() && !next.starts_with('-')
+                !next.is_empty() && (!next.starts_with('-') || is_text(next))
             }) {
                 text = format!("{text} {}", next.trim()).trim_start().to_owned();
             }
@@ -114,6 +116,9 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     // A sheet of two parts.
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
     fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
+    let collision = "<collision><geometry><mesh filename='in/a.obj'/></geometry></collision>";
+    fs::write(folder.path().join("r.urdf"), format!("<robot name='r'><link name='l'>{collision}</link></robot>"))
+        .unwrap();
     fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
     for (name, lines) in [
@@ -134,6 +139,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
         ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices"]),
         ("export", &["export o/a.hullmap --format json"]),
+        ("robot", &["robot r.urdf --out o/r.urdf --json"]),
         (
             "query",
             &[

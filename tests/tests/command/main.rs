@@ -13,6 +13,7 @@ mod meshes;
 mod parts;
 mod pipeline;
 mod report;
+mod robot;
 mod sources;
 mod subcommands;
 #[cfg(unix)]

@@ -158,14 +158,14 @@ fn a_glb_of_another_format_is_reported() {
 #[test]
 fn meshes_of_other_formats_are_counted_and_listed() {
     let folder = folder();
-    for name in ["meshes/solid.dae", "meshes/deep/b.DAE", "meshes/scene.fbx", "scans/a.step"] {
+    for name in ["meshes/solid.usd", "meshes/deep/b.USD", "meshes/scene.fbx", "scans/a.step"] {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, "").unwrap();
     }
     let run = bake(folder.path(), "build meshes --out out").expect(0);
     assert!(run.stdout.contains("6 baked, 0 fresh, 0 failed, 3 not read; "), "{}", run.stdout);
-    let note = "note: not read: 2 .dae (COLLADA), 1 .fbx (FBX); export them as OBJ, glTF, GLB, STL or PLY";
+    let note = "note: not read: 1 .fbx (FBX), 2 .usd (USD); export them as OBJ, glTF, GLB, STL, PLY, COLLADA or MSH";
     assert!(run.stderr.contains(note), "{}", run.stderr);
     assert_eq!(bake(folder.path(), "build meshes --out out --quiet").expect(0).stderr, "");
     let unread = |line: &str, code: i32| -> Vec<String> {
@@ -174,13 +174,13 @@ fn meshes_of_other_formats_are_counted_and_listed() {
         rows.map(|row| format!("{}: {}", row["source"].as_str().unwrap(), row["reason"].as_str().unwrap())).collect()
     };
     let all = [
-        "meshes/deep/b.DAE: COLLADA is not supported",
+        "meshes/deep/b.USD: USD is not supported",
         "meshes/scene.fbx: FBX is not supported",
-        "meshes/solid.dae: COLLADA is not supported",
+        "meshes/solid.usd: USD is not supported",
     ];
     assert_eq!(unread("build meshes --out out --json", 0), all);
     assert_eq!(unread("build meshes --out out --json --check", 0), all);
-    assert_eq!(unread("build meshes --out out --json --exclude *.dae", 0), all[1..2]);
+    assert_eq!(unread("build meshes --out out --json --exclude *.usd", 0), all[1..2]);
     assert_eq!(unread("build meshes --out out --json --ext stl,obj", 0), [""; 0]);
     let shards: Vec<String> =
         (0..3).flat_map(|index| unread(&format!("build meshes --out out --json --shard {index}/3"), 0)).collect();
@@ -198,7 +198,8 @@ fn a_folder_without_meshes_does_not_stop_the_others() {
     assert_eq!(rows.len(), 7, "{}", run.stdout);
     assert!(rows[..6].iter().all(|row| row["status"] == "baked"));
     assert_eq!((&rows[6]["status"], &rows[6]["source"]), (&Value::from("failed"), &Value::from("textures")));
-    let error = "textures: no meshes (OBJ, glTF, GLB, STL or PLY) in this folder; name a folder of meshes";
+    let error =
+        "textures: no meshes (OBJ, glTF, GLB, STL, PLY, COLLADA or MSH) in this folder; name a folder of meshes";
     assert!(run.stderr.ends_with(&format!("\nerror: {error}\n")), "{}", run.stderr);
     for (line, others) in [
         ("key textures meshes", "meshes/cube.obj"),

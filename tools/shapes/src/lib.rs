@@ -12,7 +12,7 @@
 //! - [`capped`]: solids with a face of many corners near an axis.
 //! - [`concave`]: concave solids, for convex decomposition.
 //! - [`obj`]: OBJ text, in the dialects of real files.
-//! - [`gltf`], [`stl`], [`ply`]: the other mesh formats.
+//! - [`gltf`], [`stl`], [`ply`], [`collada`], [`msh`]: the other mesh formats.
 //! - [`models`] and [`assets`]: the committed models, and the files they become.
 //!
 //! ```
@@ -27,11 +27,13 @@
 
 pub mod assets;
 pub mod capped;
+pub mod collada;
 pub mod concave;
 pub mod families;
 pub mod gltf;
 pub mod mesh;
 pub mod models;
+pub mod msh;
 pub mod obj;
 pub mod ply;
 pub mod solids;

@@ -10,6 +10,7 @@ pub mod key;
 pub mod plan;
 pub mod query;
 pub mod report;
+pub mod robot;
 pub mod status;
 pub mod task;
 pub mod verify;

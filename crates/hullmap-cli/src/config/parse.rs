@@ -20,6 +20,9 @@ const TABLES: [&str; 2] = ["defaults", "rule"];
 /// The key of a rule that holds its globs.
 const FILES: &str = "files";
 
+/// The key of a rule that holds the globs of links.
+const LINKS: &str = "links";
+
 /// The key of a rule that leaves its meshes out; every other key is an option.
 const SKIP: &str = "skip";
 
@@ -84,32 +87,13 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
 }
 
 fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<Rule, Fault> {
-    let Some(files) = table.get(FILES) else {
+    let (files, links) = (table.get(FILES), table.get(LINKS));
+    let Some(first) = files.or(links) else {
         return Err(fault(span, "this rule has no `files`: add the meshes it applies to, as in files = \"props/**\""));
     };
-    let patterns: Vec<(Range<usize>, &str)> = match files.get_ref() {
-        DeValue::String(pattern) => vec![(files.span(), pattern)],
-        DeValue::Array(patterns) => {
-            let text = |pattern: &Spanned<DeValue>| match pattern.get_ref() {
-                DeValue::String(_) => Ok(pattern.span()),
-                _ => Err(fault(pattern.span(), "`files` must hold globs: expected a string")),
-            };
-            let spans = patterns.iter().map(text).collect::<Result<Vec<_>, _>>()?;
-            spans.into_iter().zip(patterns.iter().filter_map(|pattern| pattern.get_ref().as_str())).collect()
-        }
-        _ => return Err(fault(files.span(), "`files` must be a glob or a list of globs")),
-    };
-    if patterns.is_empty() {
-        return Err(fault(
-            files.span(),
-            "`files` is empty, so the rule applies to no mesh: add a glob or remove the rule",
-        ));
-    }
-    let line = line_of(files.span().start);
-    let files = patterns
-        .into_iter()
-        .map(|(span, pattern)| Glob::new(pattern).map_err(|error| fault(span, error)))
-        .collect::<Result<_, _>>()?;
+    let line = line_of(first.span().start);
+    let files = files.map_or_else(|| Ok(Vec::new()), |files| globs(FILES, files))?;
+    let links = links.map_or_else(|| Ok(Vec::new()), |links| globs(LINKS, links))?;
     let skip = match table.get(SKIP).map(|value| (value.span(), value.get_ref())) {
         None => None,
         Some((_, DeValue::Boolean(skip))) => Some(*skip),
@@ -117,21 +101,44 @@ fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -
             return Err(fault(span, format!("{SKIP}: expected true or false, found {}", other.type_str())));
         }
     };
-    Ok(Rule { line, files, skip, layer: layer(table, true)? })
+    Ok(Rule { line, files, links, skip, layer: layer(table, true)? })
+}
+
+/// The globs of a key: one, or a list.
+fn globs(key: &str, value: &Spanned<DeValue>) -> Result<Vec<Glob>, Fault> {
+    let patterns: Vec<(Range<usize>, &str)> = match value.get_ref() {
+        DeValue::String(pattern) => vec![(value.span(), pattern)],
+        DeValue::Array(patterns) => {
+            let text = |pattern: &Spanned<DeValue>| match pattern.get_ref() {
+                DeValue::String(_) => Ok(pattern.span()),
+                _ => Err(fault(pattern.span(), format!("`{key}` must hold globs: expected a string"))),
+            };
+            let spans = patterns.iter().map(text).collect::<Result<Vec<_>, _>>()?;
+            spans.into_iter().zip(patterns.iter().filter_map(|pattern| pattern.get_ref().as_str())).collect()
+        }
+        _ => return Err(fault(value.span(), format!("`{key}` must be a glob or a list of globs"))),
+    };
+    if patterns.is_empty() {
+        return Err(fault(
+            value.span(),
+            format!("`{key}` is empty, so the rule applies to nothing: add a glob or remove the rule"),
+        ));
+    }
+    patterns.into_iter().map(|(span, pattern)| Glob::new(pattern).map_err(|error| fault(span, error))).collect()
 }
 
 /// The options in a table. The other keys of a rule are not read here.
 fn layer(table: &DeTable, is_rule: bool) -> Result<OptionLayer, Fault> {
     let mut layer = OptionLayer::default();
     for (span, key, value) in in_order(table) {
-        if [FILES, SKIP].contains(&key) {
+        if [FILES, LINKS, SKIP].contains(&key) {
             if is_rule {
                 continue;
             }
             return Err(fault(span, format!("`{key}` applies to the meshes of a rule: move it below a [[rule]]")));
         }
         let Some(index) = position(key) else {
-            let keys_of_rules: &[&str] = if is_rule { &[FILES, SKIP] } else { &[] };
+            let keys_of_rules: &[&str] = if is_rule { &[FILES, LINKS, SKIP] } else { &[] };
             let known: Vec<&str> =
                 OPTIONS.iter().map(|option| option.key).chain(keys_of_rules.iter().copied()).collect();
             let message = instead_of_option(key)

@@ -1,4 +1,5 @@
-//! The rules of a `hullmap.toml`: options for all meshes, and for meshes that globs match.
+//! The rules of a `hullmap.toml`: options for all meshes, for meshes that globs match, and for
+//! links of robots.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +22,10 @@ pub struct Config {
 pub(super) struct Rule {
     /// Line of the globs in the file.
     pub(super) line: usize,
+    /// Globs of meshes; empty for a rule of links alone.
     pub(super) files: Vec<Glob>,
+    /// Globs of links of robots. A rule that has some applies to robots only.
+    pub(super) links: Vec<Glob>,
     /// Whether its meshes are left out; `None` if the rule does not say.
     pub(super) skip: Option<bool>,
     pub(super) layer: OptionLayer,
@@ -43,6 +47,14 @@ impl Config {
         rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
     }
 
+    /// Options that the file gives for a mesh of a link, and whether it leaves the mesh alone;
+    /// `below` and `name` as for [`layer`](Self::layer).
+    pub fn of_link(&self, link: &str, below: Option<&Path>, name: &Path) -> (OptionLayer, bool) {
+        let rules: Vec<&Rule> = self.rules.iter().filter(|rule| rule.matches_link(link, below, name)).collect();
+        let layer = rules.iter().fold(self.defaults.clone(), |lower, rule| rule.layer.laid_over(&lower));
+        (layer, rules.iter().filter_map(|rule| rule.skip).next_back().unwrap_or(false))
+    }
+
     /// An option of decomposed meshes in a file that never switches decomposition on.
     pub(super) fn unused_option_of_parts(&self) -> Option<&'static str> {
         let layers = || std::iter::once(&self.defaults).chain(self.rules.iter().map(|rule| &rule.layer));
@@ -54,6 +66,14 @@ impl Config {
 impl Rule {
     /// Whether the rule applies to a mesh; parameters as for [`Config::layer`].
     pub(super) fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
-        self.files.iter().any(|glob| glob.matches(below, name))
+        self.links.is_empty() && self.files.iter().any(|glob| glob.matches(below, name))
+    }
+
+    /// Whether the rule applies to a mesh of a link: both must match, as far as the rule has globs
+    /// for them.
+    fn matches_link(&self, link: &str, below: Option<&Path>, name: &Path) -> bool {
+        let link = Path::new(link);
+        (self.files.is_empty() || self.files.iter().any(|glob| glob.matches(below, name)))
+            && (self.links.is_empty() || self.links.iter().any(|glob| glob.matches(Some(link), link)))
     }
 }

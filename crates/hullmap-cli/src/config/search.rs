@@ -6,6 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::rules::Rule;
 use super::{Config, FILE_NAME};
 use crate::options::OptionLayer;
 use crate::outcome::Failure;
@@ -84,16 +85,7 @@ impl Configs {
         }
         let folder = canonical(folder_of(mesh))?;
         let name = Path::new(mesh.file_name().unwrap_or_default());
-        let (config, root) = match &self.choice {
-            Choice::None => (None, PathBuf::new()),
-            Choice::One(config, root) => (Some(config.clone()), root.clone()),
-            Choice::Nearest => {
-                let config = self.nearest(&folder, folder_of(mesh))?;
-                let root =
-                    config.as_ref().map_or_else(|| Ok(PathBuf::new()), |config| canonical(folder_of(&config.path)))?;
-                (config, root)
-            }
-        };
+        let (config, root) = self.applying(&folder, mesh)?;
         let mut skips = false;
         let layer = config.as_ref().map_or_else(OptionLayer::default, |config| {
             let below = folder.strip_prefix(&root).ok().map(|below| below.join(name));
@@ -103,6 +95,32 @@ impl Configs {
             config.layer(below.as_deref(), name)
         });
         Ok(Chosen { layer, skips, config })
+    }
+
+    /// The file that applies to `file` in the canonical `folder`, and the folder of the former.
+    fn applying(&mut self, folder: &Path, file: &Path) -> Result<(Option<Arc<Config>>, PathBuf), Failure> {
+        match &self.choice {
+            Choice::None => Ok((None, PathBuf::new())),
+            Choice::One(config, root) => Ok((Some(config.clone()), root.clone())),
+            Choice::Nearest => {
+                let config = self.nearest(folder, folder_of(file))?;
+                let root =
+                    config.as_ref().map_or_else(|| Ok(PathBuf::new()), |config| canonical(folder_of(&config.path)))?;
+                Ok((config, root))
+            }
+        }
+    }
+
+    /// Settings for a mesh of a link. The file is the one that applies to the description: meshes
+    /// may lie in packages elsewhere. Fails if the file cannot be read or is invalid.
+    pub fn of_link(&mut self, description: &Path, link: &str, mesh: &Path) -> Result<Chosen, Failure> {
+        let (config, root) = self.applying(&canonical(folder_of(description))?, description)?;
+        let Some(config) = config else { return Ok(Chosen::default()) };
+        let name = Path::new(mesh.file_name().unwrap_or_default());
+        let folder = canonical(folder_of(mesh))?;
+        let below = folder.strip_prefix(&root).ok().map(|below| below.join(name));
+        let (layer, skips) = config.of_link(link, below.as_deref(), name);
+        Ok(Chosen { layer, skips, config: Some(config) })
     }
 
     /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: files that
@@ -117,7 +135,9 @@ impl Configs {
             let file = config.path.display();
             // A build of part of the folder does not see the other meshes.
             let is_whole = folders.iter().any(|folder| root.starts_with(folder));
-            let unused = (0..).zip(&config.rules).filter(|(rule, _)| is_whole && !used.contains(rule));
+            let is_of_links = |rule: &Rule| !rule.links.is_empty();
+            let rules = (0..).zip(&config.rules).filter(|(_, rule)| !is_of_links(rule));
+            let unused = rules.filter(|(rule, _)| is_whole && !used.contains(rule));
             for (_, rule) in unused {
                 let globs: Vec<String> = rule.files.iter().map(|glob| format!("`{}`", glob.text)).collect();
                 warnings.push(format!("{file}:{}: no mesh matches {}", rule.line, globs.join(" or ")));

@@ -73,8 +73,8 @@ pub fn without_meshes(folder: &Path) -> String {
     format!("{}: no meshes ({NAMES}) in this folder; name a folder of meshes", folder.display())
 }
 
-/// Files of formats that are not supported, counted by extension: `53 .dae (COLLADA), 2 .fbx
-/// (FBX)`; `None` if there are none.
+/// Files of formats that are not supported, counted by extension: `2 .fbx (FBX), 53 .usd
+/// (USD)`; `None` if there are none.
 pub fn in_words<'a>(files: impl Iterator<Item = &'a Path>) -> Option<String> {
     let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
     for file in files {
@@ -193,18 +193,18 @@ mod tests {
     /// The other inputs were not baked.
     #[test]
     fn a_folder_without_meshes_does_not_stop_the_others() {
-        let meshes = folder(&["a/x.obj", "b/readme.txt", "c/y.dae"]);
+        let meshes = folder(&["a/x.obj", "b/readme.txt", "c/y.usd"]);
         let inputs = ["a", "b", "c"].map(|name| meshes.path().join(name));
         let found = search(&inputs, Path::new("out"), &mut Filter::default()).unwrap();
         assert_eq!((found.meshes.len(), found.unread.len(), &found.empty[..]), (1, 1, &inputs[1..]));
         let failure = search(&inputs[1..], Path::new("out"), &mut Filter::default()).unwrap_err();
-        assert!(failure.message.contains("b: no meshes") && failure.message.contains("1 .dae (COLLADA)"), "{failure}");
+        assert!(failure.message.contains("b: no meshes") && failure.message.contains("1 .usd (USD)"), "{failure}");
     }
 
     #[test]
     fn unread_files_are_counted_by_extension() {
-        let files = ["b.dae", "a.DAE", "c.fbx"].map(Path::new);
-        assert_eq!(in_words(files.into_iter()).unwrap(), "2 .dae (COLLADA), 1 .fbx (FBX)");
+        let files = ["b.usd", "a.USD", "c.fbx"].map(Path::new);
+        assert_eq!(in_words(files.into_iter()).unwrap(), "1 .fbx (FBX), 2 .usd (USD)");
         assert_eq!(in_words(std::iter::empty()), None);
     }
 

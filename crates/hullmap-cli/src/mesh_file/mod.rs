@@ -1,5 +1,5 @@
-//! Hulls as files of meshes, written in memory and put in place: for `bake export` and
-//! `bake decompose`.
+//! Hulls as files of meshes, written in memory and put in place: for `bake export`,
+//! `bake decompose` and `bake robot`.
 
 pub mod body;
 pub mod glb;

@@ -8,10 +8,13 @@ use std::fmt::Write as _;
 use super::body::Body;
 use super::names::line;
 
+/// First line of every file, by which `bake robot` knows its own hulls.
+pub const FIRST_LINE: &str = "# Convex hulls, exported by bake\n";
+
 /// The file. With `has_groups`, each object is also a group, because Unreal makes a mesh of each
 /// group.
 pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
-    let mut text = String::from("# Convex hulls, exported by bake\n");
+    let mut text = String::from(FIRST_LINE);
     // OBJ counts from 1, over all objects.
     let mut first = 1_u64;
     for body in bodies {

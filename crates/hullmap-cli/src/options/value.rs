@@ -29,7 +29,7 @@ pub enum Syntax {
     },
     /// A finite number above 0, or `none`.
     PositiveOrNone,
-    /// A finite number above 0, the same followed by `%`, or `none`.
+    /// A finite number above 0, the same followed by `%` or `mm`, or `none`.
     LengthOrNone,
 }
 
@@ -80,6 +80,11 @@ impl Syntax {
                 number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite())
                     .map(Value::Percent)
             }
+            // Of a mesh in metres.
+            Self::LengthOrNone if text.ends_with("mm") => {
+                number(text[..text.len() - 2].trim_end(), |&x: &f64| x / 1000.0 > 0.0 && x.is_finite())
+                    .map(|millimetres| Value::Number(millimetres / 1000.0))
+            }
             Self::Positive | Self::PositiveOrNone | Self::LengthOrNone => {
                 number(text, |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Number)
             }
@@ -98,7 +103,7 @@ impl Syntax {
             Self::Positive => "a finite number above 0".to_owned(),
             Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
             Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),
-            Self::LengthOrNone => "a finite number above 0, the same with %, or none".to_owned(),
+            Self::LengthOrNone => "a finite number above 0, the same with % or mm, or none".to_owned(),
         }
     }
 }

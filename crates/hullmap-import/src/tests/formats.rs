@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use shapes::mesh::Mesh;
-use shapes::{families::Family, gltf, ply, solids, stl};
+use shapes::{collada, families::Family, gltf, msh, ply, solids, stl};
 
 use super::super::*;
 use crate::options::Split;
@@ -70,6 +70,8 @@ fn files(mesh: &Mesh) -> Vec<(&'static str, Vec<u8>)> {
         ("shape.ply", ply::file(mesh, ply::Encoding::Text)),
         ("little.ply", ply::file(mesh, ply::Encoding::Little)),
         ("big.ply", ply::file(mesh, ply::Encoding::Big)),
+        ("shape.dae", collada::file(mesh).into_bytes()),
+        ("shape.msh", msh::file(mesh)),
     ]
 }
 

@@ -66,6 +66,13 @@ fn scene(nodes: &str, roots: &str) -> Vec<u8> {
     gltf::parts(&[("mesh", &mesh)], nodes, roots).glb()
 }
 
+/// The text of a COLLADA file before and after its positions, with these primitives.
+fn dae(primitives: &str, end: &str) -> (String, String) {
+    let start = "<COLLADA><library_geometries><geometry><mesh><source id=\"s\"><float_array>";
+    let rest = "</float_array></source><vertices><input semantic=\"POSITION\" source=\"#s\"/></vertices>";
+    (start.to_owned(), format!("{rest}{primitives}{end}</mesh></geometry></library_geometries></COLLADA>"))
+}
+
 fn cases() -> Vec<Case> {
     let objects = ImportOptions { split: Split::Object, ..WHOLE };
     let recentred = ImportOptions { recentre: true, ..WHOLE };
@@ -73,6 +80,34 @@ fn cases() -> Vec<Case> {
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     let plain = |name, bytes, expected| case(name, "a.obj", WHOLE, bytes, expected);
     vec![
+        case(
+            "COLLADA positions of one digit",
+            "a.dae",
+            WHOLE,
+            || repeated(&dae("", "").0, "0 1 0 ", &dae("", "").1),
+            Works { points: 0 },
+        ),
+        case(
+            "COLLADA triangles of one digit",
+            "a.dae",
+            WHOLE,
+            || {
+                let primitives = "<triangles><input semantic=\"VERTEX\" offset=\"0\"/><p>";
+                let (start, end) = dae(primitives, "</p></triangles>");
+                let (head, tail) = end.split_once("<p>").unwrap();
+                repeated(&format!("{start}0 0 0 1 0 0 0 1 0{head}<p>"), "0 1 2 ", tail)
+            },
+            Works { points: 3 },
+        ),
+        case("COLLADA of elements", "a.dae", WHOLE, || repeated("<COLLADA>", "<a/>", "</COLLADA>"), Fails("XML nodes")),
+        case("COLLADA of nested elements", "a.dae", WHOLE, || repeated("", "<a>", ""), Fails("XML nodes")),
+        case(
+            "COLLADA of attributes",
+            "a.dae",
+            WHOLE,
+            || repeated("<COLLADA>", "<a b=\"\" c=\"\"/>", "</COLLADA>"),
+            Fails("XML nodes"),
+        ),
         plain("face of millions of corners", || repeated("v 0 0 0\nf", " 1", "\n"), Works { points: 1 }),
         plain("element of millions of corners", || repeated("v 0 0 0\np", " 1", "\n"), Works { points: 1 }),
         plain("remark of one long line", || repeated("v 1 2 3\n#", "remark ", "\nv 1 2 4"), Works { points: 2 }),

@@ -1,5 +1,6 @@
 //! Import of literal OBJ texts, and of the meshes in the folder HULLMAP_MESHES.
 
+mod collada;
 mod draco;
 mod formats;
 mod gltf;

@@ -156,7 +156,7 @@ def bake_file(
     progress: Progress = None,
     **options: Unpack[BakeOptions],
 ) -> Pack:
-    """Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
+    """Bakes a mesh file: OBJ, glTF, GLB, STL, PLY, COLLADA or MSH.
 
     The options are those of `bake`, and ``split="object"`` for a hull for each object. Saved in the
     folder of the mesh, the pack has the same bytes as that of the command.

@@ -149,6 +149,12 @@ fn the_client_of_farms_does_not_depend_on_meshes() {
     }
 }
 
+#[test]
+fn robot_descriptions_depend_neither_on_meshes_nor_on_the_command() {
+    assert_unseen("hullmap-robot", &["hullmap", "hullmap-bake", "hullmap-format", "hullmap-import", "clap", "rayon"]);
+    assert!(tree("hullmap-cli", "normal", &[]).contains("hullmap-robot"));
+}
+
 /// Without the feature `command`, the package bakes in memory, also in WebAssembly.
 #[test]
 fn bakes_in_memory_do_not_depend_on_the_command() {

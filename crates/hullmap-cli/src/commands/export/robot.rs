@@ -14,6 +14,8 @@
 //! elements `collision` and `inertial`; Open Robotics, "SDFormat Specification", elements `link`,
 //! `inertial` and `collision`.
 
+use hullmap_robot::escaped;
+
 use crate::mesh_file::body::Inertial;
 
 /// Collision meshes of one body.
@@ -97,24 +99,6 @@ impl Robot<'_> {
         }
         text + "    </link>\n  </model>\n</sdf>\n"
     }
-}
-
-/// The text of an attribute or an element. Characters that XML 1.0 does not allow are replaced.
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            '\'' => escaped += "&apos;",
-            '\u{fffe}' | '\u{ffff}' => escaped.push('_'),
-            letter if letter.is_control() => escaped.push('_'),
-            letter => escaped.push(letter),
-        }
-    }
-    escaped
 }
 
 #[cfg(test)]

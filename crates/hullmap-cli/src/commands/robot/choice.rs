@@ -1,0 +1,243 @@
+//! What becomes of each collision: a hull, parts, or what it is.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use hullmap_import::open_regular;
+use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Unresolved};
+
+use super::target::Target;
+use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
+use crate::config::{Chosen, Configs};
+use crate::mesh_file::{names::token, obj};
+use crate::jobs::Job;
+use crate::jobs::pack_names::PackName;
+use crate::options::OptionLayer;
+use crate::options::table::position;
+use crate::options::value::Value;
+use crate::outcome::Failure;
+
+/// Options that are lengths of the robot, in metres.
+const LENGTHS: [&str; 2] = ["max_error", "min_thickness"];
+
+/// What becomes of a shape.
+#[derive(Debug)]
+pub enum Choice {
+    /// Hulls of the pack of this job.
+    Job(usize),
+    /// A primitive that is drawn becomes a collision.
+    Primitive,
+    /// A collision gives way to those from visuals.
+    Removed,
+    /// It is left alone, and why.
+    Kept(String),
+}
+
+/// A shape and what becomes of it.
+#[derive(Debug)]
+pub struct ShapeChoice {
+    /// Index of the link.
+    pub link: usize,
+    /// Index among its collisions, or visuals.
+    pub shape: usize,
+    /// Whether a collision is made from a visual.
+    pub from_visual: bool,
+    /// What becomes of it.
+    pub choice: Choice,
+}
+
+/// The choices for a description, and the bakes that they need.
+#[derive(Debug, Default)]
+pub struct Choices {
+    /// In the order of the description.
+    pub shapes: Vec<ShapeChoice>,
+    /// One for each mesh and set of options.
+    pub jobs: Vec<Job>,
+    /// Findings to act on.
+    pub warnings: Vec<String>,
+    /// Faults of the description, each with its line.
+    pub errors: Vec<String>,
+}
+
+/// Chooses for each collision of a description.
+pub struct Chooser<'a> {
+    /// The command line.
+    pub args: &'a RobotArgs,
+    /// The description.
+    pub description: &'a Description,
+    /// Where its hulls go.
+    pub target: &'a Target,
+}
+
+impl Chooser<'_> {
+    /// All choices. Fails if a `hullmap.toml` cannot be read.
+    pub fn choose(&self, configs: &mut Configs) -> Result<Choices, Failure> {
+        let mut choices = Choices::default();
+        let (mut known, mut names) = (BTreeMap::new(), self.names_of_sources());
+        for (index, link) in self.description.links.iter().enumerate() {
+            let from_visual = self.takes_visuals(link);
+            for shape in 0..if from_visual { link.collisions.len() } else { 0 } {
+                choices.shapes.push(ShapeChoice { link: index, shape, from_visual: false, choice: Choice::Removed });
+            }
+            let shapes = if from_visual { &link.visuals } else { &link.collisions };
+            for (shape_index, shape) in shapes.iter().enumerate() {
+                let choice = match &shape.geometry {
+                    _ if self.args.skip.iter().any(|glob| matches(glob, &link.name)) => {
+                        Choice::Kept("--skip".to_owned())
+                    }
+                    Geometry::Primitive(_) if from_visual => Choice::Primitive,
+                    Geometry::Primitive(kind) => Choice::Kept(kind.clone()),
+                    Geometry::Other(reason) => Choice::Kept(reason.clone()),
+                    Geometry::Mesh(mesh) => {
+                        self.of_mesh(link, shape, mesh, configs, (&mut known, &mut names), &mut choices)?
+                    }
+                };
+                choices.shapes.push(ShapeChoice { link: index, shape: shape_index, from_visual, choice });
+            }
+        }
+        Ok(choices)
+    }
+
+    /// Whether the collisions of a link are made from its visuals.
+    fn takes_visuals(&self, link: &Link) -> bool {
+        let is_skipped = self.args.skip.iter().any(|glob| matches(glob, &link.name));
+        let has_mesh = link.visuals.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh(_)));
+        link.takes_visuals
+            && match self.args.from_visual {
+                FromVisual::Missing => link.collisions.is_empty(),
+                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped,
+                FromVisual::Never => false,
+            }
+    }
+
+    fn of_mesh(
+        &self,
+        link: &Link,
+        shape: &Shape,
+        mesh: &MeshUse,
+        configs: &mut Configs,
+        (known, names): (&mut BTreeMap<(PathBuf, String), usize>, &mut BTreeSet<String>),
+        choices: &mut Choices,
+    ) -> Result<Choice, Failure> {
+        let place = || format!("{}:{}", self.description.documents[shape.document].path().display(), shape.line);
+        let file = match &mesh.file {
+            Ok(file) => file,
+            Err(Unresolved::Remote) => {
+                let reason = format!("`{}` is not on this machine", mesh.written);
+                choices.warnings.push(format!("{}: {reason}, so link `{}` keeps it; save it here", place(), link.name));
+                return Ok(Choice::Kept(reason));
+            }
+            Err(Unresolved::Failed(message)) => {
+                choices.errors.push(format!("{}: link `{}`: {message}", place(), link.name));
+                return Ok(Choice::Kept("not found".to_owned()));
+            }
+        };
+        let Chosen { layer, skips, config } = configs.of_link(self.description.path(), &link.name, file)?;
+        let config = config.map(|config| config.path.clone());
+        if skips {
+            return Ok(Choice::Kept(format!("skip = true in {}", config.unwrap_or_default().display())));
+        }
+        if is_own(file) {
+            return Ok(Choice::Kept("it is a hull of bake already".to_owned()));
+        }
+        let mut layer = self.args.options.laid_over(&layer);
+        for key in DECIDED_BY_ROBOTS {
+            let Some(at) = position(key).filter(|at| layer.value_at(*at).is_some()) else { continue };
+            let file = config.as_deref().unwrap_or(Path::new("--config")).display();
+            let warning = format!(
+                "{file}: {key} has no effect on robots, whose descriptions state it; use a rule for other meshes"
+            );
+            if !choices.warnings.contains(&warning) {
+                choices.warnings.push(warning);
+            }
+            layer.set_at(at, None);
+        }
+        if let (Some(reason), Some(true)) = (&shape.stays_single, layer.decompose()) {
+            choices.warnings.push(format!("{}: `{}` becomes one hull, because {reason}", place(), shape.name));
+            set(&mut layer, "decompose", Value::Switch(false));
+        }
+        scale_lengths(&mut layer, mesh.stretch());
+        let options = layer.resolve();
+        let canonical = file.canonicalize().unwrap_or_else(|_| file.clone());
+        let job = *known.entry((canonical, options.to_string())).or_insert_with(|| {
+            let output = self.target.meshes.join(format!("{}.hullmap", name(file, names)));
+            choices.jobs.push(Job {
+                source: file.clone(),
+                place: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                name: PackName { output: output.clone(), ..PackName::default() },
+                output,
+                options,
+                config,
+                records: None,
+                inputs: Vec::new(),
+                key: String::new(),
+            });
+            choices.jobs.len() - 1
+        });
+        Ok(Choice::Job(job))
+    }
+
+    /// Stems that hulls must not have: programs that remove folders from names, as MuJoCo does in
+    /// URDF, would confuse hulls and meshes.
+    fn names_of_sources(&self) -> BTreeSet<String> {
+        let shapes = self.description.links.iter().flat_map(|link| link.collisions.iter().chain(&link.visuals));
+        let meshes = shapes.filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => Some(mesh),
+            _ => None,
+        });
+        meshes.map(|mesh| stem(Path::new(&mesh.written)).to_lowercase()).filter(|stem| is_ending(stem)).collect()
+    }
+}
+
+/// Whether a glob matches the name of a link.
+fn matches(glob: &crate::glob::Glob, link: &str) -> bool {
+    glob.matches(Some(Path::new(link)), Path::new(link))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Whether a stem may be that of a hull.
+fn is_ending(stem: &str) -> bool {
+    stem.ends_with("_hull") || stem.contains("_part_")
+}
+
+/// The name of a mesh's pack: its stem, or with a number if that is taken.
+fn name(file: &Path, taken: &mut BTreeSet<String>) -> String {
+    let stem = token(&stem(file));
+    let numbered = (2_u32..).map(|number| format!("{stem}_{number}"));
+    let is_free = |name: &String| {
+        let lower = name.to_lowercase();
+        !taken.contains(&lower)
+            && !taken.contains(&format!("{lower}_hull"))
+            && !taken.contains(&format!("{lower}_part_00"))
+    };
+    let name = std::iter::once(stem.clone()).chain(numbered).find(is_free).unwrap_or(stem);
+    taken.insert(name.to_lowercase());
+    name
+}
+
+/// Whether a mesh was written by bake: hulls are not baked again, so that a second run changes
+/// nothing.
+fn is_own(file: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = open_regular(file).and_then(|file| file.take(obj::FIRST_LINE.len() as u64).read_to_end(&mut start));
+    read.is_ok() && start == obj::FIRST_LINE.as_bytes()
+}
+
+fn set(layer: &mut OptionLayer, key: &str, value: Value) {
+    if let Some(at) = position(key) {
+        layer.set_at(at, Some(value));
+    }
+}
+
+/// Converts lengths of the robot to lengths of a mesh that is drawn `stretch` times as large.
+fn scale_lengths(layer: &mut OptionLayer, stretch: f64) {
+    for key in LENGTHS {
+        if let Some(Value::Number(length)) = layer.get(key) {
+            set(layer, key, Value::Number(length / stretch));
+        }
+    }
+}

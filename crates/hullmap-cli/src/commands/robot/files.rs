@@ -1,0 +1,80 @@
+//! The files of an edited description: compared with those on disk, then written.
+
+use std::collections::BTreeSet;
+use std::io::{ErrorKind, Read as _};
+use std::path::{Path, PathBuf};
+
+use hullmap_import::open_regular;
+
+use crate::mesh_file::obj;
+use crate::outcome::Failure;
+use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
+
+/// A file to be written.
+#[derive(Debug)]
+pub struct Output {
+    /// Its path.
+    pub path: PathBuf,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// State of a file on disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum State {
+    /// It has these bytes.
+    Same,
+    /// It has others.
+    Other,
+    /// It does not exist.
+    Missing,
+}
+
+impl Output {
+    /// Compares the file on disk. Fails if it cannot be read.
+    pub fn state(&self) -> Result<State, Failure> {
+        let fail = |error: std::io::Error| {
+            Failure::usage(format!("{}: cannot read: {error}; check the path", self.path.display()))
+        };
+        let mut file = match open_regular(&self.path) {
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                return Ok(State::Missing);
+            }
+            other => other.map_err(fail)?,
+        };
+        if file.metadata().map_err(fail)?.len() != self.bytes.len() as u64 {
+            return Ok(State::Other);
+        }
+        let mut bytes = Vec::with_capacity(self.bytes.len());
+        file.read_to_end(&mut bytes).map_err(fail)?;
+        Ok(if bytes == self.bytes { State::Same } else { State::Other })
+    }
+
+    /// Writes the file, whose folder is made, unless it is below a link in `out`.
+    pub fn write(&self, out: &Path) -> Result<(), Failure> {
+        let folder = folder_of(&self.path);
+        if let Some(link) = link_below(out, folder) {
+            return Err(Failure::usage(through_link(&self.path, &link)));
+        }
+        let fail = |error: std::io::Error| {
+            let path = self.path.display();
+            Failure::usage(format!("{path}: cannot write: {error}; check the folder's permissions and free space"))
+        };
+        make_folder(folder).map_err(fail)?;
+        write_beside(&self.path, &self.bytes).and_then(|file| put_in_place(file, &self.path)).map_err(fail)
+    }
+}
+
+/// Hulls in a folder that are not in use: of links or parts that are gone.
+pub fn left_over(folder: &Path, used: &BTreeSet<PathBuf>) -> usize {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_hull = |path: &PathBuf| {
+        let mut start = Vec::new();
+        path.extension().is_some_and(|extension| extension == "obj")
+            && open_regular(path)
+                .and_then(|file| file.take(obj::FIRST_LINE.len() as u64).read_to_end(&mut start))
+                .is_ok()
+            && start == obj::FIRST_LINE.as_bytes()
+    };
+    entries.filter(is_hull).filter(|path| !used.contains(path)).count()
+}

@@ -1,0 +1,495 @@
+//! `bake robot`: replaces the collision meshes of robot descriptions by hulls.
+//!
+//! 1. `hullmap_robot` reads each description, and finds its meshes.
+//! 2. [`choice`] decides what becomes of each collision. Equal meshes with equal options are one
+//!    job, whatever their scales: the description keeps its scales.
+//! 3. [`runner`](crate::runner) bakes the jobs of all descriptions, as `bake build` does.
+//! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it
+//!    never names a file that does not exist.
+//!
+//! A description that fails is reported, nothing of it is written except packs, and the others go
+//! on.
+
+mod choice;
+mod files;
+mod inertia;
+mod rows;
+mod target;
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use hullmap::MassProperties;
+use hullmap_import::UpAxis;
+use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, escaped, relative};
+
+use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
+use crate::baker::bake_pack;
+use crate::config::Configs;
+use crate::mesh_file::{body::Body, obj};
+use crate::interrupt;
+use crate::jobs::Job;
+use crate::open::open_pack;
+use crate::options::flag;
+use crate::outcome::{Exit, Failure, end};
+use crate::pack_file::{folder_of, plain, shown_from, sweep};
+use crate::packs::PackPlace;
+use crate::project::Project;
+use crate::runner;
+use crate::runner::one::Build;
+use crate::runner::rows as build_rows;
+use crate::terminal::Output;
+use choice::{Choice, Choices, Chooser};
+use files::State;
+use rows::{Collision, Row, Status};
+use target::Target;
+
+/// A description that was read, and what becomes of it.
+struct Robot {
+    description: Description,
+    target: Target,
+    choices: Choices,
+    /// Index of its first job among those of all descriptions.
+    first_job: usize,
+}
+
+/// The hulls of a pack.
+struct Hulls {
+    /// The pack.
+    pack: PathBuf,
+    /// Absolute paths of the meshes, and their bytes.
+    files: Vec<files::Output>,
+    vertices: usize,
+    is_parts: bool,
+    /// Bounds in units of the mesh.
+    protrusion: Option<f64>,
+    uncovered: Option<f64>,
+    /// Whether a hull has no volume.
+    is_flat: bool,
+    /// Of the mesh, at density 1; `None` if it is not closed.
+    mass: Option<MassProperties>,
+}
+
+/// Runs the command. Fails if flags are wrong or a `hullmap.toml` cannot be read. Failures of
+/// single descriptions are reported in their rows and in the exit code.
+pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
+    interrupt::catch();
+    check_flags(args)?;
+    let project = Path::new(".");
+    let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
+    let (mut robots, mut job_count) = (Vec::new(), 0);
+    let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+    for input in &args.inputs {
+        let start = Instant::now();
+        let mut row = Row::new(input.display().to_string());
+        let prepared = prepare(args, input, &mut configs).and_then(|robot| {
+            let first = taken.insert(robot.target.file.clone(), input.clone());
+            first.map_or(Ok(robot), |first| {
+                let message = "would both be written to the same file; write them to separate folders";
+                Err(vec![Failure::usage(format!("{} and {} {message}", first.display(), input.display()))])
+            })
+        });
+        row.millis = millis(start);
+        let prepared = prepared.map(|mut robot| {
+            robot.first_job = job_count;
+            job_count += robot.choices.jobs.len();
+            robot
+        });
+        robots.push((row, prepared));
+    }
+    let baked = bake(args, &robots, project)?;
+    let mut exit = Exit::Done;
+    let mut rows = Vec::new();
+    for (mut row, robot) in robots {
+        let start = Instant::now();
+        let result = robot.and_then(|robot| {
+            let jobs = &baked[robot.first_job..robot.first_job + robot.choices.jobs.len()];
+            finish(args, robot, jobs, &mut row).map_err(|failure| vec![failure])
+        });
+        match result {
+            Ok(own) => exit = exit.max(own),
+            Err(failures) => {
+                row.status = Status::Failed;
+                exit = failures.iter().map(|failure| failure.exit).chain([exit]).max().unwrap_or(exit);
+                row.errors.extend(failures.into_iter().map(|failure| failure.message));
+            }
+        }
+        row.millis += millis(start);
+        row.print_messages(args.run.quiet);
+        rows.push(row);
+    }
+    let written = match (args.run.json, args.run.quiet) {
+        (true, _) => rows.iter().try_for_each(|row| out.json(row)).map_err(Failure::from),
+        (false, true) => Ok(()),
+        (false, false) => rows.iter().try_for_each(|row| row.write(args.run.verbose, out)),
+    };
+    end(exit, written)
+}
+
+fn millis(start: Instant) -> f64 {
+    (start.elapsed().as_secs_f64() * 1e4).round() / 10.0
+}
+
+fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
+    if let Some(key) = DECIDED_BY_ROBOTS.iter().find(|key| args.options.get(key).is_some()) {
+        let message = format!("--{} has no effect on robots, whose descriptions state it; remove it", flag(key));
+        return Err(Failure::usage(message));
+    }
+    let is_single = args.inputs.len() == 1;
+    if !is_single && target::is_file(args) {
+        return Err(Failure::usage(format!(
+            "{}: is a file, but there are several descriptions; name a folder with --out",
+            args.out.display()
+        )));
+    }
+    if let Some(missing) = args.packages.iter().find(|package| !package.is_dir()) {
+        return Err(Failure::usage(format!(
+            "--package-path {}: is not a folder; name a folder of packages",
+            missing.display()
+        )));
+    }
+    Ok(())
+}
+
+/// Reads a description and decides what becomes of it. Several faults are reported together.
+fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robot, Vec<Failure>> {
+    let one = |failure| vec![failure];
+    let place = PackPlace { path: input.to_owned(), below: PathBuf::new() };
+    let project = Project::of_pack(&place, Path::new("."));
+    let roots = project.iter().map(|project| project.root().to_owned()).collect();
+    let places = Places { packages: args.packages.clone(), roots };
+    let description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
+    if args.from_visual == FromVisual::Always && description.format == Format::Mjcf {
+        let message =
+            "--from-visual always is for URDF and SDF: in MJCF a geom that collides may be drawn and have mass, too";
+        return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
+    }
+    if args.inertia && description.format != Format::Urdf {
+        let message = "--inertia is for URDF; remove the flag, or set the inertia in the file";
+        return Err(one(Failure::usage(format!("{}: {message}", input.display()))));
+    }
+    let target = Target::new(args, &description).map_err(one)?;
+    let chooser = Chooser { args, description: &description, target: &target };
+    let mut choices = chooser.choose(configs).map_err(one)?;
+    if !choices.errors.is_empty() {
+        return Err(std::mem::take(&mut choices.errors).into_iter().map(Failure::rejected).collect());
+    }
+    let resolved = choices.jobs.iter().map(|job| &job.options);
+    let unused = args.options.without_effect(resolved).filter(|_| !choices.jobs.is_empty());
+    if let Some(unused) = unused {
+        return Err(one(Failure::usage(unused.message(|key| format!("--{}", flag(key))))));
+    }
+    Ok(Robot { description, target, choices, first_job: 0 })
+}
+
+fn failure(error: &RobotError) -> Failure {
+    if error.is_unreadable { Failure::usage(error.to_string()) } else { Failure::rejected(error.to_string()) }
+}
+
+type Prepared = (Row, Result<Robot, Vec<Failure>>);
+
+/// Bakes the jobs of all descriptions.
+fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(build_rows::Row, Exit)>, Failure> {
+    let ready = || robots.iter().filter_map(|(_, robot)| robot.as_ref().ok());
+    let jobs: Vec<&Job> = ready().flat_map(|robot| &robot.choices.jobs).collect();
+    if jobs.is_empty() {
+        return Ok(Vec::new());
+    }
+    if !args.check {
+        let folders: BTreeSet<&Path> =
+            ready().flat_map(|robot| [robot.target.meshes.as_path(), &robot.target.folder]).collect();
+        folders.into_iter().for_each(sweep);
+    }
+    let out = if target::is_file(args) { folder_of(&args.out) } else { &args.out };
+    let build = Build {
+        limits: args.limits.limits(),
+        verify: false,
+        force: args.force,
+        check: args.check,
+        out,
+        project,
+        baker: &bake_pack,
+    };
+    runner::run(&jobs, &build, &args.run)
+}
+
+/// Writes the files of a description, or compares them.
+fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {
+    let Robot { description, target, choices, .. } = robot;
+    row.format = Some(description.format.name());
+    row.links = Some(description.links.len());
+    row.output = Some(shown(&target.file));
+    row.notes.extend(description.notes.iter().cloned());
+    row.warnings.extend(choices.warnings.iter().cloned());
+    for (own, _) in baked {
+        row.baked += usize::from(own.status == build_rows::Status::Baked);
+        row.notes.extend(own.notes.iter().map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
+        row.warnings.extend(own.warnings.iter().map(|warning| format!("{}: {warning}", shown(Path::new(&own.source)))));
+    }
+    let failed: Vec<String> = baked.iter().filter_map(|(own, _)| own.error.clone()).collect();
+    if let Some((last, others)) = failed.split_last() {
+        row.errors.extend(others.iter().cloned());
+        let exit = baked.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Rejected);
+        return Err(Failure { exit, message: format!("{last}; a rule or --skip leaves its link alone") });
+    }
+    let stale =
+        baked.iter().find(|(own, _)| matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing));
+    if let Some((own, _)) = stale {
+        row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
+        row.reason = own.reason.as_ref().map(|reason| format!("{}: {reason}", own.source));
+        return Ok(Exit::Rejected);
+    }
+    let mut hulls: Vec<Hulls> = choices.jobs.iter().map(read_hulls).collect::<Result<_, _>>()?;
+    let mut changes = changes(&description, &target, &choices, &hulls, row)?;
+    if args.inertia {
+        changes.extend(inertias(&description, &choices, &hulls, row));
+    }
+    let documents = description.changed(&changes).map_err(|error| failure(&error))?;
+    let mut outputs: Vec<files::Output> =
+        hulls.iter_mut().filter(|own| !own.is_flat).flat_map(|own| std::mem::take(&mut own.files)).collect();
+    outputs.extend(copies(&description, &target, &documents)?);
+    let texts = described(&description, &target, documents)?;
+    outputs.extend(texts);
+    check_inputs(args, &description, &outputs)?;
+    let exit = settle(args, &target, &outputs, row)?;
+    let count = files::left_over(&target.meshes, &used(&description, &outputs));
+    if count > 0 && description.mesh_folder(&target.folder).is_none() {
+        row.notes.push(format!("{}: {count} hulls of earlier runs are not in use; remove them", shown(&target.meshes)));
+    }
+    Ok(exit)
+}
+
+/// The meshes that the edited description may name.
+fn used(description: &Description, outputs: &[files::Output]) -> BTreeSet<PathBuf> {
+    let shapes = description.links.iter().flat_map(|link| link.collisions.iter().chain(&link.visuals));
+    let meshes = shapes.filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh(mesh) => mesh.file.as_ref().ok()?.canonicalize().ok(),
+        _ => None,
+    });
+    meshes.chain(outputs.iter().map(|output| output.path.clone())).collect()
+}
+
+/// A path as the user would name it.
+fn shown(path: &Path) -> String {
+    let path = if path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
+    path.display().to_string()
+}
+
+/// The hulls of a pack as meshes.
+fn read_hulls(job: &Job) -> Result<Hulls, Failure> {
+    let pack = open_pack(&job.output)?;
+    let stem = job.output.with_extension("");
+    let stem = stem.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_parts = pack.hulls().any(|hull| hull.part_count() > 1);
+    let (mut files, mut vertices, mut is_flat) = (Vec::new(), 0, false);
+    for (index, hull) in pack.hulls().enumerate() {
+        let name = if is_parts { format!("{stem}_part_{index:02}.obj") } else { format!("{stem}_hull.obj") };
+        is_flat |= hull.rank() < 3;
+        vertices += hull.vertex_count();
+        let mut body = Body::new(&hull, UpAxis::Keep);
+        body.name = name.trim_end_matches(".obj").to_owned();
+        files.push(files::Output { path: job.output.with_file_name(name), bytes: obj::write(&[body], false) });
+    }
+    let worst = |bounds: Vec<Option<f64>>| {
+        bounds.into_iter().collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(0.0, f64::max))
+    };
+    let protrusion = worst(pack.hulls().map(|hull| hull.protrusion()).collect());
+    let uncovered = worst(pack.hulls().map(|hull| hull.uncovered()).collect());
+    let mass = pack.hulls().next().and_then(|hull| hull.mesh_mass_properties(1.0));
+    Ok(Hulls { pack: job.output.clone(), files, vertices, is_parts, protrusion, uncovered, is_flat, mass })
+}
+
+/// The changes of the description, and a row for each collision.
+fn changes(
+    description: &Description,
+    target: &Target,
+    choices: &Choices,
+    hulls: &[Hulls],
+    row: &mut Row,
+) -> Result<Vec<Change>, Failure> {
+    let mut changes = Vec::new();
+    for own in &choices.shapes {
+        let link = &description.links[own.link];
+        let shape = if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] };
+        let mut collision = Collision {
+            link: link.name.clone(),
+            name: shape.name.clone(),
+            line: shape.line,
+            action: "kept",
+            reason: None,
+            from_visual: own.from_visual,
+            source: None,
+            pack: None,
+            meshes: Vec::new(),
+            vertices: None,
+            protrusion_mm: None,
+            uncovered_mm: None,
+        };
+        let (link_index, index) = (own.link, own.shape);
+        match &own.choice {
+            Choice::Kept(reason) => collision.reason = Some(reason.clone()),
+            Choice::Removed => {
+                collision.action = "removed";
+                changes.push(Change::Remove { link: link_index, collision: index });
+            }
+            Choice::Primitive => {
+                collision.action = "primitive";
+                changes.push(Change::FromVisual { link: link_index, visual: index, meshes: None });
+            }
+            Choice::Job(job) if hulls[*job].is_flat => {
+                let source = shown(&choices.jobs[*job].source);
+                row.warnings.push(format!(
+                    "{source}: its hull is flat, and programs reject flat meshes, so link `{}` keeps it; give the mesh a thickness, or use a box",
+                    link.name
+                ));
+                (collision.reason, collision.source) = (Some("its hull is flat".to_owned()), Some(source));
+            }
+            Choice::Job(job) => {
+                let own_hulls = &hulls[*job];
+                let name = |file: &files::Output| description.mesh_name(&file.path, &target.folder);
+                let meshes: Vec<String> =
+                    own_hulls.files.iter().map(name).collect::<Result<_, _>>().map_err(|error| failure(&error))?;
+                let stretch = match &shape.geometry {
+                    Geometry::Mesh(mesh) => mesh.stretch(),
+                    _ => 1.0,
+                };
+                let millimetres = |bound: Option<f64>| bound.map(|bound| bound * stretch * 1000.0);
+                collision.action = if own_hulls.is_parts { "parts" } else { "hull" };
+                collision.source = Some(shown(&choices.jobs[*job].source));
+                collision.pack = Some(shown(&own_hulls.pack));
+                collision.meshes.clone_from(&meshes);
+                collision.vertices = Some(own_hulls.vertices);
+                collision.protrusion_mm = millimetres(own_hulls.protrusion);
+                collision.uncovered_mm = millimetres(own_hulls.uncovered);
+                changes.push(if own.from_visual {
+                    Change::FromVisual { link: link_index, visual: index, meshes: Some(meshes) }
+                } else {
+                    Change::Replace { link: link_index, collision: index, meshes }
+                });
+            }
+        }
+        row.collisions.push(collision);
+    }
+    Ok(changes)
+}
+
+/// Inertias of the links whose collisions are all closed meshes. A warning names each other link
+/// that states a mass.
+fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: &mut Row) -> Vec<Change> {
+    let mut changes = Vec::new();
+    for (index, link) in description.links.iter().enumerate() {
+        let Some(mass) = link.mass else { continue };
+        let own = choices.shapes.iter().filter(|own| own.link == index && !matches!(own.choice, Choice::Removed));
+        let body = |own: &choice::ShapeChoice| {
+            let shape = if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] };
+            let (Choice::Job(job), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
+            Some(inertia::Body { own: hulls[*job].mass?, scale: mesh.scale, pose: shape.pose? })
+        };
+        let bodies: Option<Vec<inertia::Body>> = own.map(body).collect();
+        match bodies.and_then(|bodies| inertia::inertia(&bodies, mass)) {
+            Some((center, tensor)) => changes.push(Change::Inertia {
+                link: index,
+                center: center.to_array(),
+                inertia: tensor.transpose().to_cols_array_2d(),
+            }),
+            None => row.warnings.push(format!(
+                "{}:{}: link `{}` keeps its inertia, because its collisions are not all closed meshes that were baked",
+                row.file, link.line, link.name
+            )),
+        }
+    }
+    changes
+}
+
+/// Files that the description names by relative paths, if it is written to another folder.
+fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> Result<Vec<files::Output>, Failure> {
+    if !target.is_elsewhere() {
+        return Ok(Vec::new());
+    }
+    let is_document = |file: &Path| {
+        let real = file.canonicalize().ok();
+        description.documents.iter().any(|document| document.path().canonicalize().ok() == real)
+    };
+    let texts: Vec<_> = documents.iter().map(|text| String::from_utf8_lossy(text)).collect();
+    // Names of meshes that were replaced do not appear any more. Text that is not UTF-8 is not
+    // searched: too many copies do no harm.
+    let is_named = |written: &str| {
+        let is_searched = written.is_ascii() && texts.iter().all(|text| matches!(text, Cow::Borrowed(_)));
+        !is_searched || texts.iter().any(|text| text.contains(written) || text.contains(&escaped(written)))
+    };
+    let mut outputs: BTreeMap<PathBuf, files::Output> = BTreeMap::new();
+    for reference in &description.references {
+        let path = plain(&target.folder.join(&reference.path));
+        if outputs.contains_key(&path) || is_document(&reference.file) || !is_named(&reference.written) {
+            continue;
+        }
+        let bytes = std::fs::read(&reference.file).map_err(|error| {
+            Failure::usage(format!("{}: cannot read: {error}; check the file", reference.file.display()))
+        })?;
+        outputs.insert(path.clone(), files::Output { path, bytes });
+    }
+    Ok(outputs.into_values().collect())
+}
+
+/// The edited files: those that the description includes, then itself.
+fn described(
+    description: &Description,
+    target: &Target,
+    documents: Vec<Vec<u8>>,
+) -> Result<Vec<files::Output>, Failure> {
+    let mut outputs = Vec::new();
+    for (index, (document, bytes)) in description.documents.iter().zip(documents).enumerate().rev() {
+        let path = if index == 0 {
+            target.file.clone()
+        } else {
+            let file = document.path().canonicalize().unwrap_or_else(|_| document.path().to_owned());
+            let below = relative(&file, &target.source).ok_or_else(|| {
+                Failure::usage(format!("{}: is on another drive; move it to that of the model", file.display()))
+            })?;
+            plain(&target.folder.join(below))
+        };
+        outputs.push(files::Output { path, bytes });
+    }
+    Ok(outputs)
+}
+
+/// Fails if an input would be replaced by other bytes.
+fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::Output]) -> Result<(), Failure> {
+    if args.force {
+        return Ok(());
+    }
+    for document in &description.documents {
+        let real = document.path().canonicalize().ok();
+        let own = outputs.iter().find(|output| output.path.canonicalize().ok() == real && real.is_some());
+        if own.is_some_and(|own| own.bytes != document.bytes()) {
+            return Err(Failure::usage(format!(
+                "{}: is an input, and would be replaced; name another file or folder with --out, or pass --force",
+                document.path().display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Compares the files with those on disk, and writes those that differ, unless `--check`.
+fn settle(args: &RobotArgs, target: &Target, outputs: &[files::Output], row: &mut Row) -> Result<Exit, Failure> {
+    let states: Vec<State> = outputs.iter().map(files::Output::state).collect::<Result<_, _>>()?;
+    let changed: Vec<&files::Output> =
+        outputs.iter().zip(&states).filter(|(_, state)| **state != State::Same).map(|(own, _)| own).collect();
+    let Some(first) = changed.first() else {
+        row.status = Status::Fresh;
+        return Ok(Exit::Done);
+    };
+    if args.check {
+        row.status = if states.last() == Some(&State::Missing) { Status::Missing } else { Status::Stale };
+        row.reason = Some(format!("{} files differ, the first is {}", changed.len(), shown(&first.path)));
+        return Ok(Exit::Rejected);
+    }
+    // The folder of `--out` may be a link; those in it may not.
+    let out = folder_of(&target.file);
+    changed.iter().try_for_each(|output| output.write(out))?;
+    row.status = Status::Written;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,168 @@
+//! Results of `bake robot`, as JSON and as text.
+
+use serde::Serialize;
+
+use crate::outcome::Failure;
+use crate::table::{Align, Table, or_dash};
+use crate::terminal::{self, Output};
+
+/// State of a description.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Written, since something changed.
+    Written,
+    /// All files are up to date.
+    Fresh,
+    /// With `--check`: it would change.
+    Stale,
+    /// With `--check`: there is no output yet.
+    Missing,
+    /// Nothing of it was written.
+    Failed,
+}
+
+/// One description. Field names are the JSON's.
+#[derive(Debug, Serialize)]
+pub struct Row {
+    /// The input.
+    pub file: String,
+    /// The output.
+    pub output: Option<String>,
+    /// `URDF`, `MJCF` or `SDF`.
+    pub format: Option<&'static str>,
+    /// The result.
+    pub status: Status,
+    /// Why it is stale.
+    pub reason: Option<String>,
+    /// Number of links.
+    pub links: Option<usize>,
+    /// Number of meshes that were baked; the others were fresh.
+    pub baked: usize,
+    /// Every collision.
+    pub collisions: Vec<Collision>,
+    /// Findings of interest.
+    pub notes: Vec<String>,
+    /// Findings to act on.
+    pub warnings: Vec<String>,
+    /// Why it failed.
+    pub errors: Vec<String>,
+    /// Time for its files, without the bakes, in milliseconds.
+    pub millis: f64,
+}
+
+/// What became of a collision.
+#[derive(Debug, Serialize)]
+pub struct Collision {
+    /// Its link, or body.
+    pub link: String,
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// Line in its file.
+    pub line: u32,
+    /// `hull`, `parts`, `primitive` (a primitive that was only drawn), `removed` (for those from
+    /// visuals) or `kept`.
+    pub action: &'static str,
+    /// Why it was kept.
+    pub reason: Option<String>,
+    /// Whether it was made from a visual.
+    pub from_visual: bool,
+    /// The mesh it was.
+    pub source: Option<String>,
+    /// The pack of the mesh.
+    pub pack: Option<String>,
+    /// The new meshes, as the description names them.
+    pub meshes: Vec<String>,
+    /// Vertices of all new meshes.
+    pub vertices: Option<usize>,
+    /// Bound on the protrusion of the parts, in millimetres.
+    pub protrusion_mm: Option<f64>,
+    /// Bound on how far the surface lies outside of the parts, in millimetres.
+    pub uncovered_mm: Option<f64>,
+}
+
+impl Row {
+    /// A description that has not been read.
+    pub fn new(file: String) -> Self {
+        Self {
+            file,
+            output: None,
+            format: None,
+            status: Status::Failed,
+            reason: None,
+            links: None,
+            baked: 0,
+            collisions: Vec::new(),
+            notes: Vec::new(),
+            warnings: Vec::new(),
+            errors: Vec::new(),
+            millis: 0.0,
+        }
+    }
+
+    /// Prints messages to standard error.
+    pub fn print_messages(&self, is_quiet: bool) {
+        for note in self.notes.iter().filter(|_| !is_quiet) {
+            terminal::note(format_args!("{}: {note}", self.file));
+        }
+        for warning in self.warnings.iter().filter(|_| !is_quiet) {
+            terminal::warning(warning);
+        }
+        self.errors.iter().for_each(terminal::error);
+    }
+
+    /// Writes a table of collisions, and a summary. Collisions that were kept are listed only if
+    /// `lists_all`.
+    pub fn write(&self, lists_all: bool, out: &mut Output) -> Result<(), Failure> {
+        let mut table = Table::new(&[
+            ("link", Align::Left),
+            ("mesh", Align::Left),
+            ("becomes", Align::Left),
+            ("vertices", Align::Right),
+            ("protrusion", Align::Right),
+        ]);
+        let listed: Vec<&Collision> = self.collisions.iter().filter(|own| lists_all || own.action != "kept").collect();
+        for own in &listed {
+            let becomes = match (own.action, &own.reason) {
+                ("parts", _) => format!("{} parts", own.meshes.len()),
+                ("kept", Some(reason)) => format!("kept: {reason}"),
+                (action, _) => action.to_owned(),
+            };
+            let mesh = own.source.clone().unwrap_or_else(|| "-".to_owned());
+            let protrusion = or_dash(own.protrusion_mm, |mm| format!("{mm:.2} mm"));
+            table.push(vec![
+                own.link.clone(),
+                mesh,
+                becomes,
+                or_dash(own.vertices, |count| count.to_string()),
+                protrusion,
+            ]);
+        }
+        let shows = self.status != Status::Fresh || lists_all;
+        if !listed.is_empty() && shows {
+            table.write(out)?;
+        }
+        let count = |action: &str| self.collisions.iter().filter(|own| own.action == action).count();
+        let state = match self.status {
+            Status::Written => "written",
+            Status::Fresh => "fresh",
+            Status::Stale => "stale",
+            Status::Missing => "missing",
+            Status::Failed => "failed",
+        };
+        let output = self.output.as_deref().unwrap_or("nothing written");
+        out.line(format_args!(
+            "{} -> {output}: {state}; collisions: {} hulls, {} in parts, {} from primitives, {} kept; {} meshes baked",
+            self.file,
+            count("hull"),
+            count("parts"),
+            count("primitive"),
+            count("kept"),
+            self.baked
+        ))?;
+        if let Some(reason) = &self.reason {
+            out.line(format_args!("  {reason}"))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,286 @@
+//! A description of a robot: its links, and the geometry of each.
+
+use std::path::{Path, PathBuf};
+
+use crate::document::Document;
+use crate::error::RobotError;
+use crate::mjcf::model::Model;
+use crate::places::{Places, Scheme, Unresolved, package_of, relative};
+
+/// Format of a description.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Unified Robot Description Format, of ROS.
+    Urdf,
+    /// MuJoCo's XML.
+    Mjcf,
+    /// Simulation Description Format, of Gazebo.
+    Sdf,
+}
+
+impl Format {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Urdf => "URDF",
+            Self::Mjcf => "MJCF",
+            Self::Sdf => "SDF",
+        }
+    }
+}
+
+/// A description, as it was read.
+#[derive(Debug)]
+pub struct Description {
+    /// Its format.
+    pub format: Format,
+    /// The file, then the files that it includes.
+    pub documents: Vec<Document>,
+    /// The links, in the order of the file; bodies in MJCF.
+    pub links: Vec<Link>,
+    /// Files that it names by paths relative to its folder.
+    pub references: Vec<Reference>,
+    /// What is left alone, and why.
+    pub notes: Vec<String>,
+    /// Where names of meshes start.
+    pub(crate) mesh_names: MeshNames,
+    pub(crate) mjcf: Option<Model>,
+}
+
+/// How a description names meshes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MeshNames {
+    /// The scheme of its meshes, if any.
+    pub scheme: Option<Scheme>,
+    /// Folder relative to the description, from which names of meshes start.
+    pub folder: String,
+    /// Whether programs remove folders from these names.
+    pub strips: bool,
+}
+
+/// A rigid body of a robot.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Its name; in SDF qualified by the models that hold it.
+    pub name: String,
+    /// Index of its document.
+    pub document: usize,
+    /// Its line, from 1.
+    pub line: u32,
+    /// What collides.
+    pub collisions: Vec<Shape>,
+    /// What is drawn only.
+    pub visuals: Vec<Shape>,
+    /// Where its element starts.
+    pub(crate) at: usize,
+    /// Whether a collision may be made from its visuals.
+    pub takes_visuals: bool,
+    /// The mass that it states; only read in URDF.
+    pub mass: Option<f64>,
+}
+
+/// An element with a geometry.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Its name; may be empty.
+    pub name: String,
+    /// Index of its document.
+    pub document: usize,
+    /// Its line, from 1.
+    pub line: u32,
+    /// Its geometry.
+    pub geometry: Geometry,
+    /// Its pose in the link: translation, then roll, pitch and yaw; only read in URDF.
+    pub pose: Option<[f64; 6]>,
+    /// Why it must stay a single mesh, if so.
+    pub stays_single: Option<String>,
+    /// Where its element starts.
+    pub(crate) at: usize,
+}
+
+/// Geometry of a shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// A mesh.
+    Mesh(MeshUse),
+    /// A box, cylinder, sphere or another solid with a name.
+    Primitive(String),
+    /// What cannot become a hull, with the reason.
+    Other(String),
+}
+
+/// Use of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshUse {
+    /// Its name as it is written.
+    pub written: String,
+    /// Its file, or why there is none.
+    pub file: Result<PathBuf, Unresolved>,
+    /// Factors along the axes of the mesh; negative ones mirror it.
+    pub scale: [f64; 3],
+}
+
+impl MeshUse {
+    /// The greatest factor: a length of the mesh is at most that many times longer in the robot.
+    pub fn stretch(&self) -> f64 {
+        self.scale.iter().fold(0.0, |max: f64, factor| max.max(factor.abs()))
+    }
+}
+
+/// A file that a description names by a path relative to its folder.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Reference {
+    /// The path from the folder of the description, without `.`.
+    pub path: PathBuf,
+    /// The end of that path, as the description writes it.
+    pub written: String,
+    /// The file.
+    pub file: PathBuf,
+}
+
+/// A change of a description.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A collision gets these meshes, which are named as in the description: see
+    /// [`Description::mesh_name`]. There is at least one.
+    Replace {
+        /// Index of the link.
+        link: usize,
+        /// Index of the collision.
+        collision: usize,
+        /// Names of the meshes.
+        meshes: Vec<String>,
+    },
+    /// Collisions are made from a visual: one for each mesh, or one with its primitive.
+    FromVisual {
+        /// Index of the link.
+        link: usize,
+        /// Index of the visual.
+        visual: usize,
+        /// Names of the meshes; `None` for a primitive.
+        meshes: Option<Vec<String>>,
+    },
+    /// The inertia of a link that states its mass is replaced. Only in URDF.
+    Inertia {
+        /// Index of the link.
+        link: usize,
+        /// The centre of mass.
+        center: [f64; 3],
+        /// Rows of the tensor about it, in the axes of the link.
+        inertia: [[f64; 3]; 3],
+    },
+    /// A collision is removed. Not in MJCF, where a geom may be drawn and have mass, too.
+    Remove {
+        /// Index of the link.
+        link: usize,
+        /// Index of the collision.
+        collision: usize,
+    },
+}
+
+impl Change {
+    /// The link, the shape, and the meshes; `None` if no shape changes.
+    pub(crate) fn parts<'a>(&'a self, links: &'a [Link]) -> Option<(&'a Link, &'a Shape, Option<&'a [String]>)> {
+        Some(match self {
+            Self::Inertia { .. } => return None,
+            Self::Replace { link, collision, meshes } => {
+                (&links[*link], &links[*link].collisions[*collision], Some(meshes))
+            }
+            Self::Remove { link, collision } => (&links[*link], &links[*link].collisions[*collision], None),
+            Self::FromVisual { link, visual, meshes } => {
+                (&links[*link], &links[*link].visuals[*visual], meshes.as_deref())
+            }
+        })
+    }
+}
+
+impl Description {
+    /// The file's path.
+    pub fn path(&self) -> &Path {
+        self.documents[0].path()
+    }
+
+    /// Folder of the new meshes, if only one will do: programs remove folders from their names.
+    /// `target` is the folder of the edited description.
+    pub fn mesh_folder(&self, target: &Path) -> Option<PathBuf> {
+        self.mesh_names.strips.then(|| target.join(&self.mesh_names.folder))
+    }
+
+    /// The name by which the description, written to the folder `target`, names a mesh. Both paths
+    /// are absolute. A mesh in a package or model is named as such, if the description names others
+    /// so.
+    ///
+    /// # Errors
+    /// There is no such name, for instance because the mesh is on another drive.
+    pub fn mesh_name(&self, mesh: &Path, target: &Path) -> Result<String, RobotError> {
+        let names = &self.mesh_names;
+        if names.strips {
+            return Ok(mesh.file_name().unwrap_or_default().to_string_lossy().into_owned());
+        }
+        let in_package = names.scheme.and_then(|scheme| {
+            let (package, below) = package_of(scheme, mesh)?;
+            // The description may be read from elsewhere, unless it is in the package too.
+            let own = package_of(scheme, &target.join("x"))?.0;
+            let below = below.to_str()?.replace('\\', "/");
+            (own == package).then(|| format!("{}{package}/{below}", scheme.prefix()))
+        });
+        let name = in_package.or_else(|| relative(mesh, &target.join(&names.folder)));
+        name.ok_or_else(|| {
+            let message =
+                format!("{} has no path relative to {}; write both to one drive", mesh.display(), target.display());
+            RobotError::rejected(self.path(), None, message)
+        })
+    }
+}
+
+/// Three numbers, separated by white space; `None` for anything else.
+pub(crate) fn triple(text: &str) -> Option<[f64; 3]> {
+    let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
+    <[f64; 3]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+}
+
+/// The factors that a scale states: three, or one for all axes.
+///
+/// # Errors
+/// It is something else, or 0.
+pub(crate) fn scale(text: Option<&str>) -> Result<[f64; 3], String> {
+    let Some(text) = text else { return Ok([1.0; 3]) };
+    let factors = triple(text).or_else(|| text.trim().parse().ok().map(|factor: f64| [factor; 3]));
+    let factors = factors.filter(|factors| factors.iter().all(|factor| factor.is_finite() && *factor != 0.0));
+    factors.ok_or_else(|| format!("the scale `{text}` is not three numbers other than 0; correct it"))
+}
+
+/// The use of a mesh by a file in `folder`.
+pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places, folder: &Path) -> MeshUse {
+    let (scale, fault) = match scale(scale_text) {
+        Ok(scale) => (scale, None),
+        Err(fault) => ([1.0; 3], Some(fault)),
+    };
+    let file = fault.map_or_else(|| places.resolve(written, folder), |fault| Err(Unresolved::Failed(fault)));
+    MeshUse { written: written.to_owned(), file, scale }
+}
+
+/// A reference to an existing file by a relative path.
+pub(crate) fn reference(written: &str, places: &Places, folder: &Path) -> Option<Reference> {
+    let is_relative = !written.contains("://") && !Path::new(written).has_root() && !written.trim().is_empty();
+    let file = is_relative.then(|| places.resolve(written, folder).ok()).flatten()?;
+    Some(Reference { path: crate::places::plain(Path::new(written.trim())), written: written.to_owned(), file })
+}
+
+/// The scheme of the first mesh that has one.
+pub(crate) fn scheme_of(links: &[Link]) -> Option<Scheme> {
+    let shapes = links.iter().flat_map(|link| link.collisions.iter().chain(&link.visuals));
+    let meshes = shapes.filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh(mesh) => Some(mesh),
+        _ => None,
+    });
+    meshes.filter_map(|mesh| Scheme::of(&mesh.written)).map(|(scheme, _)| scheme).next()
+}
+
+/// The folder of a file.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}

@@ -1,0 +1,166 @@
+//! Edits of a model: assets for the new meshes, geoms that name them, and copies of the old geoms
+//! that are drawn and have mass.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::model::Geom;
+use super::tree::{Element, Tree};
+use crate::description::{Change, Description};
+use crate::document::Document;
+use crate::edit::{Edit, edited};
+use crate::element::{lead, set, unique, without};
+use crate::error::RobotError;
+
+/// Attributes of an asset that do not apply to a hull: arrays and a limit on vertices.
+const NOT_OF_HULLS: [&str; 6] = ["content_type", "maxhullvert", "vertex", "normal", "texcoord", "face"];
+
+/// The group of the new geoms: hidden by default, as is usual for collisions.
+const GROUP: &str = "3";
+
+/// The edits of each document.
+///
+/// # Errors
+/// A document cannot be parsed, which it was before.
+pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec<Vec<Edit>>, RobotError> {
+    let documents = &description.documents;
+    let mut result: Vec<Vec<Edit>> = documents.iter().map(|_| Vec::new()).collect();
+    let Some(model) = &description.mjcf else { return Ok(result) };
+    let parsed: Vec<roxmltree::Document> = documents.iter().map(Document::parse).collect::<Result<_, _>>()?;
+    let tree = Tree { parsed: &parsed, includes: &model.includes };
+    let nodes: BTreeMap<(usize, usize), Element> =
+        tree.all().map(|element| ((element.document, element.node.range().start), element)).collect();
+    let mut assets = Assets { documents, taken: names_of_meshes(&tree), named: BTreeMap::new(), edits: Vec::new() };
+    let named = tree.all().filter(|element| element.name() == "geom").filter_map(|geom| geom.node.attribute("name"));
+    let mut geoms: BTreeSet<String> = named.map(str::to_owned).collect();
+    for change in changes {
+        let Some((_, shape, meshes)) = change.parts(&description.links) else { continue };
+        let key = (shape.document, shape.at);
+        let (Some(&element), Some(geom)) = (nodes.get(&key), model.geoms.get(&key)) else { continue };
+        let names = assets.of(geom, &nodes, meshes.unwrap_or_default());
+        let writer = Writer { element, text: documents[shape.document].text() };
+        let own = &mut result[shape.document];
+        match change {
+            Change::Remove { .. } | Change::Inertia { .. } => {}
+            Change::Replace { .. } => writer.replace(geom, &names, &mut geoms, own),
+            Change::FromVisual { meshes: None, .. } => own.push(writer.as_collision(None)),
+            Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),
+        }
+    }
+    for (document, edit) in assets.edits {
+        result[document].push(edit);
+    }
+    Ok(result)
+}
+
+/// The names of all meshes of the assets.
+fn names_of_meshes(tree: &Tree) -> BTreeSet<String> {
+    let meshes = tree.all().filter(|element| element.name() == "mesh");
+    let name = |mesh: Element| {
+        let stem = || Some(Path::new(mesh.node.attribute("file")?).file_stem()?.to_string_lossy().into_owned());
+        mesh.node.attribute("name").map(str::to_owned).or_else(stem)
+    };
+    meshes.filter_map(name).collect()
+}
+
+/// The assets that are added.
+struct Assets<'a> {
+    documents: &'a [Document],
+    /// Names of meshes.
+    taken: BTreeSet<String>,
+    /// By the old asset and the new file.
+    named: BTreeMap<((usize, usize), String), String>,
+    edits: Vec<(usize, Edit)>,
+}
+
+impl Assets<'_> {
+    /// The names of the assets of these files, for a geom. An asset is added once for each file
+    /// and old asset: a copy of that, with its scale and class.
+    fn of(&mut self, geom: &Geom, nodes: &BTreeMap<(usize, usize), Element>, files: &[String]) -> Vec<String> {
+        let Some((key, asset)) = geom.asset.and_then(|key| Some((key, nodes.get(&key)?))) else { return Vec::new() };
+        let text = self.documents[asset.document].text();
+        let mut names = Vec::new();
+        for file in files {
+            if let Some(name) = self.named.get(&(key, file.clone())) {
+                names.push(name.clone());
+                continue;
+            }
+            let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let name = unique(&stem, &mut self.taken);
+            let node = asset.node;
+            let mut own = vec![set(node, text, "name", &name), set(node, text, "file", file)];
+            own.extend(NOT_OF_HULLS.iter().filter_map(|name| without(node, text, name)));
+            let copy = text[lead(node, text)].to_owned() + &edited(text, node.range(), own);
+            self.edits.push((asset.document, Edit::insert(node.range().end, copy)));
+            self.named.insert((key, file.clone()), name.clone());
+            names.push(name);
+        }
+        names
+    }
+}
+
+/// Writes the edits of one geom.
+struct Writer<'a> {
+    element: Element<'a>,
+    text: &'a str,
+}
+
+impl Writer<'_> {
+    /// The geom gets the first mesh, and keeps its name and all else. Copies get the other meshes.
+    /// The last copy is drawn or keeps the mass, if the geom was or did.
+    fn replace(&self, geom: &Geom, meshes: &[String], taken: &mut BTreeSet<String>, edits: &mut Vec<Edit>) {
+        let Some((first, others)) = meshes.split_first() else { return };
+        let name = self.element.node.attribute("name").unwrap_or_default();
+        edits.extend(self.merged(self.hull(geom, first)));
+        for (index, mesh) in (1..).zip(others) {
+            let mut own = self.hull(geom, mesh);
+            if !name.is_empty() {
+                own.push(("name", Some(unique(&format!("{name}_part_{index:02}"), taken))));
+            }
+            edits.push(self.copy(own));
+        }
+        if geom.keeps_copy {
+            edits.push(self.copy(self.without_contact()));
+        }
+    }
+
+    /// Attributes of the geom of a hull.
+    fn hull(&self, geom: &Geom, mesh: &str) -> Vec<(&'static str, Option<String>)> {
+        let mut own = vec![("mesh", Some(mesh.to_owned()))];
+        if geom.keeps_copy {
+            own.extend([("group", Some(GROUP.to_owned())), ("mass", Some("0".to_owned()))]);
+        }
+        own
+    }
+
+    /// Attributes of a geom that only is drawn and has mass.
+    fn without_contact(&self) -> Vec<(&'static str, Option<String>)> {
+        let none = || Some("0".to_owned());
+        vec![("name", None), ("contype", none()), ("conaffinity", none())]
+    }
+
+    /// A collision with the pose of a geom that is drawn: it collides, is hidden, and has no mass.
+    fn as_collision(&self, mesh: Option<&String>) -> Edit {
+        let value = |text: &str| Some(text.to_owned());
+        let mut own = vec![("name", None), ("contype", value("1")), ("conaffinity", value("1"))];
+        own.extend([("group", value(GROUP)), ("mass", value("0"))]);
+        own.extend(mesh.map(|mesh| ("mesh", Some(mesh.clone()))));
+        self.copy(own)
+    }
+
+    /// Attributes that are set, or removed, in the element itself. Added ones are one insertion.
+    fn merged(&self, attributes: Vec<(&'static str, Option<String>)>) -> Vec<Edit> {
+        let edit = |(name, value): (&'static str, Option<String>)| match value {
+            Some(value) => Some(set(self.element.node, self.text, name, &value)),
+            None => without(self.element.node, self.text, name),
+        };
+        attributes.into_iter().filter_map(edit).collect()
+    }
+
+    /// A copy of the element behind it.
+    fn copy(&self, attributes: Vec<(&'static str, Option<String>)>) -> Edit {
+        let node = self.element.node;
+        let copy = edited(self.text, node.range(), self.merged(attributes));
+        Edit::insert(node.range().end, self.text[lead(node, self.text)].to_owned() + &copy)
+    }
+}

@@ -1,0 +1,24 @@
+//! What an edit of a model needs to know, besides its links.
+
+use std::collections::BTreeMap;
+
+/// Document and start of an `include`, and the document that it stands for.
+pub type Includes = BTreeMap<(usize, usize), usize>;
+
+/// Files and geoms of a model.
+#[derive(Debug)]
+pub struct Model {
+    /// Where files are included.
+    pub includes: Includes,
+    /// By document and start of the geom.
+    pub geoms: BTreeMap<(usize, usize), Geom>,
+}
+
+/// A geom of a mesh or primitive.
+#[derive(Clone, Debug)]
+pub struct Geom {
+    /// Whether a copy must be drawn, or keep the mass.
+    pub keeps_copy: bool,
+    /// Document and start of its mesh asset.
+    pub asset: Option<(usize, usize)>,
+}

@@ -1,0 +1,318 @@
+//! From a name in a description to a file: `package://`, `model://`, `file://`, relative and
+//! absolute paths.
+//!
+//! A description may come from anywhere, and whoever wrote it chose the names. So files are read
+//! only below folders that the caller names: the project, and the folders of packages.
+
+use std::path::{Component, Path, PathBuf};
+
+/// Maximum number of folders above a description that are searched for a package.
+const MAX_ABOVE: usize = 64;
+
+/// Maximum size of a `package.xml` in bytes.
+const MAX_PACKAGE_XML: u64 = 1 << 20;
+
+/// The folders in which files are looked for.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// Folders that hold packages or models, or are one: `--package-path`.
+    pub packages: Vec<PathBuf>,
+    /// Canonical folders below which files may be read, besides those of packages.
+    pub roots: Vec<PathBuf>,
+}
+
+/// Why a name leads to no file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unresolved {
+    /// The name is on another machine.
+    Remote,
+    /// The cause, and what to do.
+    Failed(String),
+}
+
+/// The scheme of a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// `package://`: a folder with `package.xml`.
+    Package,
+    /// `model://`: a folder with `model.config`.
+    Model,
+}
+
+impl Scheme {
+    /// How it is written.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Self::Package => "package://",
+            Self::Model => "model://",
+        }
+    }
+
+    /// The file by which its folders are known.
+    fn mark(self) -> &'static str {
+        match self {
+            Self::Package => "package.xml",
+            Self::Model => "model.config",
+        }
+    }
+
+    /// The scheme of a name, and the rest.
+    pub fn of(name: &str) -> Option<(Self, &str)> {
+        [Self::Package, Self::Model].into_iter().find_map(|scheme| Some((scheme, name.strip_prefix(scheme.prefix())?)))
+    }
+}
+
+impl Places {
+    /// The file that a name in a description in `folder` leads to.
+    ///
+    /// # Errors
+    /// There is no such file, or it lies outside of the folders that may be read. The error is the
+    /// same whether or not a file is there.
+    pub fn resolve(&self, name: &str, folder: &Path) -> Result<PathBuf, Unresolved> {
+        let name = name.trim();
+        if name.is_empty() {
+            return Err(Unresolved::Failed("the file name is empty; name a mesh".to_owned()));
+        }
+        let path = if let Some((scheme, rest)) = Scheme::of(name) {
+            self.in_package(scheme, rest, folder)?
+        } else if let Some(rest) = name.strip_prefix("file://") {
+            // `file://localhost/…` is not in use; `file://$(find …)` is a leftover of xacro.
+            folder.join(rest)
+        } else if name.contains("://") {
+            return Err(Unresolved::Remote);
+        } else {
+            folder.join(name)
+        };
+        self.checked(name, &with_slashes(path))
+    }
+
+    /// The file at a path, if it is regular, and inside of the folders that may be read.
+    fn checked(&self, name: &str, path: &Path) -> Result<PathBuf, Unresolved> {
+        let path = plain(path);
+        let outside = || {
+            Unresolved::Failed(format!(
+                "`{name}` leads out of the project and of all packages; name its folder with --package-path"
+            ))
+        };
+        let packages: Vec<PathBuf> = self.packages.iter().filter_map(|package| package.canonicalize().ok()).collect();
+        let is_inside = |path: &Path| self.roots.iter().chain(&packages).any(|root| path.starts_with(root));
+        match path.canonicalize() {
+            Ok(real) if !is_inside(&real) => Err(outside()),
+            Ok(real) if real.is_file() => Ok(path),
+            Ok(_) => Err(Unresolved::Failed(format!("`{name}` is not a regular file; name a mesh"))),
+            Err(_) => {
+                // The nearest folder that exists decides whether the place may be known.
+                let above = path.ancestors().skip(1).find_map(|above| above.canonicalize().ok());
+                match above {
+                    Some(above) if is_inside(&above) => Err(Unresolved::Failed(format!(
+                        "no file `{name}`; restore it, or leave its link alone with --skip"
+                    ))),
+                    _ => Err(outside()),
+                }
+            }
+        }
+    }
+
+    /// The path of `PACKAGE/REST`.
+    fn in_package(&self, scheme: Scheme, rest: &str, folder: &Path) -> Result<PathBuf, Unresolved> {
+        // Three slashes are as usual as two.
+        let rest = rest.trim_start_matches('/');
+        let (package, below) = rest.split_once('/').unwrap_or((rest, ""));
+        let not_found = || {
+            Unresolved::Failed(format!(
+                "no folder of the {} `{package}`; name it, or the folder that holds it, with --package-path",
+                if scheme == Scheme::Package { "package" } else { "model" }
+            ))
+        };
+        if package.is_empty() || Path::new(package).components().any(|part| !matches!(part, Component::Normal(_))) {
+            return Err(not_found());
+        }
+        let folders = self.folders_of(scheme, package, folder);
+        let file = folders.iter().map(|folder| folder.join(below)).find(|path| path.is_file());
+        file.or_else(|| folders.first().map(|folder| folder.join(below))).ok_or_else(not_found)
+    }
+
+    /// The folders that may be this package, the most certain first: those that `--package-path`
+    /// names, those above the description that have the mark, and those that have only the name.
+    fn folders_of(&self, scheme: Scheme, package: &str, folder: &Path) -> Vec<PathBuf> {
+        let is_named = |folder: &Path| folder.file_name().is_some_and(|name| name == package);
+        let is_package = |folder: &Path| {
+            is_named(folder) || scheme == Scheme::Package && stated_name(folder).as_deref() == Some(package)
+        };
+        let mut found = Vec::new();
+        for named in &self.packages {
+            if named.canonicalize().is_ok_and(|named| is_package(&named)) {
+                found.push(named.clone());
+            }
+            let inner = std::fs::read_dir(named).into_iter().flatten().flatten().map(|entry| entry.path());
+            let mut inner: Vec<PathBuf> = inner.filter(|path| path.is_dir()).collect();
+            inner.sort();
+            found.extend(inner.iter().filter(|path| is_package(path)).cloned());
+            found.extend(inner.iter().map(|path| path.join(package)).filter(|path| path.is_dir()));
+        }
+        let mut unmarked = Vec::new();
+        let canonical = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        for above in canonical.ancestors().take(MAX_ABOVE) {
+            let beside = above.join(package);
+            for candidate in
+                [Some(above.to_owned()).filter(|above| is_package(above)), Some(beside).filter(|path| path.is_dir())]
+            {
+                let Some(candidate) = candidate else { continue };
+                if candidate.join(scheme.mark()).is_file() { found.push(candidate) } else { unmarked.push(candidate) }
+            }
+        }
+        found.extend(unmarked);
+        found
+    }
+}
+
+/// The package that a file lies in, by the marks of the folders above it: its name, and the path
+/// of the file below it.
+pub fn package_of(scheme: Scheme, file: &Path) -> Option<(String, PathBuf)> {
+    let file = plain(file);
+    let folder = file.ancestors().skip(1).take(MAX_ABOVE).find(|above| above.join(scheme.mark()).is_file())?;
+    let named = || folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = if scheme == Scheme::Package { stated_name(folder).or_else(named) } else { named() };
+    Some((name?, file.strip_prefix(folder).ok()?.to_owned()))
+}
+
+/// The name that the `package.xml` of a folder states.
+fn stated_name(folder: &Path) -> Option<String> {
+    let path = folder.join(Scheme::Package.mark());
+    let kind = std::fs::metadata(&path).ok()?;
+    if !kind.is_file() || kind.len() > MAX_PACKAGE_XML {
+        return None;
+    }
+    let text = std::fs::read_to_string(path).ok()?;
+    let document = roxmltree::Document::parse(&text).ok()?;
+    let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
+    name.text().map(|text| text.trim().to_owned())
+}
+
+/// A path of Windows, as programs write it that run there, if the path itself leads nowhere.
+fn with_slashes(path: PathBuf) -> PathBuf {
+    match path.to_str() {
+        Some(text) if text.contains('\\') && !path.exists() => PathBuf::from(text.replace('\\', "/")),
+        _ => path,
+    }
+}
+
+/// A path without `.` and `..`, without access to the file system. A relative path may keep
+/// leading `..`.
+pub fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => match plain.components().next_back() {
+                Some(Component::Normal(_)) => drop(plain.pop()),
+                Some(Component::RootDir | Component::Prefix(_)) => {}
+                _ => plain.push(".."),
+            },
+            Component::CurDir => {}
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+/// The path from a folder to a file, with `/`; both absolute or both relative to the same folder.
+/// `None` if there is none, for instance between drives.
+pub fn relative(file: &Path, folder: &Path) -> Option<String> {
+    let (file, folder) = (plain(file), plain(folder));
+    let file: Vec<Component> = file.components().collect();
+    let folder: Vec<Component> = folder.components().collect();
+    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
+    let is_step = |part: &Component| matches!(part, Component::Normal(_));
+    if !folder[shared..].iter().all(is_step) || !file[shared..].iter().all(is_step) {
+        return None;
+    }
+    let up = folder[shared..].iter().map(|_| "..");
+    let down = file[shared..].iter().map(|part| part.as_os_str().to_str());
+    up.map(Some).chain(down).collect::<Option<Vec<&str>>>().map(|steps| steps.join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        let root = folder.path().canonicalize().unwrap();
+        (folder, root)
+    }
+
+    #[test]
+    fn names_lead_to_files() {
+        let (_guard, root) = folder(&[
+            ("ws/arm/package.xml", "<package><name>arm</name></package>"),
+            ("ws/arm/meshes/a.stl", ""),
+            ("ws/arm/urdf/b.stl", ""),
+            ("ws/checkout/package.xml", "<package>\n<name> other </name></package>"),
+            ("ws/checkout/c.stl", ""),
+            ("ws/plain/d.stl", ""),
+            ("else/far/e.stl", ""),
+            ("else/far/model.config", ""),
+        ]);
+        let places =
+            Places { packages: vec![root.join("else"), root.join("ws/checkout")], roots: vec![root.join("ws")] };
+        let urdf = root.join("ws/arm/urdf");
+        for (name, file) in [
+            ("package://arm/meshes/a.stl", "ws/arm/meshes/a.stl"),
+            ("package://plain/d.stl", "ws/plain/d.stl"),
+            ("package:///plain/d.stl", "ws/plain/d.stl"),
+            ("package://other/c.stl", "ws/checkout/c.stl"),
+            ("package://far/e.stl", "else/far/e.stl"),
+            ("model://far/e.stl", "else/far/e.stl"),
+            ("b.stl", "ws/arm/urdf/b.stl"),
+            ("../meshes/a.stl", "ws/arm/meshes/a.stl"),
+            ("..\\meshes\\a.stl", "ws/arm/meshes/a.stl"),
+            (&format!("file://{}/ws/plain/d.stl", root.display()), "ws/plain/d.stl"),
+            (&format!("{}/ws/plain/d.stl", root.display()), "ws/plain/d.stl"),
+        ] {
+            assert_eq!(places.resolve(name, &urdf), Ok(root.join(file)), "{name}");
+        }
+        for (name, expected) in [
+            ("package://gone/a.stl", "no folder of the package `gone`"),
+            ("package://../a.stl", "no folder of the package `..`"),
+            ("gone.stl", "no file `gone.stl`; restore it"),
+            ("../../../../../../../../etc/passwd", "leads out of the project"),
+            ("/etc/no-such-file", "leads out of the project"),
+            ("../meshes", "is not a regular file"),
+            ("", "the file name is empty"),
+        ] {
+            match places.resolve(name, &urdf) {
+                Err(Unresolved::Failed(message)) => assert!(message.contains(expected), "{name}: {message}"),
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+        assert_eq!(places.resolve("https://x/y.stl", &urdf), Err(Unresolved::Remote));
+        assert_eq!(
+            package_of(Scheme::Package, &root.join("ws/checkout/x/y.obj")),
+            Some(("other".to_owned(), "x/y.obj".into()))
+        );
+        assert_eq!(package_of(Scheme::Model, &root.join("else/far/x.obj")), Some(("far".to_owned(), "x.obj".into())));
+        assert_eq!(package_of(Scheme::Model, &root.join("ws/arm/x.obj")), None);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_do_not_lead_out() {
+        let (_guard, root) = folder(&[("in/a.urdf", ""), ("out/x.stl", "")]);
+        std::os::unix::fs::symlink(root.join("out/x.stl"), root.join("in/x.stl")).unwrap();
+        let places = Places { packages: Vec::new(), roots: vec![root.join("in")] };
+        assert!(matches!(places.resolve("x.stl", &root.join("in")), Err(Unresolved::Failed(_))));
+    }
+
+    #[test]
+    fn relative_paths_climb() {
+        assert_eq!(relative(Path::new("/a/b/x.obj"), Path::new("/a/c/d")).as_deref(), Some("../../b/x.obj"));
+        assert_eq!(relative(Path::new("b/x.obj"), Path::new("b/./")).as_deref(), Some("x.obj"));
+        assert_eq!(relative(Path::new("/x.obj"), Path::new("a")), None);
+        assert_eq!(plain(Path::new("../a/../../b")), Path::new("../../b"));
+    }
+}

@@ -1,0 +1,169 @@
+//! SDF: `model` / `link` / `collision` / `geometry` / `mesh` / `uri`.
+//!
+//! # Reference
+//! <http://sdformat.org/spec>
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use roxmltree::Node;
+
+use crate::description::{
+    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference, scheme_of,
+};
+use crate::document::Document;
+use crate::edit::{Edit, edited};
+use crate::element::{child, children, escaped, lead, removed, rename, set, unique};
+use crate::error::RobotError;
+use crate::places::Places;
+
+/// Solids that need no mesh.
+const PRIMITIVES: [&str; 6] = ["box", "cylinder", "sphere", "capsule", "ellipsoid", "cone"];
+
+/// Children of a visual that a collision does not have.
+const ONLY_VISUAL: [&str; 7] =
+    ["material", "transparency", "cast_shadows", "visibility_flags", "lighting", "meta", "plugin"];
+
+/// Elements that name files.
+const FILES: [&str; 5] = ["uri", "script", "albedo_map", "normal_map", "filename"];
+
+/// Finds the links of all models.
+///
+/// # Errors
+/// Two links of a model have one name, or a link has none.
+pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
+    let tree = document.parse()?;
+    let folder = folder_of(document.path()).to_owned();
+    let mut links: Vec<Link> = Vec::new();
+    let mut lines: BTreeMap<String, u32> = BTreeMap::new();
+    let mut notes = Vec::new();
+    let is_link = |node: &Node| {
+        node.has_tag_name("link") && node.parent_element().is_some_and(|model| model.has_tag_name("model"))
+    };
+    for node in tree.descendants().filter(is_link) {
+        let at = node.range().start;
+        let own = node.attribute("name").ok_or_else(|| document.error(at, "this link has no name; add one"))?;
+        let name = qualified(node, own);
+        let line = document.line(at);
+        if let Some(first) = lines.insert(name.clone(), line) {
+            return Err(
+                document.error(at, format!("link `{name}` exists already, in line {first}; rename one of them"))
+            );
+        }
+        let shapes = |kind: &'static str| -> Vec<Shape> {
+            children(node, kind).map(|node| shape(node, &document, places)).collect()
+        };
+        let (collisions, visuals) = (shapes("collision"), shapes("visual"));
+        links.push(Link { name, document: 0, line, at, collisions, visuals, takes_visuals: true, mass: None });
+    }
+    for node in tree.descendants().filter(|node| node.has_tag_name("include")) {
+        let uri = child(node, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
+        let line = document.line(node.range().start);
+        notes.push(format!(
+            "line {line}: the included model `{uri}` is another file, which keeps its collisions; name that file, too"
+        ));
+    }
+    let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
+    let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, &folder)).collect();
+    drop(tree);
+    let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
+    Ok(Description {
+        format: Format::Sdf,
+        documents: vec![document],
+        links,
+        references: references.into_iter().collect(),
+        notes,
+        mesh_names,
+        mjcf: None,
+    })
+}
+
+/// The name with those of the models that hold the link, except a single model.
+fn qualified(link: Node, name: &str) -> String {
+    let models: Vec<Node> = link.ancestors().filter(|node| node.has_tag_name("model")).collect();
+    let is_alone = |model: &Node| {
+        model.parent_element().is_none_or(|parent| !parent.has_tag_name("model") && !parent.has_tag_name("world"))
+    };
+    let outer = models.iter().rev().filter(|model| !is_alone(model)).filter_map(|model| model.attribute("name"));
+    outer.chain(std::iter::once(name)).collect::<Vec<_>>().join("::")
+}
+
+fn shape(node: Node, document: &Document, places: &Places) -> Shape {
+    let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
+    let geometry = match geometry {
+        None => Geometry::Other("it has no geometry".to_owned()),
+        Some(mesh) => match mesh.tag_name().name() {
+            "mesh" if child(mesh, "submesh").is_some() => {
+                Geometry::Other("it is a submesh, a part of a file; save it as a file of its own".to_owned())
+            }
+            "mesh" => {
+                let written = child(mesh, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
+                let scale = child(mesh, "scale").and_then(|scale| scale.text());
+                Geometry::Mesh(mesh_use(written, scale, places, folder_of(document.path())))
+            }
+            name if PRIMITIVES.contains(&name) => Geometry::Primitive(name.to_owned()),
+            name => Geometry::Other(format!("`{name}` is not a mesh")),
+        },
+    };
+    let at = node.range().start;
+    let name = node.attribute("name").unwrap_or_default().to_owned();
+    Shape { name, document: 0, line: document.line(at), geometry, pose: None, stays_single: None, at }
+}
+
+/// The edits that make these changes.
+///
+/// # Errors
+/// The document cannot be parsed, which it was before.
+pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
+    let tree = document.parse()?;
+    let nodes: BTreeMap<usize, Node> =
+        tree.descendants().filter(Node::is_element).map(|node| (node.range().start, node)).collect();
+    let text = document.text();
+    let mut edits = Vec::new();
+    // Names of collisions are unique in a link.
+    let mut names: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
+    for change in changes {
+        let Some((link, shape, meshes)) = change.parts(links) else { continue };
+        let node = nodes[&shape.at];
+        let names =
+            names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
+        match change {
+            Change::Remove { .. } => edits.push(removed(node, text)),
+            Change::Inertia { .. } => {}
+            Change::Replace { .. } => {
+                let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
+                edits.extend(uri_of(node).map(|span| Edit::replace(span, escaped(first))));
+                for (index, mesh) in (1..).zip(others) {
+                    let mut own: Vec<Edit> =
+                        uri_of(node).map(|span| Edit::replace(span, escaped(mesh))).into_iter().collect();
+                    let name = format!("{}_part_{index:02}", shape.name);
+                    own.push(set(node, text, "name", &unique(&name, names)));
+                    let copy = text[lead(node, text)].to_owned() + &edited(text, node.range(), own);
+                    edits.push(Edit::insert(node.range().end, copy));
+                }
+            }
+            Change::FromVisual { .. } => {
+                let last = link.visuals.last().map_or(shape.at, |last| last.at);
+                let at = nodes[&last].range().end;
+                let count = meshes.map_or(1, <[String]>::len);
+                for index in 0..count {
+                    let mut own = rename(node, text, "collision");
+                    let only_visual = node.children().filter(|child| ONLY_VISUAL.contains(&child.tag_name().name()));
+                    own.extend(only_visual.map(|child| removed(child, text)));
+                    let mesh = meshes.and_then(|meshes| meshes.get(index));
+                    own.extend(mesh.and_then(|mesh| Some(Edit::replace(uri_of(node)?, escaped(mesh)))));
+                    let name = if count == 1 { shape.name.clone() } else { format!("{}_part_{index:02}", shape.name) };
+                    own.push(set(node, text, "name", &unique(&name, names)));
+                    edits.push(Edit::insert(at, text[lead(node, text)].to_owned() + &edited(text, node.range(), own)));
+                }
+            }
+        }
+    }
+    Ok(edits)
+}
+
+/// The span of the text in a shape's `uri`.
+fn uri_of(node: Node) -> Option<Range<usize>> {
+    let uri = child(child(child(node, "geometry")?, "mesh")?, "uri")?;
+    Some(uri.first_child()?.range().start..uri.last_child()?.range().end)
+}

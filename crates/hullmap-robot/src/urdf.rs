@@ -1,0 +1,214 @@
+//! URDF: `robot` / `link` / `collision` / `geometry` / `mesh filename`.
+//!
+//! # Reference
+//! <https://wiki.ros.org/urdf/XML/link>
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use roxmltree::Node;
+
+use crate::description::{
+    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference,
+    scheme_of, triple,
+};
+use crate::document::Document;
+use crate::edit::{Edit, edited};
+use crate::element::{child, children, lead, removed, rename, set, unique};
+use crate::error::RobotError;
+use crate::places::Places;
+
+/// Solids that need no mesh.
+const PRIMITIVES: [&str; 4] = ["box", "cylinder", "sphere", "capsule"];
+
+/// Finds the links of a description.
+///
+/// # Errors
+/// Two links have one name, or a link has none.
+pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
+    let tree = document.parse()?;
+    let folder = folder_of(document.path()).to_owned();
+    let mut links: Vec<Link> = Vec::new();
+    let mut lines: BTreeMap<String, u32> = BTreeMap::new();
+    for node in children(tree.root_element(), "link") {
+        let at = node.range().start;
+        let name = node.attribute("name").ok_or_else(|| document.error(at, "this link has no name; add one"))?;
+        let line = document.line(at);
+        if let Some(first) = lines.insert(name.to_owned(), line) {
+            return Err(
+                document.error(at, format!("link `{name}` exists already, in line {first}; rename one of them"))
+            );
+        }
+        let shapes = |kind: &'static str| -> Vec<Shape> {
+            children(node, kind).map(|node| shape(node, &document, places)).collect()
+        };
+        let (collisions, visuals) = (shapes("collision"), shapes("visual"));
+        links.push(Link {
+            name: name.to_owned(),
+            document: 0,
+            line,
+            at,
+            collisions,
+            visuals,
+            takes_visuals: true,
+            mass: mass(node),
+        });
+    }
+    let named = tree.descendants().filter_map(|node| node.attribute("filename"));
+    let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, &folder)).collect();
+    drop(tree);
+    let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
+    Ok(Description {
+        format: Format::Urdf,
+        documents: vec![document],
+        links,
+        references: references.into_iter().collect(),
+        notes: Vec::new(),
+        mesh_names,
+        mjcf: None,
+    })
+}
+
+fn shape(node: Node, document: &Document, places: &Places) -> Shape {
+    let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
+    let geometry = match geometry {
+        None => Geometry::Other("it has no geometry".to_owned()),
+        Some(geometry) => match geometry.tag_name().name() {
+            "mesh" => {
+                let written = geometry.attribute("filename").unwrap_or_default();
+                Geometry::Mesh(mesh_use(written, geometry.attribute("scale"), places, folder_of(document.path())))
+            }
+            name if PRIMITIVES.contains(&name) => Geometry::Primitive(name.to_owned()),
+            name => Geometry::Other(format!("`{name}` is not a mesh")),
+        },
+    };
+    let at = node.range().start;
+    let name = node.attribute("name").unwrap_or_default().to_owned();
+    Shape { name, document: 0, line: document.line(at), geometry, pose: pose(node), stays_single: None, at }
+}
+
+/// The edits that make these changes.
+///
+/// # Errors
+/// The document cannot be parsed, which it was before.
+pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
+    let tree = document.parse()?;
+    let nodes: BTreeMap<usize, Node> =
+        tree.descendants().filter(Node::is_element).map(|node| (node.range().start, node)).collect();
+    let text = document.text();
+    let mut edits = Vec::new();
+    for change in changes {
+        let Some((link, shape, meshes)) = change.parts(links) else {
+            if let Change::Inertia { link, center, inertia } = change {
+                let inertial = nodes.get(&links[*link].at).and_then(|link| child(*link, "inertial"));
+                edits.extend(inertial.into_iter().flat_map(|node| of_inertial(node, text, *center, *inertia)));
+            }
+            continue;
+        };
+        let node = nodes[&shape.at];
+        let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
+        match change {
+            Change::Remove { .. } => edits.push(removed(node, text)),
+            Change::Inertia { .. } => {}
+            Change::Replace { .. } => {
+                let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
+                edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));
+            }
+            Change::FromVisual { .. } => {
+                let last = link.visuals.last().map_or(shape.at, |last| last.at);
+                let at = nodes[&last].range().end;
+                let one = [None];
+                let each: Vec<Option<&String>> =
+                    meshes.map_or(one.to_vec(), |meshes| meshes.iter().map(Some).collect());
+                let is_single = each.len() == 1;
+                for (index, mesh) in each.into_iter().enumerate() {
+                    let index = if is_single { None } else { Some(index) };
+                    edits.push(Edit::insert(at, from_visual(node, text, mesh, index, &mut names)));
+                }
+            }
+        }
+    }
+    Ok(edits)
+}
+
+/// The mass that a link states.
+fn mass(link: Node) -> Option<f64> {
+    let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
+    value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
+}
+
+/// The pose that the `origin` of an element states; `None` if it is invalid.
+fn pose(node: Node) -> Option<[f64; 6]> {
+    let origin = child(node, "origin");
+    let stated = |name: &str| match origin.and_then(|origin| origin.attribute(name)) {
+        Some(text) => triple(text),
+        None => Some([0.0; 3]),
+    };
+    let ([x, y, z], [roll, pitch, yaw]) = (stated("xyz")?, stated("rpy")?);
+    Some([x, y, z, roll, pitch, yaw])
+}
+
+/// Edits of an `inertial`: the origin is the centre of mass, with the axes of the link.
+fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3]) -> Vec<Edit> {
+    let centre = format!("{x} {y} {z}");
+    let [[xx, xy, xz], [_, yy, yz], [.., zz]] = tensor;
+    let entries = [("ixx", xx), ("ixy", xy), ("ixz", xz), ("iyy", yy), ("iyz", yz), ("izz", zz)];
+    let mut edits = Vec::new();
+    match child(node, "origin") {
+        Some(origin) => edits.extend([set(origin, text, "xyz", &centre), set(origin, text, "rpy", "0 0 0")]),
+        None => {
+            let mass = child(node, "mass").unwrap_or(node);
+            let origin = format!("<origin xyz=\"{centre}\" rpy=\"0 0 0\"/>{}", &text[lead(mass, text)]);
+            edits.push(Edit::insert(mass.range().start, origin));
+        }
+    }
+    match child(node, "inertia") {
+        Some(inertia) => edits.extend(entries.map(|(name, value)| set(inertia, text, name, &value.to_string()))),
+        None => {
+            let mass = child(node, "mass").unwrap_or(node);
+            let values: String = entries.iter().map(|(name, value)| format!(" {name}=\"{value}\"")).collect();
+            edits.push(Edit::insert(mass.range().end, format!("{}<inertia{values}/>", &text[lead(mass, text)])));
+        }
+    }
+    edits
+}
+
+/// The first mesh in place of the old one, and a copy of the element for each other.
+fn replace(node: Node, text: &str, meshes: &[String], mut copy: impl FnMut(usize, &String) -> String) -> Vec<Edit> {
+    let Some((first, others)) = meshes.split_first() else { return Vec::new() };
+    let mut edits: Vec<Edit> = mesh_of(node).map(|mesh| set(mesh, text, "filename", first)).into_iter().collect();
+    edits.extend((1..).zip(others).map(|(index, mesh)| Edit::insert(node.range().end, copy(index, mesh))));
+    edits
+}
+
+fn mesh_of<'a, 'input>(node: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
+    child(child(node, "geometry")?, "mesh")
+}
+
+/// A copy of a collision with another mesh, for part `index`.
+fn part(node: Node, text: &str, mesh: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> String {
+    let mut edits: Vec<Edit> = mesh_of(node).map(|node| set(node, text, "filename", mesh)).into_iter().collect();
+    edits.extend(renamed(node, text, index, names));
+    text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
+}
+
+/// The name of a part, if the element has a name.
+fn renamed(node: Node, text: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> Option<Edit> {
+    let name = node.attribute("name").filter(|name| !name.is_empty())?;
+    let name = index.map_or_else(|| name.to_owned(), |index| format!("{name}_part_{index:02}"));
+    Some(set(node, text, "name", &unique(&name, names)))
+}
+
+/// A collision with the pose of a visual.
+fn from_visual(
+    node: Node,
+    text: &str,
+    mesh: Option<&String>,
+    index: Option<usize>,
+    names: &mut BTreeSet<String>,
+) -> String {
+    let mut edits = rename(node, text, "collision");
+    edits.extend(children(node, "material").map(|material| removed(material, text)));
+    edits.extend(mesh.and_then(|mesh| Some(set(mesh_of(node)?, text, "filename", mesh))));
+    edits.extend(renamed(node, text, index, names));
+    text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
+}

@@ -1,0 +1,276 @@
+//! Descriptions in each format: what is found, and what changes.
+
+use std::path::{Path, PathBuf};
+
+use hullmap_robot::{Change, Description, Geometry, Places, RobotError};
+
+/// A folder with these files.
+fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+fn read(folder: &Path, name: &str) -> Result<Description, RobotError> {
+    let places = Places { packages: Vec::new(), roots: vec![folder.canonicalize().unwrap()] };
+    Description::read(&folder.join(name), &places)
+}
+
+/// Collisions of each link, by kind.
+fn kinds(description: &Description) -> Vec<(String, Vec<String>)> {
+    let kind = |geometry: &Geometry| match geometry {
+        Geometry::Mesh(mesh) => match &mesh.file {
+            Ok(file) => format!("mesh {}", file.file_name().unwrap().display()),
+            Err(_) => "missing".to_owned(),
+        },
+        Geometry::Primitive(kind) => kind.clone(),
+        Geometry::Other(_) => "other".to_owned(),
+    };
+    let shapes = |link: &hullmap_robot::Link| link.collisions.iter().map(|shape| kind(&shape.geometry)).collect();
+    description.links.iter().map(|link| (link.name.clone(), shapes(link))).collect()
+}
+
+fn meshes(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+fn replace(link: usize, collision: usize, names: &[&str]) -> Change {
+    Change::Replace { link, collision, meshes: meshes(names) }
+}
+
+fn changed(description: &Description, changes: &[Change]) -> Vec<String> {
+    description.changed(changes).unwrap().into_iter().map(|bytes| String::from_utf8(bytes).unwrap()).collect()
+}
+
+const URDF: &str = r#"<?xml version="1.0"?>
+<robot name="r"> <!-- a -- comment -->
+  <link name="base">
+    <visual name="v"><geometry><mesh filename="a.stl"/></geometry></visual>
+    <collision name="c">
+      <origin xyz="0 0 1"/> <!-- kept -->
+      <geometry>
+        <mesh scale='1 -1 1'   filename='a.stl' />
+      </geometry>
+    </collision>
+    <collision><geometry><box size="1 1 1"/></geometry></collision>
+  </link>
+  <link name="arm">
+    <visual name="shell">
+      <origin rpy="0 0 1"/>
+      <geometry><mesh filename="meshes/b.stl" scale="0.001 0.001 0.001"/></geometry>
+      <material name="red"/>
+    </visual>
+  </link>
+  <link name="hand"><collision><geometry><mesh filename="gone.stl"/></geometry></collision></link>
+</robot>
+"#;
+
+#[test]
+fn urdf() {
+    let folder = folder(&[("r.urdf", URDF), ("a.stl", ""), ("meshes/b.stl", "")]);
+    let description = read(folder.path(), "r.urdf").unwrap();
+    let own = |name: &str, all: &[&str]| (name.to_owned(), meshes(all));
+    assert_eq!(kinds(&description), [own("base", &["mesh a.stl", "box"]), own("arm", &[]), own("hand", &["missing"])]);
+    let Geometry::Mesh(mesh) = &description.links[0].collisions[0].geometry else { panic!() };
+    assert_eq!((mesh.scale, mesh.stretch()), ([1.0, -1.0, 1.0], 1.0));
+    assert_eq!(changed(&description, &[]), [URDF]);
+    let one = changed(&description, &[replace(0, 0, &["h/x.obj"])]);
+    assert_eq!(one, [URDF.replace("filename='a.stl'", "filename='h/x.obj'")]);
+    let three = changed(&description, &[replace(0, 0, &["x.obj", "y.obj", "z.obj"])]).remove(0);
+    let copy = |name: &str, mesh: &str| {
+        format!(
+            "\n    <collision name=\"{name}\">\n      <origin xyz=\"0 0 1\"/> <!-- kept -->\n      <geometry>\n        \
+             <mesh scale='1 -1 1'   filename='{mesh}' />\n      </geometry>\n    </collision>"
+        )
+    };
+    let first = URDF.replace("filename='a.stl'", "filename='x.obj'");
+    let at = first.find("</collision>").unwrap() + "</collision>".len();
+    let expected = [&first[..at], &copy("c_part_01", "y.obj"), &copy("c_part_02", "z.obj"), &first[at..]].concat();
+    assert_eq!(three, expected);
+    let change = Change::FromVisual { link: 1, visual: 0, meshes: Some(meshes(&["b.obj"])) };
+    let from_visual = changed(&description, &[change]).remove(0);
+    let collision = "\n    <collision name=\"shell\">\n      <origin rpy=\"0 0 1\"/>\n      <geometry>\
+                     <mesh filename=\"b.obj\" scale=\"0.001 0.001 0.001\"/></geometry>\n    </collision>";
+    let at = URDF.find("      <material name=\"red\"/>\n    </visual>").unwrap()
+        + "      <material name=\"red\"/>\n    </visual>".len();
+    assert_eq!(from_visual, [&URDF[..at], collision, &URDF[at..]].concat());
+}
+
+const SDF: &str = "<sdf version='1.9'>\r\n<model name='m'>\r\n <link name='l'>\r\n  <collision name='c'>\r\n   <geometry><mesh>\
+<uri> model://m/a.stl </uri><scale>2 2 2</scale></mesh></geometry>\r\n   <surface/>\r\n  </collision>\r\n  <visual name='v'>\
+<geometry><box><size>1 1 1</size></box></geometry><material/></visual>\r\n </link>\r\n <link name='k'>\r\n  <visual name='w'>\
+<geometry><sphere/></geometry><material/></visual>\r\n </link>\r\n</model>\r\n</sdf>\r\n";
+
+#[test]
+fn sdf() {
+    let folder = folder(&[("m/model.sdf", SDF), ("m/model.config", ""), ("m/a.stl", "")]);
+    let description = read(folder.path(), "m/model.sdf").unwrap();
+    assert_eq!(kinds(&description)[0], ("l".to_owned(), meshes(&["mesh a.stl"])));
+    assert_eq!(changed(&description, &[]), [SDF]);
+    let folder = folder.path().canonicalize().unwrap().join("m");
+    let name = description.mesh_name(&folder.join("h/x.obj"), &folder).unwrap();
+    assert_eq!(name, "model://m/h/x.obj");
+    let two = changed(&description, &[replace(0, 0, &[&name, "y.obj"])]).remove(0);
+    let first = SDF.replace(" model://m/a.stl ", "model://m/h/x.obj");
+    let copy = "\r\n  <collision name='c_part_01'>\r\n   <geometry><mesh><uri>y.obj</uri><scale>2 2 2</scale></mesh></geometry>\
+                \r\n   <surface/>\r\n  </collision>";
+    let at = first.find("</collision>").unwrap() + "</collision>".len();
+    assert_eq!(two, [&first[..at], copy, &first[at..]].concat());
+    let sphere = changed(&description, &[Change::FromVisual { link: 1, visual: 0, meshes: None }]).remove(0);
+    assert!(
+        sphere.contains("\r\n  <collision name='w'><geometry><sphere/></geometry></collision>\r\n </link>"),
+        "{sphere}"
+    );
+}
+
+const MJCF: &str = r#"<mujoco>
+  <compiler meshdir="assets"/>
+  <default>
+    <geom group="2"/>
+    <default class="col"><geom type="mesh" group="3" rgba="1 0 0 1"/></default>
+    <default class="vis"><geom type="mesh" contype="0" conaffinity="0"/></default>
+  </default>
+  <asset>
+    <mesh file="a.stl" scale="0.1 0.1 0.1"/>
+    <mesh name="bee" file="b.obj" maxhullvert="8"/>
+    <mesh name="inline" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>
+  </asset>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="one" childclass="col">
+      <inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>
+      <geom name="g" mesh="a" pos="1 2 3"/>
+      <geom class="vis" mesh="bee"/>
+      <frame><geom type="box" size="1 1 1"/></frame>
+      <body name="two">
+        <geom class="col" mesh="bee" mass="2"/>
+        <include file="inc/part.xml"/>
+      </body>
+      <body name="three"><geom class="vis" mesh="bee" name="drawn"/></body>
+    </body>
+  </worldbody>
+  <contact><pair geom1="g" geom2="p"/></contact>
+</mujoco>
+"#;
+
+const PART: &str = "<mujocoinclude>\n  <geom name=\"p\" type=\"mesh\" mesh=\"inline\"/>\n  <geom type='mesh' mesh='a'/>\n</mujocoinclude>\n";
+
+#[test]
+fn mjcf() {
+    let files = [("r.xml", MJCF), ("inc/part.xml", PART), ("assets/a.stl", ""), ("assets/b.obj", "")];
+    let folder = folder(&files);
+    let description = read(folder.path(), "r.xml").unwrap();
+    let own = |name: &str, all: &[&str]| (name.to_owned(), meshes(all));
+    let expected = [
+        own("world", &["other"]),
+        own("one", &["mesh a.stl", "box"]),
+        own("two", &["mesh b.obj", "other", "mesh a.stl"]),
+        own("three", &[]),
+    ];
+    assert_eq!(kinds(&description), expected);
+    assert!(description.links[1].collisions[0].stays_single.is_some(), "a pair names it");
+    assert_eq!(changed(&description, &[]), [MJCF, PART]);
+    let root = folder.path().canonicalize().unwrap();
+    let name = description.mesh_name(&root.join("r_collision/a_hull.obj"), &root).unwrap();
+    assert_eq!(name, "../r_collision/a_hull.obj");
+    // A hidden geom of a body with an inertial: only its mesh changes.
+    let texts = changed(&description, &[replace(1, 0, &[&name])]);
+    let asset = "<mesh file=\"a.stl\" scale=\"0.1 0.1 0.1\"/>";
+    let added = "\n    <mesh file=\"../r_collision/a_hull.obj\" scale=\"0.1 0.1 0.1\" name=\"a_hull\"/>";
+    let expected = MJCF.replace(asset, &format!("{asset}{added}")).replace("\"g\" mesh=\"a\"", "\"g\" mesh=\"a_hull\"");
+    assert_eq!(texts, [expected.as_str(), PART]);
+    // A hidden geom that gives the body its mass: a copy keeps the mass, and does not collide.
+    let texts = changed(&description, &[replace(2, 0, &["x.obj", "y.obj"])]);
+    let geom = "<geom class=\"col\" mesh=\"bee\" mass=\"2\"/>";
+    let copies = [
+        "<geom class=\"col\" mesh=\"x\" mass=\"0\" group=\"3\"/>",
+        "\n        <geom class=\"col\" mesh=\"y\" mass=\"0\" group=\"3\"/>",
+        "\n        <geom class=\"col\" mesh=\"bee\" mass=\"2\" contype=\"0\" conaffinity=\"0\"/>",
+    ];
+    assert_eq!(texts[0].replace(&copies.concat(), geom).len(), MJCF.len() + added_len(&texts[0]));
+    assert!(texts[0].contains(&copies.concat()), "{}", texts[0]);
+    assert!(texts[0].contains("<mesh name=\"x\" file=\"x.obj\"/>"), "no limit on vertices: {}", texts[0]);
+    // A geom that is drawn, in an included file.
+    let texts = changed(&description, &[replace(2, 2, &["z.obj"])]);
+    let geom = "<geom type='mesh' mesh='z' group=\"3\" mass=\"0\"/>\n  <geom type='mesh' mesh='a' contype=\"0\" conaffinity=\"0\"/>";
+    assert_eq!(texts[1], PART.replace("<geom type='mesh' mesh='a'/>", geom));
+    // From a visual.
+    let change = Change::FromVisual { link: 3, visual: 0, meshes: Some(meshes(&["v.obj"])) };
+    let text = changed(&description, &[change]).remove(0);
+    let geom = "<geom class=\"vis\" mesh=\"bee\" name=\"drawn\"/>";
+    let collision = "<geom class=\"vis\" mesh=\"v\" contype=\"1\" conaffinity=\"1\" group=\"3\" mass=\"0\"/>";
+    assert!(text.contains(&format!("{geom}{collision}")), "{text}");
+}
+
+/// Length of the assets that were added.
+fn added_len(text: &str) -> usize {
+    ["\n    <mesh name=\"x\" file=\"x.obj\"/>", "\n    <mesh name=\"y\" file=\"y.obj\"/>"]
+        .iter()
+        .filter(|added| text.contains(**added))
+        .map(|added| added.len())
+        .sum()
+}
+
+#[test]
+fn bad_descriptions_are_errors_with_line_and_remedy() {
+    for (name, text, expected) in [
+        (
+            "a.urdf",
+            "<robot>\n<link name='a'/>\n<link name='a'/></robot>",
+            "a.urdf:3: link `a` exists already, in line 2; rename",
+        ),
+        ("a.urdf", "<robot>\n<link/></robot>", "a.urdf:2: this link has no name; add one"),
+        (
+            "a.urdf.xacro",
+            "<robot xmlns:xacro='x'>\n<xacro:macro name='m'/></robot>",
+            "a.urdf.xacro:2: has macros of xacro; expand them first: xacro ",
+        ),
+        (
+            "a.sdf",
+            "<sdf><model name='m'><link name='a'/>\n<link name='a'/></model></sdf>",
+            "a.sdf:2: link `a` exists already",
+        ),
+        (
+            "a.xml",
+            "<mujoco><worldbody><body name='b'/>\n<body name='b'/></worldbody></mujoco>",
+            "a.xml:2: body `b` exists already, in line 1",
+        ),
+        (
+            "a.xml",
+            "<mujoco><asset><mesh file='m.obj'/>\n<mesh name='m' file='n.obj'/></asset></mujoco>",
+            "a.xml:2: mesh `m` exists already",
+        ),
+        (
+            "a.xml",
+            "<mujoco>\n<include file='a.xml'/></mujoco>",
+            "a.xml:2: `a.xml` is included already; MuJoCo includes a file once, so this may be a cycle",
+        ),
+        ("a.xml", "<mujoco>\n<include file='b.xml'/></mujoco>", "a.xml:2: no file `b.xml`"),
+        (
+            "a.xml",
+            "<mujoco>\n<include file='../../../../../../../../etc/hosts'/></mujoco>",
+            "a.xml:2: `../../../../../../../../etc/hosts` leads out",
+        ),
+        ("a.xml", "<mujoco>\n<include/></mujoco>", "a.xml:2: this include names no file"),
+        ("a.xml", "<mujocoinclude/>", "a.xml:1: is a part of a model; name the file that includes it"),
+        ("a.xml", "<html/>", "`html` is not the root of a URDF (robot), MJCF (mujoco) or SDF (sdf) file"),
+        ("a.xml", "<mujoco>\n", "invalid XML"),
+        ("a.urdf", "<!DOCTYPE r [<!ENTITY a 'b'>]><robot/>", "remove <!DOCTYPE>"),
+    ] {
+        let folder = folder(&[(name, text)]);
+        let error = read(folder.path(), name).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let cycle = [
+        ("a.xml", "<mujoco><include file='b.xml'/></mujoco>"),
+        ("b.xml", "<mujocoinclude>\n<include file='a.xml'/></mujocoinclude>"),
+    ];
+    let folder = folder(&cycle);
+    let error = read(folder.path(), "a.xml").unwrap_err().to_string();
+    assert!(error.contains("b.xml:2: `a.xml` is included already"), "{error}");
+    assert!(Description::read(&PathBuf::from("/no/such.urdf"), &Places::default()).unwrap_err().is_unreadable);
+}

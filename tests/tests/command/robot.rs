@@ -1,0 +1,209 @@
+//! `bake robot`: what it writes, that it writes it once, and that faults leave nothing behind.
+
+use std::fs;
+use std::path::Path;
+
+use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::files::workspace;
+use serde_json::Value;
+
+/// A folder with a copy of the robots, as a project.
+fn robots() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let source = workspace().join("tests/robots");
+    for name in ["arm.urdf", "arm.xml", "arm.sdf", "tip.xml", "wedge.urdf", "meshes/bracket.obj", "meshes/wedge.dae"] {
+        let target = folder.path().join("in").join(name);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        fs::copy(source.join(name), target).unwrap();
+    }
+    fs::create_dir(folder.path().join(".git")).unwrap();
+    folder
+}
+
+fn run(folder: &Path, line: &str) -> Run {
+    bake_in(folder, line.split_whitespace())
+}
+
+/// Every file below a folder, by its path.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut waiting = vec![folder.to_owned()];
+    while let Some(folder) = waiting.pop() {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                waiting.push(path)
+            } else {
+                found.push((path.display().to_string(), fs::read(&path).unwrap()))
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn actions(row: &Value) -> Vec<&str> {
+    row["collisions"].as_array().unwrap().iter().map(|own| own["action"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_second_run_changes_nothing_and_neither_does_one_on_the_output() {
+    let folder = robots();
+    for options in ["", " --decompose --max-error 2mm"] {
+        let line = format!("robot in/arm.urdf in/arm.xml in/arm.sdf in/wedge.urdf --out out{options} --json");
+        let missing = run(folder.path(), &format!("{line} --check")).expect(1);
+        let state = if options.is_empty() { "missing" } else { "stale" };
+        assert!(
+            missing.json().iter().all(|row| row["status"] == state || row["file"] == "in/wedge.urdf"),
+            "{}",
+            missing.stdout
+        );
+        let first = run(folder.path(), &line).expect(0);
+        let parts = usize::from(!options.is_empty());
+        assert_eq!(
+            actions(&first.json()[0]),
+            [[["hull", "kept", "hull", "primitive"]], [["parts", "kept", "parts", "primitive"]]][parts][0]
+        );
+        let before = files(&folder.path().join("out"));
+        run(folder.path(), &format!("{line} --check")).expect(0);
+        let second = run(folder.path(), &line).expect(0);
+        assert!(second.json().iter().all(|row| row["status"] == "fresh" && row["baked"] == 0), "{}", second.stdout);
+        let own = run(folder.path(), "robot out/arm.urdf out/arm.xml out/arm.sdf --out out --json").expect(0);
+        assert!(own.json().iter().all(|row| row["status"] == "fresh"), "{}", own.stdout);
+        assert!(files(&folder.path().join("out")) == before, "files have changed");
+    }
+    fs::write(folder.path().join("in/meshes/bracket.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
+        .unwrap();
+    let stale = run(folder.path(), "robot in/arm.urdf --out out --check --json").expect(1);
+    assert_eq!(stale.json()[0]["status"], "stale", "{}", stale.stdout);
+}
+
+/// Of the output, removing what was added and renaming hulls gives the input.
+#[test]
+fn only_collisions_change() {
+    let folder = robots();
+    run(folder.path(), "robot in/arm.urdf in/arm.sdf --out in/baked --from-visual never").expect(0);
+    for (name, hull) in [("arm.urdf", "arm_collision/bracket_hull.obj"), ("arm.sdf", "arm_collision/bracket_hull.obj")]
+    {
+        let before = fs::read_to_string(folder.path().join("in").join(name)).unwrap();
+        let after = fs::read_to_string(folder.path().join("in/baked").join(name)).unwrap();
+        assert_ne!(before, after);
+        assert_eq!(after.replace(hull, "meshes/bracket.obj"), before, "{name}");
+    }
+    let rows = run(folder.path(), "robot in/arm.urdf --out in/hulls.urdf --json").expect(0).json();
+    let one = &rows[0]["collisions"];
+    assert_eq!(one[0]["meshes"], one[2]["meshes"], "a mirror shares the hull");
+    assert_eq!(rows[0]["baked"], 1);
+}
+
+#[test]
+fn rules_and_flags_choose_for_each_link() {
+    let folder = robots();
+    let rules =
+        "[defaults]\ndecompose = true\nmax_error = \"2mm\"\nunit_scale = 2\n\n[[rule]]\nlinks = \"l*\"\nskip = true\n";
+    fs::write(folder.path().join("in/hullmap.toml"), rules).unwrap();
+    let found = run(folder.path(), "robot in/arm.urdf --out out --json").expect(0);
+    assert_eq!(actions(&found.json()[0]), ["parts", "kept", "kept", "primitive"]);
+    assert!(found.json()[0]["collisions"][0]["protrusion_mm"].as_f64().unwrap() <= 2.0, "{}", found.stdout);
+    assert!(found.stderr.contains("hullmap.toml: unit_scale has no effect on robots"), "{}", found.stderr);
+    let found =
+        run(folder.path(), "robot in/arm.urdf --out out --no-config --skip base --from-visual never --json").expect(0);
+    assert_eq!(actions(&found.json()[0]), ["kept", "kept", "hull"]);
+    let found = run(folder.path(), "robot in/arm.urdf --out out --no-config --from-visual always --json").expect(0);
+    assert_eq!(actions(&found.json()[0]), ["removed", "removed", "hull", "hull", "primitive"]);
+    let text = fs::read_to_string(folder.path().join("out/arm.urdf")).unwrap();
+    assert!(!text.contains("foot") && text.matches("<collision").count() == 3, "{text}");
+    run(folder.path(), "robot in/arm.xml --out out --from-visual always").expect(2);
+    run(folder.path(), "robot in/arm.urdf --out out --unit-scale 2").expect(2);
+    run(folder.path(), "robot in/arm.urdf --out out --no-config --max-parts 2").expect(2);
+    // A rule of links does not match meshes.
+    run(folder.path(), "build in --out packs").expect(0);
+}
+
+#[test]
+fn a_description_that_fails_leaves_no_output_and_the_others_go_on() {
+    let folder = robots();
+    let write = |name: &str, text: &str| fs::write(folder.path().join("in").join(name), text).unwrap();
+    let collision = |file: &str| {
+        format!(
+            "<robot name='r'>\n<link name='l'><collision><geometry>\n<mesh filename='{file}'/></geometry></collision></link></robot>"
+        )
+    };
+    write("gone.urdf", &collision("gone.stl"));
+    write("out.urdf", &collision("../../../../../../../etc/passwd"));
+    write("text.urdf", &collision("arm.urdf"));
+    write("cycle.xml", "<mujoco>\n<include file='cycle.xml'/></mujoco>");
+    write("bomb.urdf", "<!DOCTYPE r [<!ENTITY a 'aaaaaaaa'>]>\n<robot name='&a;'/>");
+    write("deep.urdf", &"<a>".repeat(3_400_000));
+    write("x.urdf.xacro", "<robot xmlns:xacro='x'><xacro:if value='1'/></robot>");
+    let all = "in/gone.urdf in/out.urdf in/text.urdf in/cycle.xml in/bomb.urdf in/deep.urdf in/x.urdf.xacro in/none.urdf in/arm.urdf";
+    let found = run(folder.path(), &format!("robot {all} --out out --json")).expect(2);
+    let states: Vec<String> = found.json().iter().map(|row| row["status"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(states[..8], ["failed"; 8]);
+    assert_eq!(states[8], "written");
+    for expected in [
+        "in/gone.urdf:2: link `l`: no file `gone.stl`; restore it, or leave its link alone with --skip",
+        "leads out of the project and of all packages; name its folder with --package-path",
+        "a rule or --skip leaves its link alone",
+        "in/cycle.xml:2: `cycle.xml` is included already",
+        "remove <!DOCTYPE>",
+        "in/deep.urdf:1: elements are nested deeper than 1000",
+        "expand them first: xacro in/x.urdf.xacro > in/x.urdf",
+        "in/none.urdf: cannot read",
+    ] {
+        assert!(found.stderr.contains(expected), "{expected}: {}", found.stderr);
+    }
+    let written = files(&folder.path().join("out"));
+    assert!(
+        !written
+            .iter()
+            .any(|(path, _)| ["gone", "out.urdf", "text.urdf", "cycle"].iter().any(|name| path.ends_with(name)))
+    );
+}
+
+/// The bracket has a foot of 4 x 1 x 1 and a post of 1 x 1 x 2; the link `left` mirrors it in y.
+#[test]
+fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
+    let folder = robots();
+    let found = run(folder.path(), "robot in/arm.urdf --out out --inertia --from-visual never --json").expect(0);
+    assert!(found.stderr.contains("link `base` keeps its inertia"), "it has a box: {}", found.stderr);
+    let text = fs::read_to_string(folder.path().join("out/arm.urdf")).unwrap();
+    let left = text.split("<link name=\"left\">").nth(1).unwrap().split("</link>").next().unwrap();
+    let numbers = |from: &str| -> Vec<f64> {
+        let value = left.split(from).nth(1).unwrap().split('"').next().unwrap();
+        value.split(' ').map(|number| number.parse().unwrap()).collect()
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-7, "{found} {expected}: {left}");
+    // Volumes 4 and 2, so centres (2, 0.5, 0.5) and (0.5, 0.5, 2) count 2 : 1, in decimetres.
+    for (found, expected) in numbers("xyz=\"").into_iter().zip([0.15, -0.05, 0.1]) {
+        near(found, expected);
+    }
+    // 2 kg: a foot of 4/3 kg and a post of 2/3 kg.
+    let (foot, post) = (4.0 / 3.0, 2.0 / 3.0);
+    let ixx = foot * (2.0 / 1200.0 + 0.05 * 0.05) + post * (5.0 / 1200.0 + 0.1 * 0.1);
+    let iyy = foot * (17.0 / 1200.0 + 0.05 * 0.05 + 0.05 * 0.05) + post * (5.0 / 1200.0 + 0.1 * 0.1 + 0.1 * 0.1);
+    let ixz = -(foot * 0.05 * -0.05 + post * -0.1 * 0.1);
+    near(numbers("ixx=\"")[0], ixx);
+    near(numbers("iyy=\"")[0], iyy);
+    near(numbers("ixz=\"")[0], ixz);
+    near(numbers("ixy=\"")[0], 0.0);
+    assert!(left.contains("<mass value=\"2\"/>"));
+    run(folder.path(), "robot in/arm.xml --out out --inertia").expect(2);
+}
+
+#[test]
+fn inputs_are_not_replaced_by_accident() {
+    let folder = robots();
+    let before = files(&folder.path().join("in"));
+    let found = run(folder.path(), "robot in/arm.urdf --out in").expect(2);
+    assert!(found.stderr.contains("is an input, and would be replaced"), "{}", found.stderr);
+    let found = run(folder.path(), "robot in/arm.xml --out in/other.xml").expect(2);
+    assert!(found.stderr.contains("tip.xml: is an input"), "the included file has collisions: {}", found.stderr);
+    let after = files(&folder.path().join("in"));
+    let kept = |all: &[(String, Vec<u8>)]| -> Vec<(String, Vec<u8>)> {
+        all.iter().filter(|(path, _)| !path.contains("_collision")).cloned().collect()
+    };
+    assert!(kept(&after) == kept(&before));
+    run(folder.path(), "robot in/arm.urdf --out in --force").expect(0);
+    run(folder.path(), "robot in/arm.urdf in/arm.xml --out in/x.urdf").expect(2);
+}
