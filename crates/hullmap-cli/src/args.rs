@@ -37,14 +37,10 @@ pub const DEFAULT_DIRECTIONS: usize = 10_000;
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
 
-/// Turn render meshes into collision hulls, and verify, inspect and query them.
+// The first line says how to start, since the help fits a screen. docs/COMMAND.md has the exit codes.
+/// Turn render meshes into collision hulls. Start: `bake build FOLDER --out DIR`.
 #[derive(Debug, Parser)]
-#[command(
-    name = "bake",
-    version,
-    disable_help_subcommand = true,
-    after_help = "Start: `bake build FOLDER --out DIR`. Exit: 0 success, 1 rejected, 2 usage, I/O."
-)]
+#[command(name = "bake", version, disable_help_subcommand = true)]
 pub struct Cli {
     /// The subcommand.
     #[command(subcommand)]

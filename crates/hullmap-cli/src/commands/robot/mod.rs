@@ -28,9 +28,9 @@ use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, e
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
 use crate::baker::bake_pack;
 use crate::config::Configs;
-use crate::mesh_file::{body::Body, obj};
 use crate::interrupt;
 use crate::jobs::Job;
+use crate::mesh_file::{body::Body, obj};
 use crate::open::open_pack;
 use crate::options::flag;
 use crate::outcome::{Exit, Failure, end};
