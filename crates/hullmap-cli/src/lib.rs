@@ -47,7 +47,6 @@ mod estimates;
 mod geometry;
 #[cfg(feature = "command")]
 mod glob;
-#[cfg(feature = "command")]
 mod in_memory;
 #[cfg(feature = "command")]
 mod interrupt;
