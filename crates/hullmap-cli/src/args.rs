@@ -9,7 +9,7 @@ mod tests;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, Resettable, StyledStr, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
@@ -799,11 +799,12 @@ pub fn command(program: &str) -> clap::Command {
         return command;
     }
     let renamed = |command: clap::Command| {
-        let examples = command.get_after_help().map(|text| text.to_string().replace("bake ", &format!("{program} ")));
-        match examples {
-            Some(examples) => command.after_help(examples),
-            None => command,
-        }
+        let text = |text: Option<&StyledStr>| {
+            let renamed = text.map(|text| text.to_string().replace("bake ", &format!("{program} ")).into());
+            Resettable::<StyledStr>::from(renamed)
+        };
+        let (about, examples) = (text(command.get_about()), text(command.get_after_help()));
+        command.about(about).after_help(examples)
     };
     let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
     names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))

@@ -29,6 +29,8 @@ pub mod value;
 #[cfg(feature = "command")]
 pub use flags::{PartsLayer, flag};
 pub use layer::OptionLayer;
-pub use resolved::{BuildOptions, RecordSource};
+pub use resolved::BuildOptions;
+#[cfg(feature = "command")]
+pub use resolved::RecordSource;
 #[cfg(feature = "command")]
 pub use template::template;
