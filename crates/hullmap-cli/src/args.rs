@@ -37,7 +37,7 @@ pub const DEFAULT_DIRECTIONS: usize = 10_000;
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
 
-// The first line says how to start, since the help fits a screen. docs/COMMAND.md has the exit codes.
+// The first line says how to start, since the help fits a screen. docs/COMMAND.md lists exit codes.
 /// Turn render meshes into collision hulls. Start: `bake build FOLDER --out DIR`.
 #[derive(Debug, Parser)]
 #[command(name = "bake", version, disable_help_subcommand = true)]
