@@ -210,7 +210,7 @@ pub struct BuildArgs {
 /// Arguments of `bake decompose`.
 #[derive(Debug, clap::Args)]
 pub struct DecomposeArgs {
-    /// Mesh file (OBJ, glTF, GLB, STL, PLY)
+    /// Mesh file (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH)
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// File of the parts; its extension names the format: obj or glb
