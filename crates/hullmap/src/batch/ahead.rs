@@ -15,7 +15,7 @@ use super::pair::{Pair, SupportQuery, has_facets};
 use crate::facets::view::Facets;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::shapes::{Feature, Shape};
-use crate::solver::{Cache, Contact, Distance, Intersection, Settings, queries};
+use crate::solver::{Cache, Contact, Distance, Intersection, Ray, Settings, queries};
 use crate::support::simd::{fetch, fetch_start};
 use crate::support::{SupportMap, SupportPoint};
 
@@ -249,5 +249,8 @@ impl<S: Shape + ?Sized, A: Shape + ?Sized, B: Shape + ?Sized> Shape for Fetching
     }
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.shape.reduced_feature_within(dir, reach, out);
+    }
+    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
+        self.shape.entry(ray, near)
     }
 }

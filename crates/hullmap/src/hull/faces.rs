@@ -148,13 +148,21 @@ impl<'a> Hull<'a> {
     /// # }
     /// ```
     pub fn face_normal(&self, face: u32) -> Option<DVec3> {
+        if let Some(table) = self.facets {
+            return table.exact.get(face as usize).copied();
+        }
+        let [first, second, third] = self.corners_apart(face)?;
+        triangle_normal(first, second, third)
+    }
+
+    /// Three corners of face `face`, a third of the way around from each other.
+    pub(super) fn corners_apart(&self, face: u32) -> Option<[DVec3; 3]> {
         // By index: an iterator would read each corner that it skips.
         let corners = self.face_run(face);
         // A face has three corners or more.
         let third = (corners.len() / 3).max(1);
         let corner = |i: usize| corners.get(i).and_then(|v| self.vertex(v.to_native())).map(Vec3::as_dvec3);
-        let (first, second, third) = (corner(0)?, corner(third)?, corner(2 * third)?);
-        triangle_normal(first, second, third)
+        Some([corner(0)?, corner(third)?, corner(2 * third)?])
     }
 
     /// The face that faces `dir` (local frame, any length): of the faces at the support vertex, the

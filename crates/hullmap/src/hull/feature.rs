@@ -33,8 +33,11 @@
 #![forbid(unsafe_code)]
 
 use super::Hull;
+use super::entry::Walk;
 use crate::shapes::feature::{COARSE, Cone, coarse_ring, refine};
 use crate::shapes::{Corner, Feature, MAX_CORNERS, Shape, TILT};
+use crate::solver::Ray;
+use crate::solver::ray::entry;
 use crate::support::{SupportMap, SupportPoint};
 use crate::vector::unit;
 use glam::DVec3;
@@ -97,6 +100,18 @@ impl Shape for Hull<'_> {
     /// [`feature_within`](Shape::feature_within).
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.facing(dir, reach, Corners::Four, out);
+    }
+
+    /// By a walk over the faces from those at `near`, or by support queries if the walk is long.
+    ///
+    /// # Complexity
+    /// At most 64 edges; beyond that, as [`ray`](crate::ray()).
+    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
+        match self.walk(ray, near) {
+            Walk::Entry(t) => Some(t),
+            Walk::Miss => None,
+            Walk::Open => entry(self, ray),
+        }
     }
 }
 

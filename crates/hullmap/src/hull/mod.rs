@@ -1,6 +1,7 @@
 //! One hull of a pack: its facts, vertices and faces in place, and its support mapping.
 
 mod arrays;
+mod entry;
 mod faces;
 mod facts;
 mod feature;

@@ -9,6 +9,7 @@ use crate::{
     facets::view::Facets,
     pack::{NoSuchHull, Pack},
     shapes::{Feature, Shape},
+    solver::Ray,
     support::{Lookup, SupportMap, SupportPoint},
 };
 
@@ -261,5 +262,8 @@ impl Shape for SharedHull {
     }
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.hull().reduced_feature_within(dir, reach, out);
+    }
+    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
+        self.hull().entry(ray, near)
     }
 }

@@ -295,6 +295,11 @@ impl Frame {
         DVec2::new(p.dot(self.x), p.dot(self.y))
     }
 
+    /// The vector with these components in the plane.
+    pub(super) fn vector(&self, along: DVec2) -> DVec3 {
+        self.x * along.x + self.y * along.y
+    }
+
     /// The point at a position in the plane and a height.
     pub(super) fn point(&self, at: DVec2, height: f64) -> DVec3 {
         self.origin + self.x * at.x + self.y * at.y + self.normal * height

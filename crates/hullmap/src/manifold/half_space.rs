@@ -9,7 +9,7 @@
 
 use super::clip::{FACE, Frame, Part, Patch, PatchPoint};
 use super::surface::settle_b;
-use super::{Lengths, Manifold, ManifoldSettings, SAME_DEPTH, farther_out, part, tips};
+use super::{Lengths, Manifold, ManifoldSettings, SAME_DEPTH, farther_out, middle, part, tips};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, HalfSpace, Shape};
 use crate::solver::Contact;
@@ -88,7 +88,7 @@ impl Manifold {
         };
         let add = |patch: &mut Patch, Corner { point, vertex }: Corner, is_exact: bool| {
             let mut point = place(point, [vertex; 2]);
-            let is_there = is_exact || settle_b((b, b_in_a), &frame, lengths.height_above(), &mut point);
+            let is_there = is_exact || settle_b((b, b_in_a), &frame, vertex, lengths.height_above(), &mut point);
             if is_there && point.depth() >= -prediction {
                 patch.push(point);
             }
@@ -106,7 +106,8 @@ impl Manifold {
         let center = frame.projected(b_in_a.transform_point(b.interior_point()));
         let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
         if tips(&choice, &patch, center, &lengths) {
-            for SupportPoint { point, feature } in farther_out(b, dir, &lengths) {
+            let toward = b_in_a.inverse_transform_vector(frame.vector(center - middle(&choice, &patch)));
+            for SupportPoint { point, feature } in farther_out(b, dir, toward, &lengths) {
                 add(&mut patch, Corner { point, vertex: feature }, true);
             }
             choice = self.choose(&patch, &frame, b_in_a, center, &lengths);

@@ -41,7 +41,7 @@ pub mod select;
 mod surface;
 
 use crate::pose::Pose;
-use crate::shapes::feature::tilted;
+use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Corner, Feature, Shape, TILT};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use crate::support::SupportPoint;
@@ -363,10 +363,11 @@ impl Manifold {
         let center = center((a, b, b_in_a), &frame);
         let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
         if tips(&choice, &patch, center, &lengths) {
-            widen((a, b, b_in_a), &mut patch, &frame, &lengths);
+            let from = middle(&choice, &patch);
+            widen((a, b, b_in_a), &mut patch, [from, center - from], (&frame, &features), &lengths);
             choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
         }
-        choice = settled((a, b, b_in_a), &mut patch, choice, &frame, &lengths);
+        choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
         // Between the corners of a feature that is not flat, the surface may be less deep.
         let deep = choice.indices().iter().map(|i| patch.points()[*i].depth()).fold(f64::NEG_INFINITY, f64::max);
         if depth > deep + lengths.slight() {
@@ -414,7 +415,7 @@ impl Manifold {
             patch.retain(|p| p.depth() >= -prediction);
         }
         let choice = self.choose(&patch, &frame, b_in_a, center((a, b, b_in_a), &frame), &lengths);
-        let choice = settled((a, b, b_in_a), &mut patch, choice, &frame, &lengths);
+        let choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
     }
 
@@ -600,6 +601,12 @@ fn tips(choice: &Choice, patch: &Patch, center: DVec2, lengths: &Lengths) -> boo
     !choice.is_below(&spots, center) && !choice.indices().iter().any(is_close)
 }
 
+/// The mean of the chosen points.
+fn middle(choice: &Choice, patch: &Patch) -> DVec2 {
+    let indices = choice.indices();
+    indices.iter().map(|i| patch.points()[*i].at).sum::<DVec2>() / indices.len().max(1) as f64
+}
+
 /// Adds vertices of the smaller body that are farther out and within the prediction of the other
 /// one.
 ///
@@ -608,7 +615,8 @@ fn tips(choice: &Choice, patch: &Patch, center: DVec2, lengths: &Lengths) -> boo
 fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     patch: &mut Patch,
-    frame: &Frame,
+    [from, toward]: [DVec2; 2],
+    (frame, features): (&Frame, &[Feature; 2]),
     lengths: &Lengths,
 ) {
     let mut add = |point: DVec3, exact: [bool; 2], parts: [Part; 2]| {
@@ -617,39 +625,50 @@ fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
         let [on_a, on_b] = [0.5 * lengths.depth, -0.5 * lengths.depth];
         let most = if exact[1] { on_a - heights[1] } else { heights[0] - on_b };
         let at = frame.projected(point);
+        if (at - from).dot(toward) <= 0.0 {
+            return;
+        }
         let is_same = |known: &PatchPoint| known.parts == parts || known.at.distance(at) <= SAME_PLACE * lengths.reach;
         if most < -lengths.prediction || patch.points().iter().any(is_same) {
             return;
         }
         let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
-        if settle((a, b, b_in_a), frame, lengths.height_above(), &mut point) && point.depth() >= -lengths.prediction {
+        if settle((a, b, b_in_a), frame, features, lengths.height_above(), &mut point)
+            && point.depth() >= -lengths.prediction
+        {
             patch.push(point);
         }
     };
     // A flat shape has no side that is farther out than its face.
     if a.outer_radius() < b.outer_radius() {
         if a.inner_radius() > 0.0 {
-            for SupportPoint { point, feature } in farther_out(a, frame.normal, lengths) {
+            for SupportPoint { point, feature } in farther_out(a, frame.normal, frame.vector(toward), lengths) {
                 add(point, [true, false], [[feature; 2], FACE]);
             }
         }
     } else if b.inner_radius() > 0.0 {
-        let dir = b_in_a.inverse_transform_vector(-frame.normal);
-        for SupportPoint { point, feature } in farther_out(b, dir, lengths) {
+        let [dir, toward] = [-frame.normal, frame.vector(toward)].map(|v| b_in_a.inverse_transform_vector(v));
+        for SupportPoint { point, feature } in farther_out(b, dir, toward, lengths) {
             add(b_in_a.transform_point(point), [false, true], [FACE, [feature; 2]]);
         }
     }
 }
 
-/// Support points of `shape` in directions that are tilted from `dir`, in its frame, so far that
-/// the points are about as high above the support plane as the depth and the prediction.
-fn farther_out<S: Shape + ?Sized>(shape: &S, dir: DVec3, lengths: &Lengths) -> impl Iterator<Item = SupportPoint> {
+/// Support points of `shape` in directions that are tilted from `dir` to the side of `toward`, both
+/// in its frame, so far that the points are about as high above the support plane as the depth and
+/// the prediction.
+fn farther_out<S: Shape + ?Sized>(
+    shape: &S,
+    dir: DVec3,
+    toward: DVec3,
+    lengths: &Lengths,
+) -> impl Iterator<Item = SupportPoint> {
     let Lengths { depth, prediction, reach } = *lengths;
     // A support point at the distance l, in a direction that is tilted by the tangent t, is at most
     // t l above the support plane.
     #[expect(clippy::manual_clamp, reason = "NaN, of a point on a point, becomes the lower end")]
     let tilt = ((depth.max(0.0) + prediction) / reach).max(TILT).min(STEEPEST);
-    tilted(shape, dir, tilt).into_iter()
+    tilted_toward(shape, dir, tilt, toward)
 }
 
 /// The `choice` of the points of `patch`, moved to the surfaces. Points drop out where a surface
@@ -658,7 +677,7 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
     pair: (&A, &B, Pose),
     patch: &mut Patch,
     choice: Choice,
-    frame: &Frame,
+    (frame, features): (&Frame, &[Feature; 2]),
     lengths: &Lengths,
 ) -> Choice {
     let mut kept = Choice::default();
@@ -673,11 +692,11 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
             // No point is deeper than the contact: the plane of a sliver is off.
             point.exact = [false; 2];
         }
-        let mut is_there = settle(pair, frame, lengths.height_above(), point);
+        let mut is_there = settle(pair, frame, features, lengths.height_above(), point);
         if !is_there {
             point.at += (middle - point.at).normalize_or_zero() * (INWARD * lengths.reach);
             point.exact = [false; 2];
-            is_there = settle(pair, frame, lengths.height_above(), point);
+            is_there = settle(pair, frame, features, lengths.height_above(), point);
         }
         if is_there && point.depth() >= -lengths.prediction {
             kept.push(*index);

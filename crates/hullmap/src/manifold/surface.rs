@@ -8,52 +8,56 @@
 
 use super::clip::{Frame, PatchPoint};
 use crate::pose::Pose;
-use crate::shapes::Shape;
-use crate::solver::ray::ray;
-use crate::solver::{CastSettings, Ray, Status};
+use crate::shapes::{Feature, Shape};
+use crate::solver::Ray;
 use glam::DVec3;
 
-/// Tolerance of a height, relative to the shape's outer radius: ten times the rounding error of
-/// f32 vertices. Polytopes are exact in a few steps whatever it is.
-const TOLERANCE: f64 = 1e-6;
-
 /// Moves a point of the patch to the surfaces of A and B along the normal of `frame`, from `above`
-/// both surfaces: a length. Returns false if a surface is not there.
+/// both surfaces: a length. Returns false if a surface is not there. `features` are those of A and
+/// of B in A's frame.
 pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     frame: &Frame,
+    features: &[Feature; 2],
     above: f64,
     point: &mut PatchPoint,
 ) -> bool {
     let [on_a, on_b] = point.exact;
     if !on_a {
-        let Some(t) = entry(a, frame.point(point.at, above), -frame.normal) else { return false };
+        let near = nearest(&features[0], frame, point);
+        let Some(t) = entry(a, frame.point(point.at, above), -frame.normal, near) else { return false };
         point.heights[0] = above - t;
     }
-    if !on_b && !settle_b((b, b_in_a), frame, above, point) {
+    if !on_b && !settle_b((b, b_in_a), frame, nearest(&features[1], frame, point), above, point) {
         return false;
     }
     point.exact = [true; 2];
     true
 }
 
-/// The same for the surface of B alone.
+/// The same for the surface of B alone. `near` is a vertex of B close to the point.
 pub(super) fn settle_b<B: Shape + ?Sized>(
     (b, b_in_a): (&B, Pose),
     frame: &Frame,
+    near: u32,
     above: f64,
     point: &mut PatchPoint,
 ) -> bool {
     let inverse = b_in_a.inverse();
     let from = inverse.transform_point(frame.point(point.at, -above));
-    let Some(t) = entry(b, from, inverse.transform_vector(frame.normal)) else { return false };
+    let Some(t) = entry(b, from, inverse.transform_vector(frame.normal), near) else { return false };
     point.heights[1] = t - above;
     true
 }
 
 /// How far a ray from outside of the shape goes until it enters.
-fn entry<S: Shape + ?Sized>(shape: &S, from: DVec3, direction: DVec3) -> Option<f64> {
-    let settings = CastSettings { tolerance: TOLERANCE, ..CastSettings::default() };
-    let hit = ray(shape, &Ray::new(from, direction).ok()?, &settings);
-    matches!(hit.status, Status::Exact | Status::Within).then_some(hit.t)
+fn entry<S: Shape + ?Sized>(shape: &S, from: DVec3, direction: DVec3, near: u32) -> Option<f64> {
+    shape.entry(&Ray::new(from, direction).ok()?, near)
+}
+
+/// The vertex of a corner of `feature` that is nearest to `point`.
+fn nearest(feature: &Feature, frame: &Frame, point: &PatchPoint) -> u32 {
+    let distance = |corner: DVec3| frame.projected(corner).distance_squared(point.at);
+    let corners = feature.corners().iter().map(|corner| (distance(corner.point), corner.vertex));
+    corners.min_by(|p, q| p.0.total_cmp(&q.0)).map_or(0, |(_, vertex)| vertex)
 }

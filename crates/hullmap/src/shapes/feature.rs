@@ -251,6 +251,20 @@ pub fn tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, tilt: f64) -> [Supp
     coarse_ring(shape, &Cone::new(dir, tilt))
 }
 
+/// Those of the support points of [`tilted`] whose direction is tilted to the side of `toward`.
+pub(crate) fn tilted_toward<S: SupportMap + ?Sized>(
+    shape: &S,
+    dir: DVec3,
+    tilt: f64,
+    toward: DVec3,
+) -> impl Iterator<Item = SupportPoint> {
+    let cone = Cone::new(dir, tilt);
+    (0..COARSE).filter_map(move |i| {
+        let tilted = cone.tilted(i * STRIDE);
+        ((tilted - cone.n).dot(toward) > 0.0).then(|| shape.support_point(tilted))
+    })
+}
+
 /// Support points in every fourth direction of the cone.
 pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, cone: &Cone) -> [SupportPoint; COARSE] {
     std::array::from_fn(|i| shape.support_point(cone.tilted(i * STRIDE)))
