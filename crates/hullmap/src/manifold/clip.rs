@@ -431,8 +431,10 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
 
 /// Clips `incident` by the sides of `reference` (Sutherland-Hodgman).
 fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
-    let mut from = [Clipped::default(); MAX_POINTS];
-    let mut to = from;
+    let mut corners = [[Clipped::default(); MAX_POINTS]; 2];
+    // Exchanged after each side, as references: the arrays are large.
+    let [from, to] = &mut corners;
+    let (mut from, mut to) = (from, to);
     let mut count = incident.count;
     for (i, c) in incident.corners().iter().enumerate() {
         let next = &incident.corners()[(i + 1) % incident.count];
@@ -466,7 +468,7 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
             let (dp, dq) = (inside(&p), inside(&q));
             let (keep, keep_next) = (dp >= -slack, dq >= -slack);
             if keep {
-                kept += push(&mut to, kept, p);
+                kept += push(to, kept, p);
             }
             if keep != keep_next {
                 let t = (dp / (dp - dq)).clamp(0.0, 1.0);
@@ -481,7 +483,7 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
                 let (at, height) = (p.at.lerp(q.at, t), p.height + (q.height - p.height) * t);
                 // A leaving edge continues along the side, an entering edge along itself.
                 let (side, edge) = if keep { (Side::Reference(index), FACE) } else { (p.side, p.edge) };
-                kept += push(&mut to, kept, Clipped { at, height, parts, side, edge });
+                kept += push(to, kept, Clipped { at, height, parts, side, edge });
             }
         }
         std::mem::swap(&mut from, &mut to);

@@ -115,7 +115,7 @@ pub trait Shape: SupportMap {
     /// # fn main() {
     /// # let pack: hullmap::Pack = pack();
     /// use hullmap::glam::DVec3;
-    /// use hullmap::{Ray, Shape};
+    /// use hullmap::{Ray, Shape, SupportMap};
     ///
     /// let cube = pack.hull_named("cube").expect("the pack has a cube");
     /// let ray = Ray::new(cube.interior_point() + DVec3::Z * 5.0, DVec3::NEG_Z).expect("finite");

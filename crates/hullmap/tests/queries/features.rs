@@ -4,7 +4,7 @@ use crate::any_shape::update;
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, TILT};
 use hullmap::{
-    Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap, SupportPoint,
+    Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Ray, Shape, SupportMap, SupportPoint,
 };
 use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64, solids};
@@ -450,4 +450,62 @@ fn reduced_features_support_as_well_as_whole_ones() {
     let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
     println!("{} pairs: mean {mean:.4}, least {least:.3}", shares.len());
     assert!(shares.len() > 700 && mean > 0.98, "{} pairs, mean {mean}", shares.len());
+}
+
+/// Where a line enters and leaves a hull, from the planes of all faces.
+fn crossing(hull: &Hull, ray: &Ray) -> (f64, f64) {
+    let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
+    for face in 0..hull.face_count() as u32 {
+        let normal = hull.face_normal(face).unwrap();
+        let corner = hull.vertex(hull.face(face).next().unwrap()).unwrap().as_dvec3();
+        let (height, slope) = ((corner - ray.origin()).dot(normal), ray.direction().dot(normal));
+        if slope < 0.0 {
+            entry = entry.max(height / slope);
+        } else if slope > 0.0 {
+            exit = exit.min(height / slope);
+        }
+    }
+    (entry, exit)
+}
+
+#[test]
+fn entries_agree_with_the_planes_of_all_faces() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED);
+    let [mut hits, mut misses, mut close] = [0; 3];
+    for family in [Family::Sphere, Family::Rock, Family::ClusteredEllipsoid, Family::RotatedPrism, Family::UvSphere] {
+        for n in [8, 30, 200, 2_000] {
+            let pack = tree_pack(&family.points(n, rng.next_u64()));
+            let hull = pack.hull(0).unwrap();
+            let radius = hull.outer_radius();
+            for _ in 0..400 {
+                let up = DVec3::from_array(rng.direction());
+                let beside = DVec3::from_array(rng.direction());
+                let beside = (beside - up * beside.dot(up)) * (1.3 * radius * rng.unit());
+                let origin = hull.interior_point() + up * (3.0 * radius) + beside;
+                // A length of the direction other than 1.
+                let ray = Ray::new(origin, up * -2.5).unwrap();
+                let near = match rng.below(3) {
+                    0 => rng.below(hull.vertex_count()) as u32,
+                    _ => hull.support_point(up + beside / radius).feature,
+                };
+                let (entry, exit) = crossing(&hull, &ray);
+                // Where the ray grazes the hull, rounding errors decide between hit and miss.
+                let chord = (exit - entry) * 2.5 / radius;
+                match hull.entry(&ray, near) {
+                    Some(t) => {
+                        hits += 1;
+                        let error = (t - entry).abs() * 2.5 / radius;
+                        assert!(error < 1e-6 && chord > -1e-5, "{family:?} {n}: {error} at chord {chord}");
+                    }
+                    None => {
+                        misses += 1;
+                        assert!(chord < 1e-3, "{family:?} {n}: missed at chord {chord}");
+                    }
+                }
+                close += u32::from((0.0..0.2).contains(&chord));
+            }
+        }
+    }
+    assert!(hits > 1_000 && misses > 500 && close > 100, "{hits} {misses} {close}");
 }
