@@ -268,6 +268,11 @@ impl Pose {
         Self { rotation: DQuat::IDENTITY, translation }
     }
 
+    /// The pose of a rotation of unit length and a translation, which have been checked already.
+    pub(crate) fn from_parts(rotation: DQuat, translation: DVec3) -> Self {
+        Self { rotation, translation }
+    }
+
     /// The pose after a translation by `by` in A's frame, which may lead beyond
     /// [`MAX_TRANSLATION`].
     pub(crate) fn moved(&self, by: DVec3) -> Self {

@@ -28,11 +28,13 @@
 
 #![forbid(unsafe_code)]
 
+mod advance;
 mod answer;
 mod barycentric;
 mod bound;
 mod cache;
 pub(crate) mod cast;
+pub(crate) mod cast_motion;
 mod contact;
 mod distance;
 mod epa;
@@ -44,6 +46,7 @@ pub(crate) mod motion;
 mod mpr;
 pub(crate) mod queries;
 pub(crate) mod ray;
+mod rigid_motion;
 mod rounded;
 mod sat;
 mod scratch;
@@ -55,6 +58,7 @@ mod steps;
 pub use answer::Contact;
 pub use cache::Cache;
 pub use cast::Impact;
+pub use cast_motion::{MotionSettings, TimeOfImpact};
 pub(crate) use contact::ContactQuery;
 #[doc(hidden)]
 pub use contact::contact_by_facets;
@@ -65,6 +69,7 @@ pub(crate) use intersection::IntersectionQuery;
 pub use minkowski::{Minkowski, Vertex};
 pub use motion::{CastSettings, Motion, Ray, VectorError};
 pub use ray::RayHit;
+pub use rigid_motion::RigidMotion;
 pub use scratch::Scratch;
 pub use settings::Settings;
 pub use signed_distance::SignedDistance;
