@@ -21,6 +21,9 @@ use crate::support::SupportMap;
 /// Maximum angle in radians of one interval of time.
 const MAX_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
+/// Angle of the longest step: less than [`MAX_TURN`] by more than rounding errors.
+const LONGEST_TURN: f64 = 0.999 * MAX_TURN;
+
 /// Rounding error of a separation, in units of `f64::EPSILON` times the lengths from which it is
 /// computed: docs/intervals.md, section 14, derives 40.
 const ROUNDINGS: f64 = 64.0;
@@ -47,7 +50,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
 
     /// The maximum height of the core along `dir`, in the common frame, over its point `from`.
     fn height(&self, pose: &Pose, dir: DVec3, from: DVec3) -> f64 {
-        let support = self.shape.support_point(pose.inverse_transform_vector(dir));
+        let support = self.shape.core_support_point(pose.inverse_transform_vector(dir));
         (pose.transform_point(support.point) - from).dot(dir)
     }
 
@@ -112,11 +115,15 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
     }
 
     /// Lower bound of the separation between two times, along the direction of both separations.
-    fn least(&self, from: &Separation, to: &Separation) -> f64 {
+    /// Negative infinity if a shape turns by more than [`MAX_TURN`].
+    pub(super) fn least(&self, from: &Separation, to: &Separation) -> f64 {
         let angles = [self.a.motion.angle(), self.b.motion.angle()];
         let bulges = [0, 1].map(|i| {
             let half = 0.5 * angles[i] * (to.t - from.t);
-            // 1/cos − 1 is at most this up to 45 degrees.
+            // 1/cos − 1 is at most this up to 45 degrees. NaN takes the failing branch.
+            if !(half <= 0.5 * MAX_TURN) {
+                return f64::INFINITY;
+            }
             let square = half * half;
             0.5 * square * (1.0 + 0.56 * square) * from.extents[i].max(to.extents[i]).max(0.0)
         });
@@ -132,7 +139,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
         let above = |to: &Separation| self.least(from, to) - target;
         let start = above(from);
         let fastest = self.a.motion.angle().max(self.b.motion.angle());
-        let (mut early, mut late) = ((from.t, start), (1.0_f64.min(from.t + MAX_TURN / fastest), f64::NAN));
+        let (mut early, mut late) = ((from.t, start), (1.0_f64.min(from.t + LONGEST_TURN / fastest), f64::NAN));
         // NaN takes the failing branch.
         if !(start > 0.0) {
             return Step::Nowhere;
@@ -141,18 +148,19 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
         if late.1 > 0.0 {
             return if late.0 == 1.0 { Step::Apart } else { Step::To(late.0) };
         }
+        // Regula falsi. A try that is too late halves the next share.
+        let mut caution = 0.95;
         for _ in 0..MAX_TRIES {
-            // Regula falsi, kept off the ends.
-            let share = early.1 / (early.1 - late.1);
-            let t = early.0 + (late.0 - early.0) * share.clamp(0.1, 0.9);
+            let share = early.1 / (early.1 - late.1) * caution;
+            let t = early.0 + (late.0 - early.0) * share.min(0.9);
             let value = above(&self.separation(normal, t, support_calls));
             if value > 0.0 {
-                early = (t, value);
+                (early, caution) = ((t, value), 0.95);
                 if value <= ENOUGH * start {
                     break;
                 }
             } else {
-                late = (t, value);
+                (late, caution) = ((t, value), 0.5 * caution);
             }
         }
         if early.0 > from.t { Step::To(early.0) } else { Step::Nowhere }

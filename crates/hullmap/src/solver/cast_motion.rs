@@ -28,6 +28,12 @@ const DIRECTIONS: Settings = Settings { tolerance: 1e-6, max_iterations: Setting
 /// Multiples of the estimated time to the impact at which the shapes may surely have met.
 const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
 
+/// A look ahead goes to this fraction of the estimated time to the impact.
+const AHEAD: f64 = 0.97;
+
+/// It is worth its queries if it is this many times as long as the step along the present normal.
+const LONGER: f64 = 1.5;
+
 /// Limits and accuracy of [`cast_motion`](crate::cast_motion()).
 ///
 /// ```
@@ -189,33 +195,66 @@ struct Search<'s, 'c, A: ?Sized, B: ?Sized> {
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
     fn run(&mut self, max_iterations: u32) {
+        let mut gap = self.distance_at(0.0);
+        if self.meet(&gap) {
+            (self.found.status, self.found.t_upper) = (Status::Overlapping, 0.0);
+            return;
+        }
         while self.found.iterations < max_iterations {
-            let t = self.found.t_lower;
-            let gap = self.distance_at(t);
-            if t == 0.0 && self.meet(&gap) {
-                (self.found.status, self.found.t_upper) = (Status::Overlapping, 0.0);
-                return;
-            }
-            let normal = self.found.normal;
+            let (t, normal) = (self.found.t_lower, self.found.normal);
             let here = self.pair.separation(normal, t, &mut self.found.support_calls);
-            let excess = here.gap - self.target;
+            let excess = gap.upper - self.target;
             if excess <= self.enough + self.noise && self.find_meeting(&here, max_iterations) {
                 self.found.status = Status::Within;
                 return;
             }
-            match self.pair.step(normal, &here, self.target, &mut self.found.support_calls) {
-                Step::To(later) => self.found.t_lower = later,
+            let step = self.pair.step(normal, &here, self.target, &mut self.found.support_calls);
+            self.found.t_lower = match step {
+                _ if excess <= 4.0 * self.noise => return self.end(Status::Touching),
+                // The distance query has no good direction.
+                Step::Nowhere => return self.end(Status::Stalled),
                 Step::Apart => return self.separated(),
-                Step::Nowhere => {
-                    // Rounding error decides, or the distance query has no good direction.
-                    let is_near = gap.lower - self.target <= 4.0 * self.noise;
-                    self.found.status = if is_near { Status::Touching } else { Status::Stalled };
-                    self.found.t = t;
-                    return;
-                }
-            }
+                Step::To(later) => later,
+            };
+            gap = self.look_ahead(&here).unwrap_or_else(|| self.distance_at(self.found.t_lower));
         }
-        self.found.t = self.found.t_lower;
+        self.end(Status::IterationLimit);
+    }
+
+    /// Ends the search where it is.
+    fn end(&mut self, status: Status) {
+        (self.found.status, self.found.t) = (status, self.found.t_lower);
+    }
+
+    /// Tries a step that is longer than the one along the normal of `here`: to just before the time
+    /// at which the shapes would meet at their present speed, along the normal that they have then.
+    /// The distance there, if they surely stay apart until then.
+    ///
+    /// Where the normal turns, as on curved surfaces, steps along one normal are short.
+    fn look_ahead(&mut self, here: &Separation) -> Option<Distance> {
+        let excess = here.gap - self.target;
+        let ahead = here.t + AHEAD * excess / self.speed(here.t);
+        // NaN takes the failing branch.
+        if !(ahead < 1.0 && ahead - here.t > LONGER * (self.found.t_lower - here.t)) {
+            return None;
+        }
+        let TimeOfImpact { normal, point_a, point_b, .. } = self.found;
+        let gap = self.distance_at(ahead);
+        let calls = &mut self.found.support_calls;
+        let [from, to] = [here.t, ahead].map(|t| self.pair.separation(self.found.normal, t, calls));
+        if self.pair.least(&from, &to) > self.target {
+            self.found.t_lower = ahead;
+            return Some(gap);
+        }
+        (self.found.normal, self.found.point_a, self.found.point_b) = (normal, point_a, point_b);
+        None
+    }
+
+    /// Speed at which the closest points approach each other at time `t`.
+    fn speed(&self, t: f64) -> f64 {
+        let TimeOfImpact { normal, point_a, point_b, .. } = self.found;
+        let MovingPair { a, b } = &self.pair;
+        (a.motion.velocity_at(t, point_a) - b.motion.velocity_at(t, point_b)).dot(normal)
     }
 
     /// The distance of the shapes at time `t`. Its direction and points become those of the answer.
@@ -238,9 +277,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
     /// Looks for a time after that of `here` at which the shapes surely meet. Sets the answer and
     /// returns true if there is one.
     fn find_meeting(&mut self, here: &Separation, max_iterations: u32) -> bool {
-        let TimeOfImpact { normal, point_a, point_b, .. } = self.found;
-        let MovingPair { a, b } = &self.pair;
-        let speed = (a.motion.velocity_at(here.t, point_a) - b.motion.velocity_at(here.t, point_b)).dot(normal);
+        let speed = self.speed(here.t);
         // NaN takes the failing branch.
         if !(speed > 0.0) {
             return false;
