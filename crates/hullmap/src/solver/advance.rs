@@ -116,7 +116,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
 
     /// Lower bound of the separation between two times, along the direction of both separations.
     /// Negative infinity if a shape turns by more than [`MAX_TURN`].
-    pub(super) fn least(&self, from: &Separation, to: &Separation) -> f64 {
+    fn least(&self, from: &Separation, to: &Separation) -> f64 {
         let angles = [self.a.motion.angle(), self.b.motion.angle()];
         let bulges = [0, 1].map(|i| {
             let half = 0.5 * angles[i] * (to.t - from.t);

@@ -28,12 +28,6 @@ const DIRECTIONS: Settings = Settings { tolerance: 1e-6, max_iterations: Setting
 /// Multiples of the estimated time to the impact at which the shapes may surely have met.
 const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
 
-/// A look ahead goes to this fraction of the estimated time to the impact.
-const AHEAD: f64 = 0.97;
-
-/// It is worth its queries if it is this many times as long as the step along the present normal.
-const LONGER: f64 = 1.5;
-
 /// Limits and accuracy of [`cast_motion`](crate::cast_motion()).
 ///
 /// ```
@@ -200,23 +194,27 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
             (self.found.status, self.found.t_upper) = (Status::Overlapping, 0.0);
             return;
         }
+        let mut has_tried = false;
         while self.found.iterations < max_iterations {
             let (t, normal) = (self.found.t_lower, self.found.normal);
             let here = self.pair.separation(normal, t, &mut self.found.support_calls);
             let excess = gap.upper - self.target;
-            if excess <= self.enough + self.noise && self.find_meeting(&here, max_iterations) {
-                self.found.status = Status::Within;
-                return;
+            let is_last = excess <= 4.0 * self.noise;
+            // Flat shapes have no depth, so it is never sure that they meet.
+            let tries = is_last || (excess <= self.enough + self.noise && !has_tried);
+            if tries && self.find_meeting(&here, max_iterations) {
+                return self.found.status = Status::Within;
             }
+            has_tried |= tries;
             let step = self.pair.step(normal, &here, self.target, &mut self.found.support_calls);
             self.found.t_lower = match step {
-                _ if excess <= 4.0 * self.noise => return self.end(Status::Touching),
+                _ if is_last => return self.end(Status::Touching),
                 // The distance query has no good direction.
                 Step::Nowhere => return self.end(Status::Stalled),
                 Step::Apart => return self.separated(),
                 Step::To(later) => later,
             };
-            gap = self.look_ahead(&here).unwrap_or_else(|| self.distance_at(self.found.t_lower));
+            gap = self.distance_at(self.found.t_lower);
         }
         self.end(Status::IterationLimit);
     }
@@ -224,30 +222,6 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
     /// Ends the search where it is.
     fn end(&mut self, status: Status) {
         (self.found.status, self.found.t) = (status, self.found.t_lower);
-    }
-
-    /// Tries a step that is longer than the one along the normal of `here`: to just before the time
-    /// at which the shapes would meet at their present speed, along the normal that they have then.
-    /// The distance there, if they surely stay apart until then.
-    ///
-    /// Where the normal turns, as on curved surfaces, steps along one normal are short.
-    fn look_ahead(&mut self, here: &Separation) -> Option<Distance> {
-        let excess = here.gap - self.target;
-        let ahead = here.t + AHEAD * excess / self.speed(here.t);
-        // NaN takes the failing branch.
-        if !(ahead < 1.0 && ahead - here.t > LONGER * (self.found.t_lower - here.t)) {
-            return None;
-        }
-        let TimeOfImpact { normal, point_a, point_b, .. } = self.found;
-        let gap = self.distance_at(ahead);
-        let calls = &mut self.found.support_calls;
-        let [from, to] = [here.t, ahead].map(|t| self.pair.separation(self.found.normal, t, calls));
-        if self.pair.least(&from, &to) > self.target {
-            self.found.t_lower = ahead;
-            return Some(gap);
-        }
-        (self.found.normal, self.found.point_a, self.found.point_b) = (normal, point_a, point_b);
-        None
     }
 
     /// Speed at which the closest points approach each other at time `t`.

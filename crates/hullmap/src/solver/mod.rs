@@ -15,13 +15,14 @@
 //! | `line` | where a line enters the difference: rays and shape casts |
 //! | `rounded` | the same for rounded shapes, by Newton's method on the distance of the cores |
 //! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
+//! | `rigid_motion`, `advance`, `cast_motion` | shapes that move and turn: how long they surely stay apart, and when they meet |
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for the largest polytopes, for threads with a small stack |
 //! | `steps` | how a query is driven: to its end, or in turns with others |
 //!
-//! All arithmetic is in f64. There is no allocation, no angle and no random number, so the same
-//! input always gives the same bits. Lengths are compared only with other lengths of the query, so
+//! All arithmetic is in f64. There is no allocation and no random number, and angles occur in
+//! `rigid_motion` alone, with the sines of `libm`. So the same input always gives the same bits. Lengths are compared only with other lengths of the query, so
 //! nothing changes with the scale of the scene.
 //!
 //! docs/decisions/0010-solver.md has what was tried and rejected.
