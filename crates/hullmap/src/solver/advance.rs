@@ -6,11 +6,12 @@
 //!
 //! # The bound
 //! The *separation* along a fixed unit direction n is the gap between the planes perpendicular to n
-//! through the support points of both shapes. It is computed at the two ends of an interval of time.
-//! In between it is at least the lower of the two, less a *bulge* for each shape that turns. For an
-//! angle φ the bulge is (1/cos(φ/2) − 1) times the extent of the shape, from the point about which
-//! it turns, in the direction of n in the plane of rotation. So translations cost nothing, and
-//! neither does the length of a shape along its axis. The bulge falls with the square of the interval.
+//! through the support points of both shapes. It is computed at the two ends of an interval of
+//! time. In between it is at least the lower of the two, less a *bulge* for each shape that turns.
+//! For an angle φ the bulge is (1/cos(φ/2) − 1) times the extent of the shape, from the point about
+//! which it turns, in the direction of n in the plane of rotation. So translations cost nothing,
+//! and neither does the length of a shape along its axis. The bulge falls with the square of the
+//! interval.
 
 use glam::DVec3;
 
@@ -31,8 +32,8 @@ const ROUNDINGS: f64 = 64.0;
 /// Maximum number of intervals that are tried for one step.
 const MAX_TRIES: u32 = 8;
 
-/// A step ends where the bound is at most this fraction of the separation at its start: a longer one
-/// along the same direction would hardly end later.
+/// A step ends where the bound is at most this fraction of the separation at its start: a longer
+/// one along the same direction would hardly end later.
 const ENOUGH: f64 = 0.05;
 
 /// A shape and its motion.

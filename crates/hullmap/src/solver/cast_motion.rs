@@ -3,12 +3,12 @@
 //! # Steps
 //! 1. The distance of the shapes at a time up to which they surely do not meet, and its direction.
 //! 2. The longest step in which they surely stay apart along that direction (`advance`).
-//! 3. Repeat from the end of the step, until the shapes are surely apart until the end, or near each
-//!    other. Then look for a time at which they surely meet.
+//! 3. Repeat from the end of the step, until the shapes are surely apart until the end, or near
+//!    each other. Then look for a time at which they surely meet.
 //!
 //! # Reference
-//! Mirtich 1996 (conservative advancement); Catto, "Continuous collision", GDC 2013, for steps along
-//! a separating direction.
+//! Mirtich 1996 (conservative advancement); Catto, "Continuous collision", GDC 2013, for steps
+//! along a separating direction.
 
 use glam::DVec3;
 
@@ -39,11 +39,11 @@ const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionSettings {
-    /// The shapes meet when their distance is at most this: a length, 0 by default. NaN and negative
-    /// values count as 0.
+    /// The shapes meet when their distance is at most this: a length, 0 by default. NaN and
+    /// negative values count as 0.
     pub target_distance: f64,
-    /// At the lower bound of the time of impact, the distance of the shapes exceeds the target by at
-    /// most this fraction of the sum of their outer radii. Dimensionless; the default is 1e-6.
+    /// At the lower bound of the time of impact, the distance of the shapes exceeds the target by
+    /// at most this fraction of the sum of their outer radii. Dimensionless; the default is 1e-6.
     ///
     /// NaN and negative values count as 0: the interval becomes as narrow as rounding error allows.
     pub tolerance: f64,
@@ -75,16 +75,16 @@ pub struct TimeOfImpact {
     ///   tolerance of the target distance.
     /// - [`Touching`](Status::Touching): the shapes come as close as rounding error can tell, and
     ///   may graze each other without meeting. If they meet, they do so in the interval.
-    /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): it is open whether
-    ///   they meet. If they do, it is in the interval.
+    /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): it is open
+    ///   whether they meet. If they do, it is in the interval.
     pub status: Status,
     /// Time of impact, between 0 and 1; infinite if there is no hit.
     pub t: f64,
     /// Lower bound of the time of impact, with allowance for rounding error. Until then the shapes
     /// certainly are farther apart than the target distance.
     pub t_lower: f64,
-    /// Upper bound: at this time the shapes certainly are within the target distance. Infinite if no
-    /// such time was found.
+    /// Upper bound: at this time the shapes certainly are within the target distance. Infinite if
+    /// no such time was found.
     pub t_upper: f64,
     /// Unit vector from A to B at `t_lower`: normal of a plane that separates the shapes then.
     pub normal: DVec3,
@@ -135,17 +135,14 @@ impl Default for TimeOfImpact {
 /// use hullmap::{Cache, MotionSettings, Pose, RigidMotion, Status, cast_motion};
 /// use std::f64::consts::FRAC_PI_2;
 ///
-/// // A rod of length 2 turns by 90 degrees, towards a wall whose side is at y = 0.6.
-/// let rod = Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?;
-/// let wall = Cuboid::new(DVec3::new(5.0, 0.1, 5.0))?;
-/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2, DVec3::ZERO)?;
-/// let still = RigidMotion::still(Pose::from_translation(DVec3::new(0.0, 0.7, 0.0))?);
-/// let settings = MotionSettings::default();
-/// let found = cast_motion(&rod, &turning, &wall, &still, &settings, &mut Cache::new());
-/// // The corner at (1, 0.01) reaches y = 0.6.
-/// let angle = 0.6_f64.asin() - 0.01;
-/// assert_eq!(found.status, Status::Within);
-/// assert!((found.t - angle / FRAC_PI_2).abs() < 1e-3 && found.iterations < 20);
+/// // A rod of length 2 turns by 90 degrees, towards a wall whose side is at y = 0.6. let rod =
+/// Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?; let wall = Cuboid::new(DVec3::new(5.0, 0.1, 5.0))?;
+/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2,
+/// DVec3::ZERO)?; let still = RigidMotion::still(Pose::from_translation(DVec3::new(0.0, 0.7,
+/// 0.0))?); let settings = MotionSettings::default(); let found = cast_motion(&rod, &turning,
+/// &wall, &still, &settings, &mut Cache::new()); // The corner at (1, 0.01) reaches y = 0.6. let
+/// angle = 0.6_f64.asin() - 0.01; assert_eq!(found.status, Status::Within); assert!((found.t -
+/// angle / FRAC_PI_2).abs() < 1e-3 && found.iterations < 20);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn cast_motion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

@@ -22,8 +22,9 @@
 //! | `steps` | how a query is driven: to its end, or in turns with others |
 //!
 //! All arithmetic is in f64. There is no allocation and no random number, and angles occur in
-//! `rigid_motion` alone, with the sines of `libm`. So the same input always gives the same bits. Lengths are compared only with other lengths of the query, so
-//! nothing changes with the scale of the scene.
+//! `rigid_motion` alone, with the sines of `libm`. So the same input always gives the same bits.
+//! Lengths are compared only with other lengths of the query, so nothing changes with the scale of
+//! the scene.
 //!
 //! docs/decisions/0010-solver.md has what was tried and rejected.
 

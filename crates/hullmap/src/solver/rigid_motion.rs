@@ -59,7 +59,8 @@ impl RigidMotion {
     /// at time 0 moves by `linear`, and the shape turns about it by the rotation vector `angular`,
     /// whose length is the angle in radians. It may be more than a full turn.
     ///
-    /// If `linear` is parallel to `angular`, this is a screw motion about the axis through `center`.
+    /// If `linear` is parallel to `angular`, this is a screw motion about the axis through
+    /// `center`.
     ///
     /// # Errors
     /// A component is NaN or infinite, or a position during the motion may be beyond 3.4e38.
