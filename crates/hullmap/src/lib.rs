@@ -267,12 +267,13 @@ pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
 pub use shapes::{Corner, Feature, Shape, ShapeError};
 pub use solver::cast::cast;
+pub use solver::cast_motion::cast_motion;
 pub use solver::queries::{contact, distance, intersects};
 pub use solver::ray::ray;
 pub use solver::signed_distance::signed_distance;
 pub use solver::{
-    Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
-    Settings, SignedDistance, Status, VectorError, Vertex,
+    Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, MotionSettings, Overlap, Ray,
+    RayHit, RigidMotion, Scratch, Settings, SignedDistance, Status, TimeOfImpact, VectorError, Vertex,
 };
 pub use support::{Bounds, Instructions, SupportMap, SupportPoint};
 

@@ -141,9 +141,10 @@ impl Pose {
     /// use hullmap::{Pose, PoseError};
     ///
     /// let turned = DAffine3::from_rotation_x(0.5);
-    /// assert!((Pose::from_affine(turned)?.rotation_matrix() - turned.matrix3).to_cols_array().iter().all(|e| e.abs() < 1e-15));
-    /// let doubled = DAffine3::from_scale(DVec3::splat(2.0));
-    /// assert!(matches!(Pose::from_affine(doubled), Err(PoseError::NotRigid { .. })));
+    /// assert!((Pose::from_affine(turned)?.rotation_matrix() -
+    /// turned.matrix3).to_cols_array().iter().all(|e| e.abs() < 1e-15)); let doubled =
+    /// DAffine3::from_scale(DVec3::splat(2.0)); assert!(matches!(Pose::from_affine(doubled),
+    /// Err(PoseError::NotRigid { .. })));
     /// # Ok::<(), PoseError>(())
     /// ```
     pub fn from_affine(b_in_a: DAffine3) -> Result<Self, PoseError> {
@@ -266,6 +267,11 @@ impl Pose {
     /// The pose that translates to a point which has been checked already.
     pub(crate) fn from_checked(translation: DVec3) -> Self {
         Self { rotation: DQuat::IDENTITY, translation }
+    }
+
+    /// The pose of a rotation of unit length and a translation, which have been checked already.
+    pub(crate) fn from_parts(rotation: DQuat, translation: DVec3) -> Self {
+        Self { rotation, translation }
     }
 
     /// The pose after a translation by `by` in A's frame, which may lead beyond

@@ -16,6 +16,7 @@
 //! | [`lines`] | rays, shape casts and points, and their certificates |
 //! | [`planes`] | half-spaces, and their certificates |
 //! | [`manifolds`] | manifolds of moving pairs, and their certificates |
+//! | [`motions`] | times of impact of shapes that move and turn, and their certificates |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
 //! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
@@ -29,6 +30,7 @@ pub mod lines;
 pub mod manifolds;
 pub mod meeting;
 pub mod model;
+mod motions;
 pub mod planes;
 pub mod tally;
 
@@ -64,6 +66,8 @@ pub enum Queries {
     HalfSpaces,
     /// Manifolds of pairs that move: ten updates of each pair.
     Manifolds,
+    /// Times of impact of pairs that move and turn.
+    Motions,
 }
 
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the
@@ -104,7 +108,7 @@ fn judge_one(bodies: &Bodies<'_>, queries: Queries, seed: u64, index: u64, tally
     }
 }
 
-/// Judges a query about a line, a point, a half-space or a manifold.
+/// Judges a query about a line, a point, a half-space, a manifold or a motion.
 fn judge_line(queries: Queries, pair: &BodyPair<'_, '_>, tally: &mut Tally) {
     let mut rng = SplitMix64::new(pair.seed.rotate_left(17) ^ pair.index.wrapping_mul(0xd6e8_feb8_6659_fd93));
     tally.pairs += 1;
@@ -115,5 +119,6 @@ fn judge_line(queries: Queries, pair: &BodyPair<'_, '_>, tally: &mut Tally) {
         Queries::Points => lines::judge_point(pair, &mut rng, tally),
         Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
         Queries::Manifolds => manifolds::judge(pair, &mut rng, tally),
+        Queries::Motions => motions::judge(pair, &mut rng, tally),
     }
 }

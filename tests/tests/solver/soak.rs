@@ -127,3 +127,24 @@ fn every_point_of_a_manifold_has_a_certificate() {
     }
     assert!(of("kept") > tally.judged / 2, "{} points kept", of("kept"));
 }
+
+/// Times of impact of pairs that move and turn. The program `solver-soak` does this for any number
+/// of pairs, and the nightly run for a million.
+#[test]
+fn every_time_of_impact_has_a_certificate() {
+    let stock = Stock::bake(&[], 1);
+    let bodies = Bodies::new(&stock);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let pairs = PAIRS / 2;
+    let tally = soak(&bodies, Queries::Motions, SEED, 0..pairs, threads);
+    println!("seed {SEED}\n{tally}");
+    let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
+    assert!(wrong.is_empty(), "seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
+    assert_eq!(tally.judged, pairs);
+    // The sample is representative, and the work small.
+    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
+    for status in ["separated", "overlapping", "touching", "within"] {
+        assert!(of(status) > pairs / 20, "{status}: {}", of(status));
+    }
+    assert!(of("at most 8 queries") > pairs / 2 && of("iteration_limit") < pairs / 200, "{:?}", tally.lines);
+}

@@ -86,8 +86,8 @@ impl Hull<'_> {
         None
     }
 
-    /// The t at which `ray` crosses the plane of `face`, between those of its corners; `None` if the
-    /// face is steep.
+    /// The t at which `ray` crosses the plane of `face`, between those of its corners; `None` if
+    /// the face is steep.
     fn entry_of_face(&self, face: u32, ray: &Ray) -> Option<f64> {
         let direction = ray.direction();
         let length_squared = direction.length_squared();
