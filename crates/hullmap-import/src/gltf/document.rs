@@ -198,19 +198,60 @@ pub struct BufferView {
 #[derive(Debug, Default, Deserialize)]
 pub struct ViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
-    pub ext_meshopt: Option<IgnoredAny>,
+    pub ext_meshopt: Option<Box<Meshopt>>,
     #[serde(rename = "KHR_meshopt_compression")]
-    pub khr_meshopt: Option<IgnoredAny>,
+    pub khr_meshopt: Option<Box<Meshopt>>,
 }
 
 impl ViewExtensions {
-    /// Name of the extension that compresses the view.
-    pub fn compression(&self) -> Option<&'static str> {
-        if self.ext_meshopt.is_some() {
-            return Some("EXT_meshopt_compression");
-        }
-        self.khr_meshopt.is_some().then_some("KHR_meshopt_compression")
+    /// The compressed data of the view, and the extension that describes it.
+    pub fn compression(&self) -> Option<(&'static str, &Meshopt)> {
+        let khr = self.khr_meshopt.as_deref().map(|data| ("KHR_meshopt_compression", data));
+        khr.or(self.ext_meshopt.as_deref().map(|data| ("EXT_meshopt_compression", data)))
     }
+}
+
+/// Where the compressed data of a buffer view is, and how it is compressed.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Meshopt {
+    #[serde(deserialize_with = "whole")]
+    pub buffer: u32,
+    #[serde(default, deserialize_with = "whole")]
+    pub byte_offset: u64,
+    #[serde(deserialize_with = "whole")]
+    pub byte_length: u64,
+    /// Size of an element, decoded.
+    #[serde(deserialize_with = "whole")]
+    pub byte_stride: u64,
+    /// Number of elements.
+    #[serde(deserialize_with = "whole")]
+    pub count: u64,
+    pub mode: Mode,
+    #[serde(default)]
+    pub filter: Filter,
+}
+
+/// Kind of a compressed stream.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Mode {
+    Attributes,
+    Triangles,
+    Indices,
+    #[serde(other)]
+    Other,
+}
+
+/// Conversion of decoded attributes.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Filter {
+    #[default]
+    None,
+    Exponential,
+    #[serde(other)]
+    Other,
 }
 
 #[derive(Debug, Deserialize)]

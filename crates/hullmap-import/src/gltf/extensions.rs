@@ -2,8 +2,6 @@
 //!
 //! A required extension that is not listed here may change the geometry, so the file is rejected.
 
-use std::fmt;
-
 /// Extensions whose names start with one of these have no effect on geometry: materials, textures
 /// and images, lights, sounds, and data about the model.
 const HARMLESS_PREFIXES: [&str; 19] = [
@@ -55,14 +53,16 @@ const HARMLESS: [&str; 19] = [
     "MSFT_lod",
 ];
 
-/// Extensions that the readers of this crate support: compressed triangles, positions as integers,
-/// and indices that restart a strip.
-const SUPPORTED: [&str; 4] =
-    ["EXT_mesh_primitive_restart", "KHR_draco_mesh_compression", "KHR_mesh_primitive_restart", "KHR_mesh_quantization"];
-
-/// Extensions that compress buffer views. A file may require them where it does not use them for
-/// the scene, or has the data uncompressed too.
-const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+/// Extensions that the readers of this crate support: compressed triangles and buffer views,
+/// positions as integers, and indices that restart a strip.
+const SUPPORTED: [&str; 6] = [
+    "EXT_mesh_primitive_restart",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_primitive_restart",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+];
 
 /// Extensions whose names start with one of these hold shapes other than meshes: splats, volumes,
 /// and surfaces given by formulas.
@@ -74,7 +74,7 @@ pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Whether a file may require the extension.
 pub fn may_be_required(extension: &str) -> bool {
     HARMLESS_PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
-        || [&HARMLESS[..], &SUPPORTED, &COMPRESSIONS].concat().contains(&extension)
+        || [&HARMLESS[..], &SUPPORTED].concat().contains(&extension)
 }
 
 /// Whether the extension lets the largest index of its type restart a strip.
@@ -85,27 +85,12 @@ pub fn allows_restart(extension: &str) -> bool {
 /// Suggested remedy for an unsupported extension.
 pub fn remedy(extension: &str) -> &'static str {
     match extension {
-        // glTF-Transform decompresses a file when it reads it, and writes no compression unless an
-        // option requests it.
-        "EXT_meshopt_compression" => {
-            "export it without mesh compression, or run `gltf-transform copy IN.glb OUT.glb` (npm install --global @gltf-transform/cli) and bake the copy"
-        }
-        "KHR_meshopt_compression" => "export it without mesh compression",
         INSTANCING => "export the instances as nodes",
         "KHR_accessor_float64" => "export it with 32-bit positions",
         _ if SHAPES.iter().any(|prefix| extension.starts_with(prefix)) => {
             "its shapes are not meshes: convert them to triangles, and export those"
         }
         _ => "it may change the geometry: export the shape as plain triangles",
-    }
-}
-
-/// Message about data that exists in compressed form only.
-pub struct Compressed(pub &'static str);
-
-impl fmt::Display for Compressed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "compressed by {}, which is not supported; {}", self.0, remedy(self.0))
     }
 }
 

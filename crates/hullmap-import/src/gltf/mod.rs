@@ -17,8 +17,8 @@
 //! faces.
 //!
 //! [`extensions`] lists the extensions that a file may require. [`draco`] decodes
-//! `KHR_draco_mesh_compression`. Data compressed by `EXT_meshopt_compression` is rejected, unless
-//! the file also has it uncompressed, as a fallback.
+//! `KHR_draco_mesh_compression`, and [`meshopt`] `EXT_meshopt_compression` and
+//! `KHR_meshopt_compression`.
 //!
 //! # Deviations
 //! Positions may have any type that `KHR_mesh_quantization` allows, whether or not the file
@@ -38,6 +38,7 @@ mod container;
 mod document;
 pub mod draco;
 mod extensions;
+mod meshopt;
 mod scene;
 mod version_1;
 
@@ -55,11 +56,24 @@ pub fn buffer_paths(bytes: &[u8]) -> Result<Vec<String>, LineFault> {
 }
 
 /// Reads a glTF file. `beside` holds the files of [`buffer_paths`]. The error is the first fault,
-/// with its node, mesh, accessor or buffer. Complexity: O(bytes + vertices of all instances).
+/// with its node, mesh, accessor, buffer view or buffer. Complexity: O(bytes + vertices of all instances).
 pub fn read(bytes: &[u8], beside: &[(String, Vec<u8>)], limits: &Limits) -> Result<SourceMesh, LineFault> {
     let container = container::open(bytes)?;
     let buffers = buffers::read(&container, beside)?;
-    let data = Data { document: &container.document, buffers: buffers.iter().map(|bytes| bytes.as_deref()).collect() };
+    let buffers: Vec<Option<&[u8]>> = buffers.iter().map(|bytes| bytes.as_deref()).collect();
+    let document = &container.document;
+    let decoded = meshopt::decode(&container, &buffers, &buffers::views(document), limits)?;
+    let data = Data { document, buffers, decoded: &decoded.views };
     let byte_count = bytes.len() + beside.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
-    SceneReader::new(data, byte_count, limits).read().map_err(Fault::of_file)
+    SceneReader::new(data, byte_count, decoded.repeated_count, limits).read().map_err(Fault::of_file)
+}
+
+/// The bytes of a compressed buffer view, for tests.
+#[cfg(test)]
+pub fn decoded_view(bytes: &[u8], view: u32, limits: &Limits) -> Result<Vec<u8>, LineFault> {
+    let container = container::open(bytes)?;
+    let buffers = buffers::read(&container, &[])?;
+    let buffers: Vec<Option<&[u8]>> = buffers.iter().map(|bytes| bytes.as_deref()).collect();
+    let mut decoded = meshopt::decode(&container, &buffers, &[view], limits)?;
+    Ok(decoded.views.remove(&view).unwrap_or_default())
 }

@@ -72,15 +72,15 @@ pub struct SceneReader<'a> {
 
 impl<'a> SceneReader<'a> {
     /// A reader of the document's default scene. `byte_count` is the size of the file with its
-    /// buffers.
-    pub fn new(data: Data<'a>, byte_count: usize, limits: &'a Limits) -> Self {
+    /// buffers. `repeated_count` is what decoded views count as, against the limit on repetition.
+    pub fn new(data: Data<'a>, byte_count: usize, repeated_count: usize, limits: &'a Limits) -> Self {
         Self {
             limits,
             positions: Vec::new(),
             mesh: SourceMesh::new(Positions::Double(Vec::new()), Polygons::default()),
             is_shown: vec![false; data.document.meshes.len()],
             unclaimed_bytes: byte_count,
-            repeated_count: 0,
+            repeated_count,
             object_count: 0,
             deformed_count: 0,
             decoded: HashMap::new(),
@@ -215,7 +215,7 @@ impl<'a> SceneReader<'a> {
         self.unclaimed_bytes -= spelt_out * bytes_each;
         self.repeated_count = self.repeated_count.saturating_add(count - spelt_out);
         if self.repeated_count > self.limits.repeated_vertices {
-            return Err(too_much_repetition(self.limits));
+            return Err(self.limits.too_much_repetition());
         }
         Ok(())
     }
@@ -266,7 +266,7 @@ impl<'a> SceneReader<'a> {
                 }
                 let limits = self.limits;
                 let rejected = |error| match error {
-                    DracoFault::TooLarge => too_much_repetition(limits),
+                    DracoFault::TooLarge => limits.too_much_repetition(),
                     DracoFault::Damaged(text) => fault(format!("is damaged ({text}); export the file again")),
                 };
                 let claim = draco::claim(bytes).map_err(rejected)?;
@@ -469,13 +469,6 @@ impl<'a> SceneReader<'a> {
         }
         Ok(mesh)
     }
-}
-
-fn too_much_repetition(limits: &Limits) -> Fault {
-    Fault::format(format!(
-        "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
-        limits.repeated_vertices
-    ))
 }
 
 /// Vertex index in the scene of corner `at` of a primitive.

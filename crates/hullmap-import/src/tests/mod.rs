@@ -6,6 +6,7 @@ mod formats;
 mod gltf;
 mod growth;
 mod limits;
+mod meshopt;
 
 use super::fault::Fault;
 use super::*;
