@@ -41,7 +41,8 @@ pub struct Limits {
     /// Maximum number of vertices and corners that a glTF file contains only by repetition or
     /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and
     /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. So do 32
-    /// bytes of a buffer view that meshopt compresses, decoded. Primitives, and the bytes of mesh names that become names of objects, count too.
+    /// bytes of a buffer view that meshopt compresses, decoded. Primitives, and the bytes of mesh
+    /// names that become names of objects, count too.
     pub repeated_vertices: usize,
 }
 

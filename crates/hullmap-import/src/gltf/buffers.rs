@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::container::{BufferLocation, Container};
 use super::document::{Accessor, Document};
-use super::scene;
+use super::{physics, scene};
 use crate::fault::{Fault, LineFault, counted};
 use crate::foreign::{LFS_REMEDY, is_lfs_pointer};
 
@@ -75,8 +75,9 @@ fn locate(index: usize, uri: Option<&str>) -> Result<BufferLocation<'_>, LineFau
     BufferLocation::from_uri(uri).map_err(|text| Fault::format(format!("buffer {index} has {text}")).of_file())
 }
 
-/// Indices and URIs of the buffers with positions or vertex indices of the scene. References out of
-/// range are left to the reader of the scene, which reports them.
+/// Indices and URIs of the buffers with positions or vertex indices of the scene, and of its
+/// colliders: which files a source has does not depend on options. References out of range are left
+/// to the reader of the scene, which reports them.
 fn required<'a>(container: &'a Container) -> impl Iterator<Item = (usize, Option<&'a str>)> {
     let document = &container.document;
     let mut is_required = vec![false; document.buffers.len()];
@@ -91,16 +92,19 @@ fn required<'a>(container: &'a Container) -> impl Iterator<Item = (usize, Option
     buffers.filter(|(_, is_required)| *is_required).map(|((index, buffer), _)| (index, buffer.uri.as_deref()))
 }
 
-/// Indices of the buffer views with positions or vertex indices of the scene, with repetition.
-/// Complexity: O(document).
+/// Indices of the buffer views with positions or vertex indices of the scene and of its colliders,
+/// with repetition. Complexity: O(document).
 pub fn views(document: &Document) -> Vec<u32> {
     let mut views = Vec::new();
     let mut mark = |accessor: &Accessor| {
         let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]);
         views.extend(accessor.buffer_view.into_iter().chain(sparse));
     };
-    let is_shown = scene::shown_meshes(document);
-    let shown = document.meshes.iter().zip(is_shown).filter(|(_, is_shown)| *is_shown);
+    let (is_shown, colliders) = (scene::shown_meshes(document), physics::meshes(document));
+    let meshes = (0..).zip(document.meshes.iter()).zip(is_shown);
+    let shown = meshes
+        .filter(|((index, _), is_shown)| *is_shown || colliders.contains(index))
+        .map(|((_, mesh), is_shown)| (mesh, is_shown));
     let mut draco_views = Vec::new();
     for primitive in shown.flat_map(|(mesh, _)| mesh.primitives.iter()) {
         let positions = primitive.attributes.position;

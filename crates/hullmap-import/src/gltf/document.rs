@@ -11,6 +11,8 @@ use std::marker::PhantomData;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, IgnoredAny, SeqAccess, Unexpected, Visitor};
 
+use serde_json::value::RawValue;
+
 use crate::limits::GLTF_LIST;
 
 /// A glTF document.
@@ -37,6 +39,18 @@ pub struct Document<'a> {
     pub buffer_views: Bounded<BufferView>,
     #[serde(borrow, default)]
     pub buffers: Bounded<Buffer<'a>>,
+    #[serde(borrow)]
+    pub extensions: Option<Box<DocumentExtensions<'a>>>,
+}
+
+/// Extensions of a document. Their text is parsed only where it is used: a file whose extensions
+/// have another form than expected still has its meshes.
+#[derive(Debug, Deserialize)]
+pub struct DocumentExtensions<'a> {
+    #[serde(borrow, rename = "KHR_implicit_shapes")]
+    pub khr_shapes: Option<&'a RawValue>,
+    #[serde(borrow, rename = "OMI_physics_shape")]
+    pub omi_shapes: Option<&'a RawValue>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -66,6 +80,17 @@ pub struct Node<'a> {
     /// x, y, z, w.
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    #[serde(borrow)]
+    pub extensions: Option<Box<NodeExtensions<'a>>>,
+}
+
+/// Extensions of a node, as text.
+#[derive(Debug, Deserialize)]
+pub struct NodeExtensions<'a> {
+    #[serde(borrow, rename = "KHR_physics_rigid_bodies")]
+    pub khr_body: Option<&'a RawValue>,
+    #[serde(borrow, rename = "OMI_physics_body")]
+    pub omi_body: Option<&'a RawValue>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,32 +2,42 @@
 //!
 //! A required extension that is not listed here may change the geometry, so the file is rejected.
 
-/// Extensions whose names start with one of these have no effect on geometry: materials, textures
-/// and images, lights, sounds, and data about the model.
-const HARMLESS_PREFIXES: [&str; 19] = [
+/// Extensions whose names start with one of these have no effect on the meshes of a scene:
+/// materials, textures and images, lights, sounds, physics, and data about the model.
+const HARMLESS_PREFIXES: [&str; 29] = [
     "ADOBE_materials_",
+    "BLENDER_physics",
     "EXT_lights_",
     "EXT_materials_",
     "EXT_texture_",
     "GOOGLE_texture_",
     "KHR_audio",
+    "KHR_collision_shapes",
     "KHR_image_",
+    "KHR_implicit_shapes",
     "KHR_lights_",
     "KHR_materials_",
+    "KHR_physics_",
+    "KHR_rigid_bodies",
     "KHR_texture_",
     "KHR_xmp",
+    "MAXAR_collision_geometry",
     "MSFT_audio_",
+    "MSFT_collision_primitives",
     "MSFT_packing_",
+    "MSFT_physics_",
+    "MSFT_rigid_bodies",
     "MSFT_texture_",
     "NV_materials_",
     "OMI_audio_",
+    "OMI_collider",
     "OMI_physics_",
     "VRMC_materials_",
     "VRMC_springBone",
 ];
 
 /// Single extensions without an effect on the geometry of the default scene at rest.
-const HARMLESS: [&str; 19] = [
+const HARMLESS: [&str; 17] = [
     // Shaders, as glTF 1.0 had them, and how they blend. Files converted from 1.0 require them.
     "KHR_blend",
     "KHR_techniques_webgl",
@@ -44,8 +54,6 @@ const HARMLESS: [&str; 19] = [
     "KHR_interactivity",
     "KHR_node_hoverability",
     "KHR_node_selectability",
-    "KHR_physics_rigid_bodies",
-    "MSFT_physics_rigid_bodies",
     "VRM",
     "VRMC_node_constraint",
     "VRMC_vrm",
@@ -66,7 +74,7 @@ const SUPPORTED: [&str; 6] = [
 
 /// Extensions whose names start with one of these hold shapes other than meshes: splats, volumes,
 /// and surfaces given by formulas.
-const SHAPES: [&str; 4] = ["EXT_implicit_", "EXT_primitive_voxels", "KHR_gaussian_splatting", "KHR_implicit_shapes"];
+const SHAPES: [&str; 3] = ["EXT_implicit_", "EXT_primitive_voxels", "KHR_gaussian_splatting"];
 
 /// Extension that draws a mesh once for each entry of an accessor.
 pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -115,6 +123,13 @@ mod tests {
             "MSFT_packing_occlusionRoughnessMetallic",
             "EXT_structural_metadata",
             "VRMC_materials_mtoon",
+            "KHR_physics_rigid_bodies",
+            "KHR_implicit_shapes",
+            "KHR_collision_shapes",
+            "OMI_physics_body",
+            "OMI_physics_shape",
+            "OMI_collider",
+            "MSFT_rigid_bodies",
         ] {
             assert!(may_be_required(extension), "{extension}");
         }

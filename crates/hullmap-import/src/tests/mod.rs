@@ -7,6 +7,7 @@ mod gltf;
 mod growth;
 mod limits;
 mod meshopt;
+mod physics;
 
 use super::fault::Fault;
 use super::*;

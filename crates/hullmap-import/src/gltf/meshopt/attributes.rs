@@ -1,11 +1,12 @@
-//! Meshopt compression, mode `ATTRIBUTES`: elements of `stride` bytes, as differences to the element
-//! before.
+//! Meshopt compression, mode `ATTRIBUTES`: elements of `stride` bytes, as differences to the
+//! element before.
 //!
 //! Elements come in blocks of at most 256. A block stores the first bytes of all its elements, then
 //! the second ones, and so on: a *plane* for each byte of an element. A plane consists of groups of
-//! 16 bytes, each packed with 0, 1, 2, 4 or 8 bits a byte. Bytes that do not fit follow their group.
-//! Four planes are a *channel*, whose mode says how differences become values: byte by byte, as two
-//! 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has the first mode alone.
+//! 16 bytes, each packed with 0, 1, 2, 4 or 8 bits a byte. Bytes that do not fit follow their
+//! group. Four planes are a *channel*, whose mode says how differences become values: byte by byte,
+//! as two 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has the first mode
+//! alone.
 
 use super::bytes::{Bytes, Damage};
 
@@ -34,8 +35,8 @@ const BITS_1: [[u32; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
 /// One byte of each element of a block.
 type Plane = [u8; BLOCK];
 
-/// Decodes `count` elements of `stride` bytes, where `stride` is a multiple of 4 from 4 to 256. Fails
-/// if the stream is not of that size or not valid. Complexity: O(`count` · `stride`).
+/// Decodes `count` elements of `stride` bytes, where `stride` is a multiple of 4 from 4 to 256.
+/// Fails if the stream is not of that size or not valid. Complexity: O(`count` · `stride`).
 pub fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, Damage> {
     let mut stream = Bytes(bytes);
     let channel_count = stride / 4;

@@ -60,8 +60,8 @@ struct Triangles<'a> {
     vertices: Queue<u32>,
 }
 
-/// Decodes `count` indices of triangles, a multiple of three. Fails if the stream is not of that size
-/// or not valid. Complexity: O(`count`).
+/// Decodes `count` indices of triangles, a multiple of three. Fails if the stream is not of that
+/// size or not valid. Complexity: O(`count`).
 pub fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, Damage> {
     let mut stream = Bytes(bytes);
     if stream.byte()? != TRIANGLES {

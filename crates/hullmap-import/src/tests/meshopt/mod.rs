@@ -1,6 +1,6 @@
 //! glTF files compressed by meshopt. Others encoded them: `streams.json` is from the encoder of
-//! meshoptimizer (`tests/scenes/streams.mjs`), and the GLB files are from gltfpack, which packed
-//! `model.glb` (`tests/scenes/model.mjs`).
+//! meshoptimizer (`tests/gltf/streams.mjs`), and the GLB files are from gltfpack, which packed
+//! `model.glb` (`tests/gltf/model.mjs`).
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -91,8 +91,8 @@ fn streams_of_another_encoder_are_decoded() {
     }
 }
 
-/// Every stream that is cut off fails, and so do indices that claim to be more or fewer than they are.
-/// Attributes have room for 16 zeros at their end.
+/// Every stream that is cut off fails, and so do indices that claim to be more or fewer than they
+/// are. Attributes have room for 16 zeros at their end.
 #[test]
 fn damaged_streams_are_rejected() {
     for stream in &streams() {
@@ -176,8 +176,8 @@ fn properties_that_contradict_one_another_are_rejected() {
     }
 }
 
-/// The model, packed with integers of 14 bits, with exponents, and as floats: each vertex stays at its
-/// place to within the precision that was asked of gltfpack, and no triangle is lost.
+/// The model, packed with integers of 14 bits, with exponents, and as floats: each vertex stays at
+/// its place to within the precision that was asked of gltfpack, and no triangle is lost.
 #[test]
 fn files_of_gltfpack_have_the_shape_of_their_model() {
     let model = import_bytes(include_bytes!("model.glb").to_vec(), &Limits::DEFAULT).unwrap();
@@ -218,5 +218,5 @@ fn views_outside_the_scene_may_be_damaged() {
         1,
     );
     assert!(text.contains("\"bufferView\":1") && text.contains("\"bufferView\":2"));
-    read(text.as_bytes(), &[], &Limits::DEFAULT).map_err(|fault| fault.fault.to_string()).unwrap();
+    read(text.as_bytes(), &[], false, &Limits::DEFAULT).map_err(|fault| fault.fault.to_string()).unwrap();
 }
