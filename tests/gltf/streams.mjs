@@ -1,7 +1,7 @@
 // Writes streams of meshopt compression and hashes of the bytes that they stand for, as JSON, for the tests of
 // `crates/hullmap-import`. meshoptimizer's own encoder makes them, and its decoder applies the filter.
 //
-//   npm install meshoptimizer && node tests/scenes/streams.mjs > crates/hullmap-import/src/tests/meshopt/streams.json
+//   npm install meshoptimizer && node tests/gltf/streams.mjs > crates/hullmap-import/src/tests/meshopt/streams.json
 import { createHash } from 'node:crypto';
 
 import { MeshoptDecoder, MeshoptEncoder } from 'meshoptimizer';

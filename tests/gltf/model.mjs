@@ -1,7 +1,7 @@
 // Writes a GLB file of our own making, for the tests of scenes: a dented ring and a wedge, in nodes that
 // turn, scale and mirror them.
 //
-//   node tests/scenes/model.mjs model.glb
+//   node tests/gltf/model.mjs model.glb
 import { writeFileSync } from 'node:fs';
 
 function ring() {
