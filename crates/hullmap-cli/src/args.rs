@@ -460,7 +460,7 @@ pub struct RobotArgs {
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
     /// Replace the inertia of links by that of their meshes, for the mass that they state; URDF
-    /// only
+    /// and SDF
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Read options from FILE [default: the nearest hullmap.toml above each description]

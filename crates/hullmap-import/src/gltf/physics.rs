@@ -325,13 +325,10 @@ pub fn meshes(document: &Document) -> HashSet<u32> {
     meshes
 }
 
-/// Whether any node has a physics extension.
+/// Whether any node has a collider, as far as the extensions can be read. Complexity: O(document).
 pub fn is_present(document: &Document) -> bool {
-    document.nodes.iter().any(|node| {
-        node.extensions
-            .as_ref()
-            .is_some_and(|extensions| extensions.khr_body.is_some() || extensions.omi_body.is_some())
-    })
+    let has_collider = |shapes: Shapes| document.nodes.iter().any(|node| matches!(shapes.collider(node), Ok(Some(_))));
+    Shapes::new(document).is_ok_and(has_collider)
 }
 
 #[cfg(test)]

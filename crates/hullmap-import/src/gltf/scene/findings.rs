@@ -50,7 +50,7 @@ impl Findings {
     pub fn warnings(&self) -> Vec<String> {
         let concave = self.concave.as_ref().map(|(name, count)| {
             format!(
-                "{} of triangles (the first is {name}), but this pack has their convex hulls; bake their meshes with --decompose",
+                "{} of triangles (the first is {name}): this pack has convex hulls instead; bake such meshes with --decompose",
                 counted(count, "collider is", "colliders are")
             )
         });
