@@ -27,7 +27,9 @@ class BakeOptions(TypedDict, total=False):
     max_error: Optional[Union[float, str]]
     """Maximum length by which an enclosing hull extends beyond the exact one; ``"1%"`` is relative to
     the diagonal. With ``decompose``, the maximum protrusion of a part; ``"2%"`` by default."""
-    for_engine: Optional[Literal["none", "physx", "physx-gpu", "jolt", "box3d", "unity", "unreal", "newton", "mujoco-warp"]]
+    for_engine: Optional[
+        Literal["none", "physx", "physx-gpu", "jolt", "box3d", "unity", "unreal", "newton", "mujoco-warp"]
+    ]
     """Simplify hulls and parts to the limits of an engine on vertices, faces and edges."""
     decompose: Optional[Union[bool, Literal["cover"]]]
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
