@@ -179,6 +179,34 @@ fn hulls_find_their_nodes() {
     assert!(!folder.path().join("d.glb").exists());
 }
 
+/// A flat hull is left out with a warning, and the others stay with their nodes.
+#[test]
+fn flat_hulls_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let sheet = Mesh { vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], faces: vec![vec![0, 1, 2]] };
+    let drum = extrusion(&regular_polygon(6, 0.5), 0.0, 1.0);
+    let nodes = r#"{"name":"sheet","mesh":0},{"name":"ell","mesh":1},{"name":"drum","mesh":2}"#;
+    let file = gltf::parts(&[("sheet", &sheet), ("ell", &ell()), ("drum", &drum)], nodes, "0,1,2").glb();
+    fs::write(folder.path().join("m.glb"), file).unwrap();
+    bake(&folder, "build m.glb --split object --out . --quiet").expect(0);
+    let run = bake(&folder, "export m.hullmap --into m.glb --for omi --density 1 --out out.glb").expect(0);
+    assert!(run.stderr.contains("1 hull left out") && run.stderr.contains("sheet"), "{run:?}");
+    let document = written(&folder, "out.glb");
+    assert!(document["nodes"][0].get("children").is_none());
+    for (node, name, mass) in [(1, "ell", 5.0), (2, "drum", 0.375 * 3.0_f64.sqrt())] {
+        let child = document["nodes"][node]["children"][0].as_u64().unwrap() as usize;
+        assert_eq!(document["nodes"][child]["name"], name);
+        let found = document["nodes"][node]["extensions"]["OMI_physics_body"]["motion"]["mass"].as_f64().unwrap();
+        assert!((found - mass).abs() < 1e-5, "{name}: {found}, not {mass}");
+    }
+    // A file for each hull has its collider.
+    bake(&folder, "export m.hullmap --for godot --parts --out parts").expect(0);
+    bake(&folder, "build parts --split auto --out again --quiet").expect(0);
+    for name in ["ell", "drum"] {
+        assert_eq!(hulls(&folder, &format!("again/{name}.hullmap"))[name], hulls(&folder, "m.hullmap")[name]);
+    }
+}
+
 /// A text file keeps its line breaks and its buffers; new data is in a buffer of its own.
 #[test]
 fn text_files_are_changed_in_place() {

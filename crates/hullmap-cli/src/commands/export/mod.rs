@@ -138,9 +138,12 @@ impl Export<'_> {
             )));
         }
         self.rename(place, &pack, &mut bodies);
-        let files = if args.target.is_some_and(Target::is_physics) && !self.is_folder {
+        let files = if let Some(into) = &args.into {
             let counts = Some(counts(&bodies));
-            let bytes = Added { args, path, pack: &pack, indices: &indices }.file(bodies)?;
+            // Those that were not left out.
+            let is_solid = |&index: &usize| pack.hull(index).is_ok_and(|hull| hull.rank() == 3);
+            let indices: Vec<usize> = indices.into_iter().filter(is_solid).collect();
+            let bytes = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
             vec![ExportedFile { name: String::new(), bytes, counts }]
         } else {
             let mass = self.mass(place, &pack, &indices);
@@ -448,6 +451,7 @@ fn files(
 fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[Body]) -> Result<ExportedFile, String> {
     let bytes = match format {
         Format::Obj => obj::write(bodies, args.target == Some(Target::Unreal)),
+        Format::Glb if args.target.is_some_and(Target::is_physics) => scene::alone(args, bodies.to_vec())?,
         Format::Glb => glb::write(bodies)?,
         Format::Json => {
             let exported = ExportedPack { source: pack.source_path(), options: pack.options(), hulls: bodies };

@@ -35,25 +35,31 @@ pub struct Added<'a> {
     pub indices: &'a [usize],
 }
 
+/// The extensions that the arguments select.
+fn form(args: &ExportArgs) -> Form {
+    Form {
+        khr: matches!(args.target, Some(Target::KhrPhysics | Target::Both)).then_some(args.draft),
+        is_omi: matches!(args.target, Some(Target::Omi | Target::Both | Target::Godot)),
+        is_visible: args.is_visible,
+    }
+}
+
+/// A file that has these hulls as static colliders, and nothing else.
+pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
+    let at_root = |body| Collider { body, node: None, pack_in_node: DAffine3::IDENTITY };
+    let colliders: Vec<Collider> = bodies.into_iter().map(at_root).collect();
+    colliders::add(&GltfFile::empty(), &colliders, &[], &form(args))
+}
+
 impl Added<'_> {
-    /// The file of `--into`, or an empty one, with the hulls as colliders. `bodies` are the hulls.
+    /// The file `into` with the hulls as colliders. `bodies` are the hulls, in the order of their
+    /// indices.
     ///
     /// # Errors
     /// Usage: the file cannot be read. Rejected: it is damaged, has colliders already, or no node
     /// for a hull.
-    pub fn file(&self, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
-        let target = self.args.target;
-        let form = Form {
-            khr: matches!(target, Some(Target::KhrPhysics | Target::Both)).then_some(self.args.draft),
-            is_omi: matches!(target, Some(Target::Omi | Target::Both | Target::Godot)),
-            is_visible: self.args.is_visible,
-        };
-        let Some(into) = &self.args.into else {
-            let at_root = |body| Collider { body, node: None, pack_in_node: DAffine3::IDENTITY };
-            let colliders: Vec<Collider> = bodies.into_iter().map(at_root).collect();
-            let file = colliders::add(&GltfFile::empty(), &colliders, &[], &form);
-            return file.map_err(|message| Failure::rejected(format!("{}: {message}", self.path.display())));
-        };
+    pub fn file(&self, into: &Path, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
+        let form = form(self.args);
         let shown = into.display();
         let fault = |message: String| Failure::rejected(format!("{shown}: {message}"));
         let source = import::read(&shown.to_string(), into, &Limits::DEFAULT).map_err(|error| match error {
