@@ -2,9 +2,13 @@
 //!
 //! The flags that shape a pack come from the table in `options/table.rs`; all others are here.
 
+pub mod export;
 mod guesses;
+mod limits;
+mod numbers;
 #[cfg(test)]
 mod tests;
+pub mod verify;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -13,7 +17,7 @@ use clap::builder::{PossibleValuesParser, Resettable, StyledStr, TypedValueParse
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
-use hullmap_import::{EXTENSIONS, Limits, UpAxis};
+use hullmap_import::EXTENSIONS;
 #[cfg(feature = "remote")]
 use hullmap_remote::Address;
 use hullmap_report::input::Up;
@@ -24,15 +28,15 @@ use crate::jobs::shard::Shard;
 use crate::options::table::Section;
 use crate::options::{OptionLayer, PartsLayer, flag};
 use crate::terminal::Escaped;
+use export::ExportArgs;
+use limits::LimitArgs;
+use numbers::{at_least_one, size};
+use verify::{DEFAULT_DIRECTIONS, VerifyArgs};
 
 /// Headings of the help. Headings from the table of options come first, the farm last.
 const FILES: &str = Section::Files.heading();
-const LIMITS: &str = "Limits";
 const RUNNING: &str = "Running";
 const FARM: &str = "Farm";
-
-/// Directions tested on each hull by default.
-pub const DEFAULT_DIRECTIONS: usize = 10_000;
 
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
@@ -84,11 +88,12 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
-    /// Write hulls as meshes, also for Unreal, Godot, MJCF, URDF, SDF
+    /// Write hulls as meshes, or into glTF, for engines and simulators
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
                       bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
                       bake export baked --for godot --out collision          (a file per pack)\n  \
+                      bake export baked/car.hullmap --into car.glb --for both --out car_physics.glb\n  \
                       bake export baked/arm.hullmap --for urdf --out arm")]
     Export(ExportArgs),
     /// Replace collision meshes in robots: URDF, MJCF, SDF
@@ -408,76 +413,6 @@ pub struct StatusArgs {
     pub json: bool,
 }
 
-/// Limits on source files.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct LimitArgs {
-    /// Maximum size of a source file in bytes; importing takes up to 96 MiB of memory plus 8 times
-    /// the size of the file
-    #[arg(
-        long,
-        value_name = "N",
-        help_heading = LIMITS,
-        hide_short_help = true,
-        default_value_t = Limits::DEFAULT.input_bytes,
-        value_parser = clap::value_parser!(u64).range(1..)
-    )]
-    max_input_bytes: u64,
-    /// Maximum number of objects in a file that is split
-    #[arg(
-        long,
-        value_name = "N",
-        help_heading = LIMITS,
-        hide_short_help = true,
-        default_value_t = Limits::DEFAULT.objects
-    )]
-    max_objects: usize,
-    /// Maximum number of vertices and corners that instances and compression add to a glTF file
-    #[arg(
-        long,
-        value_name = "N",
-        help_heading = LIMITS,
-        hide_short_help = true,
-        default_value_t = Limits::DEFAULT.repeated_vertices
-    )]
-    max_instanced: usize,
-}
-
-impl LimitArgs {
-    /// The limits that the flags set.
-    pub fn limits(&self) -> Limits {
-        Limits { input_bytes: self.max_input_bytes, objects: self.max_objects, repeated_vertices: self.max_instanced }
-    }
-}
-
-/// Arguments of `bake verify`.
-#[derive(Debug, clap::Args)]
-pub struct VerifyArgs {
-    /// Packs, or folders to search for them
-    #[arg(required = true, value_name = "FILE|DIR")]
-    pub inputs: Vec<PathBuf>,
-    /// The source mesh, or a folder of meshes [default: beside the pack, then the recorded path]
-    #[arg(long, value_name = "PATH")]
-    pub source: Option<PathBuf>,
-    /// Exit with 1 if the source of a pack is not found
-    #[arg(long)]
-    pub require_source: bool,
-    /// List every hull in the table, not one line per pack
-    #[arg(long)]
-    pub hulls: bool,
-    /// Number of directions to test on each hull
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
-    pub directions: usize,
-    /// Seed of the random directions
-    #[arg(long, value_name = "S", default_value_t = 0)]
-    pub seed: u64,
-    /// Limits on source files.
-    #[command(flatten)]
-    pub limits: LimitArgs,
-    /// Print one JSON object per hull
-    #[arg(long)]
-    pub json: bool,
-}
-
 /// Arguments of `bake inspect`.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
@@ -490,55 +425,6 @@ pub struct InspectArgs {
     /// Print one JSON object per pack
     #[arg(long)]
     pub json: bool,
-}
-
-/// Arguments of `bake export`.
-#[derive(Debug, clap::Args)]
-pub struct ExportArgs {
-    /// Packs, or folders to search for them
-    #[arg(required = true, value_name = "FILE|DIR")]
-    pub packs: Vec<PathBuf>,
-    /// File to write, or folder if several files are written [default: standard output]
-    #[arg(long, value_name = "PATH")]
-    pub out: Option<PathBuf>,
-    /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
-    #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
-    pub format: Option<Format>,
-    /// Use the names and files that an engine expects
-    #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf|sdf", hide_possible_values = true)]
-    pub target: Option<Target>,
-    /// Export only this hull, by name or index; repeatable
-    #[arg(long = "hull", value_name = "NAME")]
-    pub hulls: Vec<String>,
-    /// Write one file per hull to a folder, named after the hulls
-    #[arg(long)]
-    pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack
-    /// only
-    #[arg(long, value_name = "NAME", requires = "target")]
-    pub name: Option<String>,
-    /// Keep the hulls visible in Godot, by the suffix -convcol
-    #[arg(long = "visible")]
-    pub is_visible: bool,
-    /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
-    #[arg(long, value_name = "PREFIX")]
-    pub mesh_prefix: Option<String>,
-    /// Density for the mass in MJCF, URDF and SDF, in kilograms per cubic unit of the pack;
-    /// default 1000
-    #[arg(long, value_name = "DENSITY", value_parser = density)]
-    pub density: Option<f64>,
-    /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = UpAxis::Keep,
-        value_name = "keep|y-to-z|z-to-y",
-        hide_possible_values = true
-    )]
-    pub up_axis: UpAxis,
-    /// Replace existing files
-    #[arg(long)]
-    pub force: bool,
 }
 
 /// Arguments of `bake robot`.
@@ -574,7 +460,7 @@ pub struct RobotArgs {
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
     /// Replace the inertia of links by that of their meshes, for the mass that they state; URDF
-    /// only
+    /// and SDF
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Read options from FILE [default: the nearest hullmap.toml above each description]
@@ -607,64 +493,6 @@ pub enum FromVisual {
 
 /// Options that a description decides: `bake robot` does not take them.
 pub const DECIDED_BY_ROBOTS: [&str; 6] = ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source"];
-
-/// Formats of exported meshes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// Wavefront OBJ
-    Obj,
-    /// Binary STL
-    Stl,
-    /// Binary glTF 2.0
-    Glb,
-    /// JSON
-    Json,
-}
-
-impl Format {
-    /// Extension of its files.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Obj => "obj",
-            Self::Stl => "stl",
-            Self::Glb => "glb",
-            Self::Json => "json",
-        }
-    }
-}
-
-/// Engines and documents with rules of their own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Target {
-    /// Meshes named `UCX_<render mesh>_<nn>`
-    Unreal,
-    /// Nodes named `<name>-convcolonly`
-    Godot,
-    /// A MuJoCo model and its mesh files
-    Mjcf,
-    /// A link and its mesh files
-    Urdf,
-    /// A model of one link for Gazebo, and its mesh files
-    Sdf,
-}
-
-impl Target {
-    /// Whether it is a document that names mesh files and states the mass.
-    pub fn is_document(self) -> bool {
-        matches!(self, Self::Mjcf | Self::Urdf | Self::Sdf)
-    }
-
-    /// Name for messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Unreal => "Unreal",
-            Self::Godot => "Godot",
-            Self::Mjcf => "MuJoCo",
-            Self::Urdf => "URDF",
-            Self::Sdf => "SDF",
-        }
-    }
-}
 
 /// Arguments of `bake query`.
 #[derive(Debug, clap::Args)]
@@ -758,28 +586,6 @@ pub struct CompletionsArgs {
 /// Parser of `--up`.
 fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["z", "y"]).map(|axis| if axis == "y" { Up::Y } else { Up::Z })
-}
-
-/// A count of at least 1.
-fn at_least_one(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|&count| count >= 1).ok_or_else(|| "expected a whole number of at least 1".to_owned())
-}
-
-/// A density: finite, and above 0.
-fn density(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|density: &f64| *density > 0.0 && density.is_finite());
-    found.ok_or_else(|| "expected a number above 0, such as 1000 or 2700".to_owned())
-}
-
-/// A number of bytes: `4096`, `500K`, `500M`, `8G`; K, M, G and T are powers of 1024.
-fn size(text: &str) -> Result<u64, String> {
-    let units = [("", 1_u64), ("K", 1 << 10), ("M", 1 << 20), ("G", 1 << 30), ("T", 1 << 40)];
-    let digits = text.trim_end_matches(|letter: char| !letter.is_ascii_digit());
-    let unit = text[digits.len()..].to_uppercase();
-    let unit = unit.strip_suffix("IB").or(unit.strip_suffix('B')).unwrap_or(&unit);
-    let factor = units.iter().find_map(|(name, factor)| (*name == unit).then_some(*factor));
-    let bytes = digits.parse::<u64>().ok().zip(factor).and_then(|(number, factor)| number.checked_mul(factor));
-    bytes.filter(|&bytes| bytes > 0).ok_or_else(|| "expected a size above 0, such as 500M or 8G".to_owned())
 }
 
 /// The name under which the command was started, for help texts: `bake`, or another entry point,

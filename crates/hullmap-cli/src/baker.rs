@@ -2,11 +2,14 @@
 
 use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::progress::Stage;
+use hullmap_bake::simplify::Limit;
 use hullmap_bake::{
-    BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack, write_owned_pack,
+    BakeError, BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack,
+    write_owned_pack,
 };
 use rayon::prelude::*;
 
+use crate::budget::{Budget, Figures};
 use crate::estimates::DecomposedObject;
 use crate::measure::{self, Measured};
 use crate::options::BuildOptions;
@@ -51,14 +54,16 @@ pub fn bake_pack(
     let steps = stage.from_to(cut, built).steps(parts.len());
     let inner = if parts.len() == 1 { stage.from_to(cut, built) } else { stage.from_to(0.0, 0.0) };
     let bake = |part: &Part| {
-        let baked = bake_hull_in(&part.points, options.simplify(diagonal(&part.points)), index, inner);
+        let baked = bake_within_budget(&part.points, options, inner);
         steps.take();
         baked
     };
     let baked: Vec<_> = parts.par_iter().map(bake).collect();
     let mut hulls = Vec::with_capacity(baked.len());
+    let mut over_budget = Vec::new();
     for (hull, part) in baked.into_iter().zip(&parts) {
-        let hull = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
+        let (hull, remark) = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
+        over_budget.extend(remark);
         hulls.push(BakedHull { part: part.index, ..hull });
     }
     let Measured { mut remarks, objects } = match &decompose {
@@ -67,6 +72,10 @@ pub fn bake_pack(
     };
     if let IndexChoice::Budget { bytes_per_vertex } = index {
         remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
+    }
+    remarks.append(&mut over_budget);
+    if let Some(budget) = options.budget() {
+        remarks.extend(hulls.iter().filter_map(|baked| form_warning(baked, budget)));
     }
     remarks.extend(hulls.iter().filter_map(replacement_warning));
     // One part is the hull of its mesh.
@@ -80,6 +89,61 @@ pub fn bake_pack(
     let write = if options.is_lean() { write_lean_pack } else { write_owned_pack };
     let bytes = write(hulls, &source).map_err(|error| error.to_string())?;
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings: source.warnings, objects })
+}
+
+/// The hull of these points, as simple as the options and the budget of an engine demand, with a
+/// note if the budget decided. A hull that is within the budget as it is stays exact.
+fn bake_within_budget(
+    points: &PointSet,
+    options: &BuildOptions,
+    stage: Stage,
+) -> Result<(BakedHull, Option<Remark>), BakeError> {
+    let (limit, index) = (options.simplify(diagonal(points)), options.index());
+    let Some(budget) = options.budget() else {
+        return Ok((bake_hull_in(points, limit, index, stage)?, None));
+    };
+    // The index takes most of the time, and is of no use if the hull is too large.
+    let is_doubtful = limit.is_none() && points.positions.len() > budget.vertices();
+    let first = if is_doubtful { IndexChoice::Kind(IndexKind::None) } else { index };
+    let baked = bake_hull_in(points, limit, first, stage)?;
+    let exceeded = budget.exceeded_counts(&figures(&baked));
+    if exceeded.is_empty() && !is_doubtful {
+        return Ok((baked, None));
+    }
+    if exceeded.is_empty() {
+        return Ok((bake_hull_in(points, limit, index, stage)?, None));
+    }
+    let vertices = match limit {
+        Some(Limit::Vertices(vertices)) => vertices.min(budget.sure_vertices() as usize),
+        _ => budget.sure_vertices() as usize,
+    };
+    let simplified = bake_hull_in(points, Some(Limit::Vertices(vertices)), index, stage)?;
+    let kind = format!("simplified for {}", budget.name);
+    let (count, name) = (simplified.hull.vertices.len(), &points.name);
+    let text =
+        format!("hull {name}: simplified to {count} vertices for {}: it had {}", budget.name, exceeded.join(", "));
+    Ok((simplified, Some(Remark::note(kind, name, text))))
+}
+
+/// Figures of a hull that a budget limits.
+fn figures(baked: &BakedHull) -> Figures {
+    Figures::new(&baked.hull.vertices, &baked.hull.faces, baked.interior.point)
+}
+
+/// Warning about a hull that an engine rejects for its form, which no number of vertices changes.
+fn form_warning(baked: &BakedHull, budget: &Budget) -> Option<Remark> {
+    let exceeded = budget.exceeded_form(&figures(baked));
+    if exceeded.is_empty() || baked.hull.rank < 3 {
+        return None;
+    }
+    let (name, kind) = (&baked.name, format!("not of a form for {}", budget.name));
+    let text = format!(
+        "hull {name}: not within the budget of {}: it has {}; thicken or divide the mesh, or allow thicker parts with \
+         --min-thickness and --max-error",
+        budget.name,
+        exceeded.join(" and ")
+    );
+    Some(Remark::warning(kind, name, text))
 }
 
 /// Warning about an index that replaces another one, since that could not be proven.

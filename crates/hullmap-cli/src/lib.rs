@@ -16,11 +16,13 @@
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
 //! | `baker` | all calls into `hullmap-bake` |
+//! | `budget` | what physics engines accept of a hull |
 //! | `measure`, `estimates` | how parts fit their meshes, and each other |
 //! | `verification` | proves and measures packs |
 //! | `in_memory` | bakes that write no file, for bindings |
 //! | `geometry` | vertices and faces as lists |
 //! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL |
+//! | `scene` | colliders that are added to glTF files |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | finds the source of a pack |
 //! | `project` | the folder outside of which no source is read |
@@ -36,6 +38,7 @@
 #[cfg(feature = "command")]
 mod args;
 mod baker;
+mod budget;
 #[cfg(feature = "command")]
 mod commands;
 #[cfg(feature = "command")]
@@ -75,6 +78,8 @@ mod project;
 mod remote;
 #[cfg(feature = "command")]
 mod runner;
+#[cfg(feature = "command")]
+mod scene;
 #[cfg(feature = "command")]
 mod selection;
 #[cfg(feature = "command")]

@@ -57,6 +57,7 @@ mod placement;
 mod ply;
 mod point_sets;
 mod read;
+mod scene_objects;
 mod stl;
 #[cfg(test)]
 mod tests;
@@ -76,6 +77,7 @@ pub use limits::Limits;
 pub use mesh::Polygons;
 pub use options::{ImportOptions, Split, UpAxis, Vertices};
 pub use read::{ReadError, SourceFile, buffers_of, open_regular, read};
+pub use scene_objects::{SceneObject, scene_objects};
 
 use fault::{LineFault, counted};
 use format::Format;
@@ -171,7 +173,7 @@ pub fn import(
     let format = foreign::format_of(path, &source.bytes).map_err(|fault| name(fault.of_file()))?;
     let mesh = match format {
         Format::Obj => obj::read(&source.bytes, is_double, limits),
-        Format::Gltf => gltf::read(&source.bytes, &source.beside, limits),
+        Format::Gltf => gltf::read(&source.bytes, &source.beside, options.split == Split::Auto, limits),
         Format::Stl => stl::read(&source.bytes, is_double, limits),
         Format::Ply => ply::read(&source.bytes, is_double),
         Format::Collada => collada::read(&source.bytes, limits),

@@ -6,6 +6,8 @@
 //! `MEMORY_FACTOR` times the bytes read, those bytes included, plus `MEMORY_BASE`, plus 64 bytes
 //! for each vertex or corner that a glTF file repeats or compresses.
 
+use crate::fault::Fault;
+
 /// Peak memory of an import, as a multiple of the bytes read.
 #[cfg(test)]
 pub const MEMORY_FACTOR: u64 = 8;
@@ -38,14 +40,25 @@ pub struct Limits {
     pub objects: usize,
     /// Maximum number of vertices and corners that a glTF file contains only by repetition or
     /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and
-    /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory.
-    /// Primitives, and the bytes of mesh names that become names of objects, count too.
+    /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. So do 32
+    /// bytes of a buffer view that meshopt compresses, decoded. Primitives, and the bytes of mesh
+    /// names that become names of objects, count too.
     pub repeated_vertices: usize,
 }
 
 impl Limits {
     /// The default limits.
     pub const DEFAULT: Self = Self { input_bytes: 4 << 30, objects: 1 << 17, repeated_vertices: 1 << 22 };
+}
+
+impl Limits {
+    /// The fault of a glTF file with more repetition than the limit.
+    pub(crate) fn too_much_repetition(&self) -> Fault {
+        Fault::format(format!(
+            "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
+            self.repeated_vertices
+        ))
+    }
 }
 
 impl Default for Limits {

@@ -127,6 +127,15 @@ pub struct SourceObject {
     pub first_loose: u32,
 }
 
+/// An object that is a collider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SourceCollider {
+    /// Its index among the objects.
+    pub object: usize,
+    /// Index of the object whose shape it stands for, if that is known.
+    pub stands_for: Option<usize>,
+}
+
 /// Everything in a source file that affects a hull.
 #[derive(Debug)]
 pub struct SourceMesh {
@@ -138,6 +147,8 @@ pub struct SourceMesh {
     pub loose: Vec<u32>,
     /// Objects in file order. There is at least one, and the first starts at 0.
     pub objects: Vec<SourceObject>,
+    /// Objects that are colliders by an extension of the file, ascending. Names do not matter then.
+    pub colliders: Vec<SourceCollider>,
     /// Whether objects beyond the limit were joined to the last one. The file cannot be split by
     /// object then.
     pub has_too_many_objects: bool,
@@ -160,6 +171,7 @@ impl SourceMesh {
             faces,
             loose: Vec::new(),
             objects: vec![SourceObject { name: String::new(), first_vertex: 0, first_face: 0, first_loose: 0 }],
+            colliders: Vec::new(),
             has_too_many_objects: false,
             may_share_vertices: true,
             has_only_groups: false,

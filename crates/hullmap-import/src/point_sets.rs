@@ -14,7 +14,7 @@ use hullmap_bake::PointSet;
 use crate::conventions;
 use crate::fault::{Fault, excerpt};
 use crate::limits::Limits;
-use crate::mesh::{Polygons, Positions, SourceMesh};
+use crate::mesh::{Polygons, Positions, SourceCollider, SourceMesh};
 use crate::options::{ImportOptions, Split, Vertices};
 use crate::placement::Placement;
 
@@ -134,6 +134,18 @@ fn place_mesh(
     (!set.triangles.is_empty()).then(|| Arc::new(set))
 }
 
+/// The objects with points, each with the name of its hull if the file is split by object.
+#[expect(clippy::indexing_slicing, reason = "readers reject references out of range")]
+pub fn object_names(mesh: &SourceMesh, stem: &str) -> Vec<(usize, String)> {
+    let mut referenced = vec![false; mesh.positions.len()];
+    for &vertex in mesh.faces.corners.iter().chain(&mesh.loose) {
+        referenced[vertex as usize] = true;
+    }
+    let objects = all_objects(mesh, &referenced, !mesh.has_elements(), stem, &mut Sets::default());
+    let names: Vec<String> = objects.iter().map(|&object| name_of(mesh, object, stem).to_owned()).collect();
+    objects.into_iter().zip(unique_names(&names)).collect()
+}
+
 /// Indices of all objects with points.
 fn all_objects(mesh: &SourceMesh, referenced: &[bool], takes_all: bool, stem: &str, sets: &mut Sets) -> Vec<usize> {
     let (mut chosen, mut skipped) = (Vec::new(), Vec::new());
@@ -157,8 +169,9 @@ fn all_objects(mesh: &SourceMesh, referenced: &[bool], takes_all: bool, stem: &s
     chosen
 }
 
-/// Indices of the objects whose names mark them as collision parts, each with the object that it
-/// stands for, or `None` if there are none. The parts of one object follow one another.
+/// Indices of the objects that are collision parts, by an extension of the file or else by their
+/// names, each with the object that it stands for; `None` if there are none. The parts of one
+/// object follow one another.
 fn collision_parts(
     mesh: &SourceMesh,
     referenced: &[bool],
@@ -168,6 +181,34 @@ fn collision_parts(
 ) -> Option<Vec<(usize, Option<usize>)>> {
     let objects = (0..mesh.objects.len()).filter(|&object| has_members(mesh, object, referenced, takes_all));
     let objects: Vec<usize> = objects.collect();
+    let colliders = colliders(mesh, &objects, sets);
+    let chosen = if colliders.is_empty() { named_parts(mesh, &objects, stem, sets)? } else { colliders };
+    Some(grouped(chosen))
+}
+
+/// The objects that are colliders by an extension of the file, each with the object that it stands
+/// for.
+fn colliders(mesh: &SourceMesh, objects: &[usize], sets: &mut Sets) -> Vec<(usize, Option<usize>)> {
+    let has_points = |collider: &&SourceCollider| objects.binary_search(&collider.object).is_ok();
+    let chosen: Vec<(usize, Option<usize>)> =
+        mesh.colliders.iter().filter(has_points).map(|collider| (collider.object, collider.stands_for)).collect();
+    if !chosen.is_empty() {
+        sets.notes.push(format!("colliders of a physics extension, one hull each: {}", chosen.len()));
+        let others = objects.len() - chosen.len();
+        if others > 0 {
+            sets.notes.push(format!("objects that are not collision parts, left out: {others}"));
+        }
+    }
+    chosen
+}
+
+/// The objects whose names mark them as collision parts, each with the object that it stands for.
+fn named_parts(
+    mesh: &SourceMesh,
+    objects: &[usize],
+    stem: &str,
+    sets: &mut Sets,
+) -> Option<Vec<(usize, Option<usize>)>> {
     let names: Vec<&str> = objects.iter().map(|&object| name_of(mesh, object, stem)).collect();
     let Some(selection) = conventions::select(&names) else {
         sets.notes.push(
@@ -180,7 +221,11 @@ fn collision_parts(
     sets.warnings.extend(selection.warnings);
     let stands_for = selection.stands_for.into_iter().map(|index| index.and_then(|index| objects.get(index).copied()));
     let chosen = objects.iter().zip(stands_for).zip(selection.is_part).filter(|(_, is_part)| *is_part);
-    let mut chosen: Vec<(usize, Option<usize>)> = chosen.map(|((object, mesh), _)| (*object, mesh)).collect();
+    Some(chosen.map(|((object, mesh), _)| (*object, mesh)).collect())
+}
+
+/// The parts in an order in which those of one object follow one another.
+fn grouped(chosen: Vec<(usize, Option<usize>)>) -> Vec<(usize, Option<usize>)> {
     // The place of an object's parts is that of the first. A part that stands for none is alone.
     let mut first = HashMap::new();
     for (place, (_, stands_for)) in chosen.iter().enumerate() {
@@ -193,9 +238,9 @@ fn collision_parts(
         .enumerate()
         .map(|(place, (_, mesh))| mesh.and_then(|mesh| first.get(&mesh).copied()).unwrap_or(place))
         .collect();
-    let mut order: Vec<_> = places.into_iter().zip(std::mem::take(&mut chosen)).collect();
+    let mut order: Vec<_> = places.into_iter().zip(chosen).collect();
     order.sort_by_key(|(place, _)| *place);
-    Some(order.into_iter().map(|(_, chosen)| chosen).collect())
+    order.into_iter().map(|(_, chosen)| chosen).collect()
 }
 
 #[expect(clippy::indexing_slicing, reason = "callers pass objects of the mesh")]

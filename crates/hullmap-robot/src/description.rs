@@ -75,7 +75,7 @@ pub struct Link {
     pub(crate) at: usize,
     /// Whether a collision may be made from its visuals.
     pub takes_visuals: bool,
-    /// The mass that it states; only read in URDF.
+    /// The mass that it states; not read in MJCF.
     pub mass: Option<f64>,
 }
 
@@ -90,7 +90,7 @@ pub struct Shape {
     pub line: u32,
     /// Its geometry.
     pub geometry: Geometry,
-    /// Its pose in the link: translation, then roll, pitch and yaw; only read in URDF.
+    /// Its pose in the link: translation, then roll, pitch and yaw; not read in MJCF.
     pub pose: Option<[f64; 6]>,
     /// Why it must stay a single mesh, if so.
     pub stays_single: Option<String>,

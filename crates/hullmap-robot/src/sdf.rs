@@ -54,7 +54,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
             children(node, kind).map(|node| shape(node, &document, places)).collect()
         };
         let (collisions, visuals) = (shapes("collision"), shapes("visual"));
-        links.push(Link { name, document: 0, line, at, collisions, visuals, takes_visuals: true, mass: None });
+        let mass = mass(node);
+        links.push(Link { name, document: 0, line, at, collisions, visuals, takes_visuals: true, mass });
     }
     for node in tree.descendants().filter(|node| node.has_tag_name("include")) {
         let uri = child(node, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
@@ -107,7 +108,32 @@ fn shape(node: Node, document: &Document, places: &Places) -> Shape {
     };
     let at = node.range().start;
     let name = node.attribute("name").unwrap_or_default().to_owned();
-    Shape { name, document: 0, line: document.line(at), geometry, pose: None, stays_single: None, at }
+    Shape { name, document: 0, line: document.line(at), geometry, pose: pose(node), stays_single: None, at }
+}
+
+/// The mass that a link states, unless its inertia is computed from densities.
+fn mass(link: Node) -> Option<f64> {
+    let inertial = child(link, "inertial").filter(|node| node.attribute("auto") != Some("true"))?;
+    let mass = child(inertial, "mass")?.text()?;
+    mass.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
+}
+
+/// The pose of an element in its link; `None` if it is invalid, or relative to another frame.
+fn pose(node: Node) -> Option<[f64; 6]> {
+    let Some(pose) = child(node, "pose") else {
+        return Some([0.0; 6]);
+    };
+    let is_elsewhere = pose.attribute("relative_to").is_some_and(|frame| !frame.is_empty());
+    if is_elsewhere || pose.attribute("rotation_format").is_some_and(|format| format != "euler_rpy") {
+        return None;
+    }
+    let numbers: Vec<f64> =
+        pose.text().unwrap_or_default().split_whitespace().map(|word| word.parse().ok()).collect::<Option<_>>()?;
+    let mut pose_in_link = <[f64; 6]>::try_from(numbers).ok()?;
+    if pose.attribute("degrees") == Some("true") {
+        pose_in_link.iter_mut().skip(3).for_each(|angle| *angle = angle.to_radians());
+    }
+    Some(pose_in_link)
 }
 
 /// The edits that make these changes.
@@ -123,7 +149,13 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
     // Names of collisions are unique in a link.
     let mut names: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
     for change in changes {
-        let Some((link, shape, meshes)) = change.parts(links) else { continue };
+        let Some((link, shape, meshes)) = change.parts(links) else {
+            if let Change::Inertia { link, center, inertia } = change {
+                let inertial = nodes.get(&links[*link].at).and_then(|link| child(*link, "inertial"));
+                edits.extend(inertial.into_iter().flat_map(|node| of_inertial(node, text, *center, *inertia)));
+            }
+            continue;
+        };
         let node = nodes[&shape.at];
         let names =
             names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
@@ -160,6 +192,25 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
         }
     }
     Ok(edits)
+}
+
+/// Edits of an `inertial`: its pose is the centre of mass, with the axes of the link.
+fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3]) -> Vec<Edit> {
+    let [[xx, xy, xz], [_, yy, yz], [.., zz]] = tensor;
+    let entries = [("ixx", xx), ("ixy", xy), ("ixz", xz), ("iyy", yy), ("iyz", yz), ("izz", zz)];
+    let entries: String = entries.iter().map(|(name, value)| format!("<{name}>{value}</{name}>")).collect();
+    let (pose, inertia) = (format!("<pose>{x} {y} {z} 0 0 0</pose>"), format!("<inertia>{entries}</inertia>"));
+    let mass = child(node, "mass").unwrap_or(node);
+    let space = &text[lead(mass, text)];
+    let pose = match child(node, "pose") {
+        Some(old) => Edit::replace(old.range(), pose),
+        None => Edit::insert(mass.range().start, format!("{pose}{space}")),
+    };
+    let inertia = match child(node, "inertia") {
+        Some(old) => Edit::replace(old.range(), inertia),
+        None => Edit::insert(mass.range().end, format!("{space}{inertia}")),
+    };
+    vec![pose, inertia]
 }
 
 /// The span of the text in a shape's `uri`.

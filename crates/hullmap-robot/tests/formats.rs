@@ -127,6 +127,59 @@ fn sdf() {
     );
 }
 
+/// Poses of collisions, and what becomes of each kind of `inertial`.
+#[test]
+fn sdf_inertia() {
+    let shape = |name: &str, pose: &str| {
+        format!("  <collision name='{name}'>{pose}<geometry><mesh><uri>a.stl</uri></mesh></geometry></collision>\n")
+    };
+    let text = [
+        "<sdf version='1.9'><model name='m'><link name='a'>\n",
+        "  <inertial>\n    <!-- kept -->\n    <mass>2</mass>\n  </inertial>\n",
+        &shape("c", "<pose degrees='true'>1 2 3 0 0 90</pose>"),
+        &shape("d", "<pose relative_to='x'>1 2 3 0 0 0</pose>"),
+        &shape("e", "<pose>1 2 3</pose>"),
+        "</link>\n<link name='b'><inertial><mass>3</mass><pose relative_to='x'>9 9 9 1 1 1</pose>",
+        "<inertia><izz>7</izz></inertia></inertial></link>\n",
+        "<link name='c'><inertial auto='true'><mass>4</mass></inertial></link>\n</model></sdf>\n",
+    ]
+    .concat();
+    let folder = folder(&[("m.sdf", &text), ("a.stl", "")]);
+    let description = read(folder.path(), "m.sdf").unwrap();
+    let masses: Vec<Option<f64>> = description.links.iter().map(|link| link.mass).collect();
+    assert_eq!(masses, [Some(2.0), Some(3.0), None]);
+    let poses: Vec<_> = description.links[0].collisions.iter().map(|shape| shape.pose).collect();
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert_eq!(poses, [Some([1.0, 2.0, 3.0, 0.0, 0.0, quarter]), None, None]);
+    let inertia = |link| Change::Inertia {
+        link,
+        center: [1.0, 0.5, 2.0],
+        inertia: [[1.0, 0.25, 0.0], [0.25, 2.0, 0.0], [0.0, 0.0, 3.0]],
+    };
+    let found = changed(&description, &[inertia(0), inertia(1)]).remove(0);
+    let written = "<inertia><ixx>1</ixx><ixy>0.25</ixy><ixz>0</ixz><iyy>2</iyy><iyz>0</iyz><izz>3</izz></inertia>";
+    let pose = "<pose>1 0.5 2 0 0 0</pose>";
+    let expected = text
+        .replace("    <mass>2</mass>\n", &format!("    {pose}\n    <mass>2</mass>\n    {written}\n"))
+        .replace("<pose relative_to='x'>9 9 9 1 1 1</pose>", pose)
+        .replace("<inertia><izz>7</izz></inertia>", written);
+    assert_eq!(found, expected);
+}
+
+/// ROS programs skip any number of slashes behind `package:`, and TinyXML ignores what follows the
+/// root.
+#[test]
+fn third_slashes_and_second_end_tags_are_read_as_by_others() {
+    let text = "<robot name='r'>\n <link name='l'><collision><geometry>\
+        <mesh filename='package:///p/a.stl'/></geometry></collision></link>\n</robot>\n</robot>\n<!-- end -->\n";
+    let folder = folder(&[("p/package.xml", "<package><name>p</name></package>"), ("p/a.stl", ""), ("p/r.urdf", text)]);
+    let description = read(folder.path(), "p/r.urdf").unwrap();
+    let Geometry::Mesh(mesh) = &description.links[0].collisions[0].geometry else { panic!("{description:?}") };
+    assert_eq!(mesh.file.as_ref().unwrap(), &folder.path().canonicalize().unwrap().join("p/a.stl"));
+    let found = changed(&description, &[replace(0, 0, &["package://p/h.obj"])]).remove(0);
+    assert_eq!(found, text.replace("package:///p/a.stl", "package://p/h.obj"));
+}
+
 const MJCF: &str = r#"<mujoco>
   <compiler meshdir="assets"/>
   <default>

@@ -1,6 +1,7 @@
 //! The `bake` command, run as its users run it.
 
 mod assets;
+mod budgets;
 mod decompose;
 mod document;
 mod export;
@@ -14,6 +15,7 @@ mod parts;
 mod pipeline;
 mod report;
 mod robot;
+mod scenes;
 mod sources;
 mod subcommands;
 #[cfg(unix)]

@@ -189,6 +189,20 @@ fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
     near(numbers("ixy=\"")[0], 0.0);
     assert!(left.contains("<mass value=\"2\"/>"));
     run(folder.path(), "robot in/arm.xml --out out --inertia").expect(2);
+    // The same link in SDF, whose collision is made from its visual.
+    run(folder.path(), "robot in/arm.sdf --out out --inertia").expect(0);
+    let text = fs::read_to_string(folder.path().join("out/arm.sdf")).unwrap();
+    let left = text.split("<link name=\"left\">").nth(1).unwrap().split("</link>").next().unwrap();
+    let number = |name: &str| -> Vec<f64> {
+        let value = left.split(&format!("<{name}>")).nth(1).unwrap().split('<').next().unwrap();
+        value.split(' ').map(|number| number.parse().unwrap()).collect()
+    };
+    for (found, expected) in number("pose").into_iter().zip([0.15, -0.05, 0.1, 0.0, 0.0, 0.0]) {
+        assert!((found - expected).abs() < 1e-7, "{left}");
+    }
+    for (name, expected) in [("mass", 2.0), ("ixx", ixx), ("iyy", iyy), ("ixz", ixz), ("ixy", 0.0)] {
+        assert!((number(name)[0] - expected).abs() < 1e-7, "{name}: {left}");
+    }
 }
 
 #[test]

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use hullmap::Pack;
 use hullmap_bake::number::{percent, short};
 
-use crate::args::VerifyArgs;
+use crate::args::verify::VerifyArgs;
+use crate::budget::{Figures, budget};
+use crate::geometry::{polygons, positions};
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
@@ -21,6 +24,9 @@ const MAX_WARNINGS: usize = 8;
 /// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Problems with
 /// single packs are reported in their rows.
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
+    if let Some(budget) = args.budget.as_deref().and_then(budget) {
+        terminal::note(format_args!("the limits of {} are those of {}", budget.name, budget.source));
+    }
     let mut exit = Exit::Done;
     let mut results = Vec::new();
     let places = find_packs(&args.inputs)?;
@@ -82,7 +88,29 @@ fn verify_pack(
         result.file.clone_from(&file);
         result.source = source.map(|path| path.display().to_string());
     }
+    if let Some(name) = &args.budget {
+        judge_budget(name, &pack, &mut results);
+    }
     Ok(results)
+}
+
+/// Fails the hulls that are not within the budget of an engine. Results are in the order of the
+/// pack.
+fn judge_budget(name: &str, pack: &Pack, results: &mut [HullVerification]) {
+    let Some(budget) = budget(name) else {
+        return;
+    };
+    for (hull, result) in pack.hulls().zip(results) {
+        let figures = Figures::new(&positions(&hull), &polygons(&hull), hull.centroid());
+        let exceeded = if hull.rank() < 3 {
+            vec![format!("not within the budget of {name}: it is flat, and engines take solids")]
+        } else {
+            budget.exceeded(&figures)
+        };
+        result.pass &= exceeded.is_empty();
+        result.problems.extend(exceeded.iter().cloned());
+        result.budget = exceeded;
+    }
 }
 
 /// Prints what engines cannot use well in the hulls of one pack: each sentence once.

@@ -6,6 +6,9 @@ use serde::Serialize;
 
 use crate::geometry::{polygons, positions};
 
+/// Density of water, and MuJoCo's default, in kilograms per cubic metre.
+pub const DENSITY: f64 = 1000.0;
+
 /// Mass, centre of mass, and inertia tensor about it, in the axes of the export.
 #[derive(Clone, Copy, Debug)]
 pub struct Inertial {

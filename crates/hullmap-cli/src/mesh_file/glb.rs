@@ -5,17 +5,12 @@
 //! the command; it reads the files in the tests instead.
 //!
 //! # Reference
-//! Khronos Group, "glTF 2.0 Specification", sections 3.6 (binary data), 3.7 (geometry) and 4 (GLB).
+//! Khronos Group, "glTF 2.0 Specification", sections 3.6 (binary data) and 3.7 (geometry).
 
 use serde_json::{Value, json};
 
 use super::body::Body;
-
-/// `glTF` and the version.
-const MAGIC: [u32; 2] = [0x4654_6c67, 2];
-/// Types of the chunks.
-const JSON: u32 = 0x4e4f_534a;
-const BIN: u32 = 0x004e_4942;
+use super::glb_chunks::{self, BIN, JSON};
 
 /// Modes of primitives.
 const POINTS: u32 = 0;
@@ -67,7 +62,7 @@ pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
         "bufferViews": views,
         "buffers": [{ "byteLength": buffer.len() }],
     });
-    container(root.to_string().into_bytes(), buffer)
+    glb_chunks::write(vec![(JSON, root.to_string().into_bytes()), (BIN, buffer)])
 }
 
 /// Appends numbers, and returns their offset and length in bytes.
@@ -82,7 +77,7 @@ fn view([offset, length]: [usize; 2], target: u32) -> Value {
 }
 
 /// Minimum and maximum of each coordinate.
-fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
+pub fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
     let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
     for position in positions {
         for (axis, coordinate) in position.iter().enumerate() {
@@ -91,23 +86,4 @@ fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
         }
     }
     bounds
-}
-
-/// Header and chunks. A chunk ends at a multiple of four bytes: JSON is padded by spaces.
-fn container(mut json: Vec<u8>, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
-    json.resize(json.len().next_multiple_of(4), b' ');
-    buffer.resize(buffer.len().next_multiple_of(4), 0);
-    let length = 12 + 8 + json.len() + 8 + buffer.len();
-    let number = |length: usize| {
-        u32::try_from(length).map_err(|_| {
-            format!("the GLB file would have {length} bytes, and the limit is 4 GiB; select fewer hulls with --hull")
-        })
-    };
-    let mut file = Vec::with_capacity(length);
-    file.extend(MAGIC.into_iter().chain([number(length)?]).flat_map(u32::to_le_bytes));
-    for (kind, chunk) in [(JSON, json), (BIN, buffer)] {
-        file.extend([number(chunk.len())?, kind].into_iter().flat_map(u32::to_le_bytes));
-        file.extend(chunk);
-    }
-    Ok(file)
 }

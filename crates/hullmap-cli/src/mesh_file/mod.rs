@@ -3,6 +3,7 @@
 
 pub mod body;
 pub mod glb;
+pub mod glb_chunks;
 pub mod names;
 pub mod obj;
 pub mod place;

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | OBJ, JSON, GLB | the hull's; in OBJ without characters that end or divide a line |
 //! | Unreal | `UCX_<render mesh>_<nn>` |
-//! | Godot | `<name>-convcolonly`, `<name>-convcol` |
+//! | Godot | `<name>`, without suffixes that Godot reads |
 //! | MJCF, URDF, names of files | letters, digits, `.`, `_` and `-` |
 //!
 //! # Reference
@@ -19,6 +19,9 @@ use crate::terminal::is_escaped;
 /// Maximum length of a token in bytes. With a number, an extension and the affixes of a temporary
 /// file it stays below the 255 bytes of common file systems.
 const MAX_TOKEN: usize = 180;
+
+/// Maximum number of names in a message.
+pub const NAMES_IN_MESSAGE: usize = 5;
 
 /// Name of a hull whose own name has no usable character.
 const NAMELESS: &str = "hull";
@@ -113,16 +116,15 @@ pub fn unreal(names: &[(&str, u32)], mesh: Option<&str>) -> Vec<String> {
     unique(named.collect())
 }
 
-/// `<name>-convcolonly`, or `<name>-convcol` for a mesh that is also drawn. A suffix that Godot
-/// would read in the name itself is removed.
-pub fn godot(names: &[(&str, u32)], node: Option<&str>, is_drawn: bool) -> Vec<String> {
+/// Names of nodes in Godot. The colliders are described by an extension, so a suffix that Godot
+/// would read is removed: it would add a second collider.
+pub fn godot(names: &[(&str, u32)], node: Option<&str>) -> Vec<String> {
     let bare = names.iter().enumerate().map(|(index, (name, _))| match node {
         Some(node) if names.len() > 1 => format!("{}_{index:02}", node_name(node)),
         Some(node) => node_name(node),
         None => node_name(name),
     });
-    let suffix = if is_drawn { "-convcol" } else { "-convcolonly" };
-    unique(bare.collect()).into_iter().map(|name| name + suffix).collect()
+    unique(bare.collect())
 }
 
 /// A name that Godot takes for a node as it is.
@@ -204,9 +206,8 @@ mod tests {
     #[test]
     fn godot_names() {
         let names = [("rock", 0), ("rock", 0), ("Box-convcolonly", 0), ("a.b", 0), ("Box_CONVCOL_2", 0), ("x-col", 0)];
-        let expected = ["rock", "rock_2", "Box", "a_b", "Box_2", "x"].map(|name| name.to_owned() + "-convcolonly");
-        assert_eq!(godot(&names, None, false), expected);
-        assert_eq!(godot(&names[..1], Some("Stone"), true), ["Stone-convcol"]);
-        assert_eq!(godot(&names[..2], Some("Stone"), true), ["Stone_00-convcol", "Stone_01-convcol"]);
+        assert_eq!(godot(&names, None), ["rock", "rock_2", "Box", "a_b", "Box_2", "x"]);
+        assert_eq!(godot(&names[..1], Some("Stone")), ["Stone"]);
+        assert_eq!(godot(&names[..2], Some("Stone")), ["Stone_00", "Stone_01"]);
     }
 }

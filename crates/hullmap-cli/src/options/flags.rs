@@ -31,7 +31,7 @@ impl clap::Args for OptionLayer {
 
 /// The options of `bake decompose`, with their help where that of `bake build` also speaks of
 /// whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 8] = [
+const OF_PARTS: [(&str, Option<&str>); 9] = [
     (
         "max_error",
         Some(
@@ -39,6 +39,12 @@ const OF_PARTS: [(&str, Option<&str>); 8] = [
         ),
     ),
     ("max_vertices", Some("Maximum number of vertices of each part, 4 or more; default 64")),
+    (
+        "for_engine",
+        Some(
+            "Simplify parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
+        ),
+    ),
     ("max_parts", None),
     ("overlap", None),
     ("min_thickness", None),

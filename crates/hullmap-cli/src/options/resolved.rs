@@ -9,6 +9,7 @@ use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 use super::layer::{Clash, OptionLayer};
 use super::table::{DefaultValue, OPTIONS, position};
 use super::value::Value;
+use crate::budget::{Budget, budget};
 
 /// Thickness of parts where no minimum is asked for, relative to the diagonal: they have an inside
 /// in spite of rounding.
@@ -115,11 +116,22 @@ impl BuildOptions {
         (self.0.get("decompose") == Some(Value::Word("cover"))).then(|| Cover {
             max_error: self.max_error().unwrap_or(Cover::default().max_error),
             max_parts: self.optional_count("max_parts"),
-            max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
+            max_vertices: self
+                .within_budget(self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices)),
             overlap: self.optional_number("overlap").unwrap_or(f64::INFINITY),
             min_thickness: self.length("min_thickness").unwrap_or(Length::Relative(THINNEST)),
             seconds: self.optional_number("decompose_seconds"),
         })
+    }
+
+    /// The limits of an engine on each hull; `None` if there are none.
+    pub fn budget(&self) -> Option<&'static Budget> {
+        budget(self.word("for_engine"))
+    }
+
+    /// A number of vertices, or less if an engine is sure to accept only fewer.
+    pub fn within_budget(&self, vertices: u32) -> u32 {
+        self.budget().map_or(vertices, |budget| vertices.min(budget.sure_vertices()))
     }
 
     /// How far the hull of points with this diagonal is simplified; `None` if it is not. The parts

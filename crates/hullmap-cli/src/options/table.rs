@@ -128,7 +128,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["none", "object", "auto"]),
         default: DefaultValue::Value("none"),
         value_name: "none|object|auto",
-        help: "One hull per file, per object, or per named collision part (UCX_…)",
+        help: "One hull per file, per object, or per collision part (glTF colliders, UCX_…)",
         section: Section::Parts,
         record: Record::Always,
         ..OPTION
@@ -310,10 +310,19 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         is_advanced: true,
         ..OPTION
     },
+    BuildOption {
+        key: "for_engine",
+        syntax: Words(&crate::budget::NAMES),
+        default: DefaultValue::Value("none"),
+        value_name: "ENGINE",
+        help: "Simplify hulls and parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
+        section: Section::Shape,
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 18;
+pub const OPTION_COUNT: usize = 19;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

@@ -13,7 +13,7 @@ use hullmap_bake::{PointSet, SourceRecord};
 
 use super::freshness::{Expected, Found, judge};
 use super::rows::{MAX_OBJECTS, Origin, Row, Status};
-use crate::args::DEFAULT_DIRECTIONS;
+use crate::args::verify::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
 use crate::jobs::key::{check_planned, read};

@@ -117,6 +117,8 @@ pub struct HullVerification {
     pub parts: Option<PartsEstimates>,
     /// Why an engine cannot use the part well, each with its remedy.
     pub warnings: Vec<String>,
+    /// Limits of the engine of `--budget` that it exceeds.
+    pub budget: Vec<String>,
     /// The kinds of these warnings.
     #[serde(skip)]
     pub flaws: Vec<Flaw>,
@@ -416,6 +418,7 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         mean_protrusion: None,
         parts: None,
         warnings: Vec::new(),
+        budget: Vec::new(),
         flaws: Vec::new(),
         part_of: [hull.part(), hull.part_count()],
         diameter: Some(hull.diameter()),

@@ -1,8 +1,9 @@
 //! glTF 2.0: elements of an accessor, taken from a buffer view, from zeros, and from sparse
 //! replacements.
 
+use std::collections::HashMap;
+
 use super::document::{Accessor, Document, Kind};
-use super::extensions::Compressed;
 use crate::fault::{Fault, counted};
 
 /// Component types, as OpenGL numbers them.
@@ -19,6 +20,8 @@ pub struct Data<'a> {
     pub document: &'a Document<'a>,
     /// Bytes of each buffer. `None` for a buffer without bytes, and for one that is not required.
     pub buffers: Vec<Option<&'a [u8]>>,
+    /// Bytes of buffer views that were decoded, by their indices.
+    pub decoded: &'a HashMap<u32, Vec<u8>>,
 }
 
 /// Sparse replacements: indices of the elements, ascending, and their values as bytes.
@@ -153,16 +156,15 @@ impl<'a> Data<'a> {
     fn view(&self, index: u32) -> Result<(&'a [u8], Option<usize>), String> {
         let view = self.document.buffer_views.get(index as usize);
         let view = view.ok_or_else(|| format!("references buffer view {index}, which does not exist; {AGAIN}"))?;
+        let stride = view.byte_stride.map(|stride| usize::try_from(stride).unwrap_or(usize::MAX));
+        if let Some(bytes) = self.decoded.get(&index) {
+            return Ok((bytes, stride));
+        }
         let buffer = self.buffers.get(view.buffer as usize);
         let buffer =
             buffer.ok_or_else(|| format!("references buffer {}, which does not exist; {AGAIN}", view.buffer))?;
-        // A compressed view refers to its uncompressed data, the fallback, like any other view. The
-        // buffer of a missing fallback is a placeholder without bytes.
         let Some(buffer) = *buffer else {
-            return Err(match view.extensions.compression() {
-                Some(extension) => format!("references buffer view {index}, which is {}", Compressed(extension)),
-                None => format!("references buffer {}, which has neither a URI nor a BIN chunk; {AGAIN}", view.buffer),
-            });
+            return Err(format!("references buffer {}, which has neither a URI nor a BIN chunk; {AGAIN}", view.buffer));
         };
         let bytes = usize::try_from(view.byte_offset).ok().and_then(|start| buffer.get(start..));
         let bytes = bytes.and_then(|rest| rest.get(..usize::try_from(view.byte_length).ok()?));
@@ -171,7 +173,7 @@ impl<'a> Data<'a> {
             let length = counted(length, "byte", "bytes");
             format!("references buffer view {index}: {length} at offset {start}, but its buffer has {have}; {AGAIN}")
         })?;
-        Ok((bytes, view.byte_stride.map(|stride| usize::try_from(stride).unwrap_or(usize::MAX))))
+        Ok((bytes, stride))
     }
 }
 

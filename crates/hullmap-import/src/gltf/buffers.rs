@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::container::{BufferLocation, Container};
 use super::document::{Accessor, Document};
-use super::scene;
+use super::{physics, scene};
 use crate::fault::{Fault, LineFault, counted};
 use crate::foreign::{LFS_REMEDY, is_lfs_pointer};
 
@@ -19,7 +19,7 @@ use crate::foreign::{LFS_REMEDY, is_lfs_pointer};
 /// document's order. Fails if a URI leads out of the file's folder. Complexity: O(document).
 pub fn paths(container: &Container) -> Result<Vec<String>, LineFault> {
     let (mut paths, mut known) = (Vec::new(), HashSet::new());
-    for (index, uri) in required(&container.document) {
+    for (index, uri) in required(container) {
         if let BufferLocation::Beside(path) = locate(index, uri)?
             && known.insert(path.clone())
         {
@@ -38,7 +38,7 @@ pub fn read<'a>(
     let beside: HashMap<&str, &[u8]> = beside.iter().map(|(path, bytes)| (&path[..], &bytes[..])).collect();
     let records = &container.document.buffers;
     let mut buffers: Vec<Option<Cow<[u8]>>> = records.iter().map(|_| None).collect();
-    for (index, uri) in required(&container.document) {
+    for (index, uri) in required(container) {
         let fault = |text: String| Fault::format(format!("buffer {index} {text}; export the file again")).of_file();
         let bytes: Cow<[u8]> = match locate(index, uri)? {
             // Only the first buffer can be the BIN chunk.
@@ -75,22 +75,36 @@ fn locate(index: usize, uri: Option<&str>) -> Result<BufferLocation<'_>, LineFau
     BufferLocation::from_uri(uri).map_err(|text| Fault::format(format!("buffer {index} has {text}")).of_file())
 }
 
-/// Indices and URIs of the buffers with positions or vertex indices of the scene. References out of
-/// range are left to the reader of the scene, which reports them.
-fn required<'a>(document: &'a Document) -> impl Iterator<Item = (usize, Option<&'a str>)> {
+/// Indices and URIs of the buffers with positions or vertex indices of the scene, and of its
+/// colliders: which files a source has does not depend on options. References out of range are left
+/// to the reader of the scene, which reports them.
+fn required<'a>(container: &'a Container) -> impl Iterator<Item = (usize, Option<&'a str>)> {
+    let document = &container.document;
     let mut is_required = vec![false; document.buffers.len()];
-    let mut mark_view = |view: u32| {
+    for view in views(document) {
         let view = document.buffer_views.get(view as usize);
-        if let Some(entry) = view.and_then(|view| is_required.get_mut(view.buffer as usize)) {
+        let buffer = view.map(|view| container.compression(view).map_or(view.buffer, |(_, data)| data.buffer));
+        if let Some(entry) = buffer.and_then(|buffer| is_required.get_mut(buffer as usize)) {
             *entry = true;
         }
-    };
+    }
+    let buffers = document.buffers.iter().enumerate().zip(is_required);
+    buffers.filter(|(_, is_required)| *is_required).map(|((index, buffer), _)| (index, buffer.uri.as_deref()))
+}
+
+/// Indices of the buffer views with positions or vertex indices of the scene and of its colliders,
+/// with repetition. Complexity: O(document).
+pub fn views(document: &Document) -> Vec<u32> {
+    let mut views = Vec::new();
     let mut mark = |accessor: &Accessor| {
         let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]);
-        accessor.buffer_view.into_iter().chain(sparse).for_each(&mut mark_view);
+        views.extend(accessor.buffer_view.into_iter().chain(sparse));
     };
-    let is_shown = scene::shown_meshes(document);
-    let shown = document.meshes.iter().zip(is_shown).filter(|(_, is_shown)| *is_shown);
+    let (is_shown, colliders) = (scene::shown_meshes(document), physics::meshes(document));
+    let meshes = (0..).zip(document.meshes.iter()).zip(is_shown);
+    let shown = meshes
+        .filter(|((index, _), is_shown)| *is_shown || colliders.contains(index))
+        .map(|((_, mesh), is_shown)| (mesh, is_shown));
     let mut draco_views = Vec::new();
     for primitive in shown.flat_map(|(mesh, _)| mesh.primitives.iter()) {
         let positions = primitive.attributes.position;
@@ -104,7 +118,6 @@ fn required<'a>(document: &'a Document) -> impl Iterator<Item = (usize, Option<&
             _ => accessors.by_ref().for_each(&mut mark),
         }
     }
-    draco_views.into_iter().for_each(&mut mark_view);
-    let buffers = document.buffers.iter().enumerate().zip(is_required);
-    buffers.filter(|(_, is_required)| *is_required).map(|((index, buffer), _)| (index, buffer.uri.as_deref()))
+    views.append(&mut draco_views);
+    views
 }

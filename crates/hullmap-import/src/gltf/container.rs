@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use super::document::Document;
+use super::document::{BufferView, Document, Meshopt};
 use super::extensions::{may_be_required, remedy};
 use super::version_1::is_version_1;
 use crate::fault::{Fault, LineFault, counted, excerpt};
@@ -23,6 +23,18 @@ pub struct Container<'a> {
     pub document: Document<'a>,
     /// The BIN chunk.
     pub buffer: Option<&'a [u8]>,
+}
+
+impl Container<'_> {
+    /// The compressed data of a view and the name of its extension, if the file does not have the
+    /// view uncompressed: the buffer of a missing fallback is a placeholder without bytes.
+    pub fn compression<'a>(&self, view: &'a BufferView) -> Option<(&'static str, &'a Meshopt)> {
+        let fallback = self.document.buffers.get(view.buffer as usize);
+        // Only the first buffer can be the BIN chunk.
+        let is_chunk = view.buffer == 0 && self.buffer.is_some();
+        let has_fallback = is_chunk || fallback.is_some_and(|buffer| buffer.uri.is_some());
+        view.extensions.compression().filter(|_| !has_fallback)
+    }
 }
 
 /// Opens glTF text or a GLB file. The first bytes distinguish them. Fails if the container is

@@ -11,6 +11,8 @@ use std::marker::PhantomData;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, IgnoredAny, SeqAccess, Unexpected, Visitor};
 
+use serde_json::value::RawValue;
+
 use crate::limits::GLTF_LIST;
 
 /// A glTF document.
@@ -37,6 +39,18 @@ pub struct Document<'a> {
     pub buffer_views: Bounded<BufferView>,
     #[serde(borrow, default)]
     pub buffers: Bounded<Buffer<'a>>,
+    #[serde(borrow)]
+    pub extensions: Option<Box<DocumentExtensions<'a>>>,
+}
+
+/// Extensions of a document. Their text is parsed only where it is used: a file whose extensions
+/// have another form than expected still has its meshes.
+#[derive(Debug, Deserialize)]
+pub struct DocumentExtensions<'a> {
+    #[serde(borrow, rename = "KHR_implicit_shapes")]
+    pub khr_shapes: Option<&'a RawValue>,
+    #[serde(borrow, rename = "OMI_physics_shape")]
+    pub omi_shapes: Option<&'a RawValue>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -66,6 +80,17 @@ pub struct Node<'a> {
     /// x, y, z, w.
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    #[serde(borrow)]
+    pub extensions: Option<Box<NodeExtensions<'a>>>,
+}
+
+/// Extensions of a node, as text.
+#[derive(Debug, Deserialize)]
+pub struct NodeExtensions<'a> {
+    #[serde(borrow, rename = "KHR_physics_rigid_bodies")]
+    pub khr_body: Option<&'a RawValue>,
+    #[serde(borrow, rename = "OMI_physics_body")]
+    pub omi_body: Option<&'a RawValue>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -198,19 +223,60 @@ pub struct BufferView {
 #[derive(Debug, Default, Deserialize)]
 pub struct ViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
-    pub ext_meshopt: Option<IgnoredAny>,
+    pub ext_meshopt: Option<Box<Meshopt>>,
     #[serde(rename = "KHR_meshopt_compression")]
-    pub khr_meshopt: Option<IgnoredAny>,
+    pub khr_meshopt: Option<Box<Meshopt>>,
 }
 
 impl ViewExtensions {
-    /// Name of the extension that compresses the view.
-    pub fn compression(&self) -> Option<&'static str> {
-        if self.ext_meshopt.is_some() {
-            return Some("EXT_meshopt_compression");
-        }
-        self.khr_meshopt.is_some().then_some("KHR_meshopt_compression")
+    /// The compressed data of the view, and the extension that describes it.
+    pub fn compression(&self) -> Option<(&'static str, &Meshopt)> {
+        let khr = self.khr_meshopt.as_deref().map(|data| ("KHR_meshopt_compression", data));
+        khr.or(self.ext_meshopt.as_deref().map(|data| ("EXT_meshopt_compression", data)))
     }
+}
+
+/// Where the compressed data of a buffer view is, and how it is compressed.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Meshopt {
+    #[serde(deserialize_with = "whole")]
+    pub buffer: u32,
+    #[serde(default, deserialize_with = "whole")]
+    pub byte_offset: u64,
+    #[serde(deserialize_with = "whole")]
+    pub byte_length: u64,
+    /// Size of an element, decoded.
+    #[serde(deserialize_with = "whole")]
+    pub byte_stride: u64,
+    /// Number of elements.
+    #[serde(deserialize_with = "whole")]
+    pub count: u64,
+    pub mode: Mode,
+    #[serde(default)]
+    pub filter: Filter,
+}
+
+/// Kind of a compressed stream.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Mode {
+    Attributes,
+    Triangles,
+    Indices,
+    #[serde(other)]
+    Other,
+}
+
+/// Conversion of decoded attributes.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Filter {
+    #[default]
+    None,
+    Exponential,
+    #[serde(other)]
+    Other,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,34 +2,42 @@
 //!
 //! A required extension that is not listed here may change the geometry, so the file is rejected.
 
-use std::fmt;
-
-/// Extensions whose names start with one of these have no effect on geometry: materials, textures
-/// and images, lights, sounds, and data about the model.
-const HARMLESS_PREFIXES: [&str; 19] = [
+/// Extensions whose names start with one of these have no effect on the meshes of a scene:
+/// materials, textures and images, lights, sounds, physics, and data about the model.
+const HARMLESS_PREFIXES: [&str; 29] = [
     "ADOBE_materials_",
+    "BLENDER_physics",
     "EXT_lights_",
     "EXT_materials_",
     "EXT_texture_",
     "GOOGLE_texture_",
     "KHR_audio",
+    "KHR_collision_shapes",
     "KHR_image_",
+    "KHR_implicit_shapes",
     "KHR_lights_",
     "KHR_materials_",
+    "KHR_physics_",
+    "KHR_rigid_bodies",
     "KHR_texture_",
     "KHR_xmp",
+    "MAXAR_collision_geometry",
     "MSFT_audio_",
+    "MSFT_collision_primitives",
     "MSFT_packing_",
+    "MSFT_physics_",
+    "MSFT_rigid_bodies",
     "MSFT_texture_",
     "NV_materials_",
     "OMI_audio_",
+    "OMI_collider",
     "OMI_physics_",
     "VRMC_materials_",
     "VRMC_springBone",
 ];
 
 /// Single extensions without an effect on the geometry of the default scene at rest.
-const HARMLESS: [&str; 19] = [
+const HARMLESS: [&str; 17] = [
     // Shaders, as glTF 1.0 had them, and how they blend. Files converted from 1.0 require them.
     "KHR_blend",
     "KHR_techniques_webgl",
@@ -46,8 +54,6 @@ const HARMLESS: [&str; 19] = [
     "KHR_interactivity",
     "KHR_node_hoverability",
     "KHR_node_selectability",
-    "KHR_physics_rigid_bodies",
-    "MSFT_physics_rigid_bodies",
     "VRM",
     "VRMC_node_constraint",
     "VRMC_vrm",
@@ -55,18 +61,20 @@ const HARMLESS: [&str; 19] = [
     "MSFT_lod",
 ];
 
-/// Extensions that the readers of this crate support: compressed triangles, positions as integers,
-/// and indices that restart a strip.
-const SUPPORTED: [&str; 4] =
-    ["EXT_mesh_primitive_restart", "KHR_draco_mesh_compression", "KHR_mesh_primitive_restart", "KHR_mesh_quantization"];
-
-/// Extensions that compress buffer views. A file may require them where it does not use them for
-/// the scene, or has the data uncompressed too.
-const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+/// Extensions that the readers of this crate support: compressed triangles and buffer views,
+/// positions as integers, and indices that restart a strip.
+const SUPPORTED: [&str; 6] = [
+    "EXT_mesh_primitive_restart",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_primitive_restart",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+];
 
 /// Extensions whose names start with one of these hold shapes other than meshes: splats, volumes,
 /// and surfaces given by formulas.
-const SHAPES: [&str; 4] = ["EXT_implicit_", "EXT_primitive_voxels", "KHR_gaussian_splatting", "KHR_implicit_shapes"];
+const SHAPES: [&str; 3] = ["EXT_implicit_", "EXT_primitive_voxels", "KHR_gaussian_splatting"];
 
 /// Extension that draws a mesh once for each entry of an accessor.
 pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -74,7 +82,7 @@ pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Whether a file may require the extension.
 pub fn may_be_required(extension: &str) -> bool {
     HARMLESS_PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
-        || [&HARMLESS[..], &SUPPORTED, &COMPRESSIONS].concat().contains(&extension)
+        || [&HARMLESS[..], &SUPPORTED].concat().contains(&extension)
 }
 
 /// Whether the extension lets the largest index of its type restart a strip.
@@ -85,27 +93,12 @@ pub fn allows_restart(extension: &str) -> bool {
 /// Suggested remedy for an unsupported extension.
 pub fn remedy(extension: &str) -> &'static str {
     match extension {
-        // glTF-Transform decompresses a file when it reads it, and writes no compression unless an
-        // option requests it.
-        "EXT_meshopt_compression" => {
-            "export it without mesh compression, or run `gltf-transform copy IN.glb OUT.glb` (npm install --global @gltf-transform/cli) and bake the copy"
-        }
-        "KHR_meshopt_compression" => "export it without mesh compression",
         INSTANCING => "export the instances as nodes",
         "KHR_accessor_float64" => "export it with 32-bit positions",
         _ if SHAPES.iter().any(|prefix| extension.starts_with(prefix)) => {
             "its shapes are not meshes: convert them to triangles, and export those"
         }
         _ => "it may change the geometry: export the shape as plain triangles",
-    }
-}
-
-/// Message about data that exists in compressed form only.
-pub struct Compressed(pub &'static str);
-
-impl fmt::Display for Compressed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "compressed by {}, which is not supported; {}", self.0, remedy(self.0))
     }
 }
 
@@ -130,6 +123,13 @@ mod tests {
             "MSFT_packing_occlusionRoughnessMetallic",
             "EXT_structural_metadata",
             "VRMC_materials_mtoon",
+            "KHR_physics_rigid_bodies",
+            "KHR_implicit_shapes",
+            "KHR_collision_shapes",
+            "OMI_physics_body",
+            "OMI_physics_shape",
+            "OMI_collider",
+            "MSFT_rigid_bodies",
         ] {
             assert!(may_be_required(extension), "{extension}");
         }

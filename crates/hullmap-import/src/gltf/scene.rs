@@ -8,6 +8,9 @@
 //! readers disagree on its meaning, and the file is rejected. In lists, which have nothing to
 //! restart, it is an index like any other.
 
+mod colliders;
+mod findings;
+
 use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
@@ -15,12 +18,14 @@ use std::rc::Rc;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::accessor::{AccessorReader, Data};
-use super::document::{Document, Draco, Kind, Node, Primitive};
+use super::document::{Document, Draco, Kind, MeshRecord, Node, Primitive};
 use super::draco::{self, DracoFault, DracoMesh};
 use super::extensions::{INSTANCING, allows_restart, remedy};
+use super::physics::{self, Shapes};
 use crate::fault::{Fault, counted, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, Positions, SourceMesh};
+use findings::Findings;
 
 /// Primitive modes, as OpenGL numbers them. Modes below `TRIANGLES` are points and lines.
 const LINE_LOOP: u32 = 2;
@@ -44,6 +49,9 @@ pub struct SceneReader<'a> {
     limits: &'a Limits,
     positions: Vec<[f64; 3]>,
     mesh: SourceMesh,
+    /// The shapes of the file, if colliders are read.
+    shapes: Option<Rc<Shapes>>,
+    findings: Findings,
     /// For each mesh whether a node references it.
     is_shown: Vec<bool>,
     /// Bytes of the file that no vertex, corner, primitive or name has claimed yet.
@@ -52,6 +60,8 @@ pub struct SceneReader<'a> {
     /// out.
     repeated_count: usize,
     object_count: usize,
+    /// Node of each object, and its transform to the scene.
+    places: Vec<(u32, DAffine3)>,
     /// Number of nodes with a skin and primitives with morph targets.
     deformed_count: usize,
     /// Decoded primitives, by buffer view and by the id of their positions.
@@ -72,16 +82,26 @@ pub struct SceneReader<'a> {
 
 impl<'a> SceneReader<'a> {
     /// A reader of the document's default scene. `byte_count` is the size of the file with its
-    /// buffers.
-    pub fn new(data: Data<'a>, byte_count: usize, limits: &'a Limits) -> Self {
+    /// buffers. `repeated_count` is what decoded views count as, against the limit on repetition.
+    /// With `shapes`, colliders of nodes are read as objects too.
+    pub fn new(
+        data: Data<'a>,
+        byte_count: usize,
+        repeated_count: usize,
+        shapes: Option<Shapes>,
+        limits: &'a Limits,
+    ) -> Self {
         Self {
             limits,
+            shapes: shapes.map(Rc::new),
+            findings: Findings::default(),
             positions: Vec::new(),
             mesh: SourceMesh::new(Positions::Double(Vec::new()), Polygons::default()),
             is_shown: vec![false; data.document.meshes.len()],
             unclaimed_bytes: byte_count,
-            repeated_count: 0,
+            repeated_count,
             object_count: 0,
+            places: Vec::new(),
             deformed_count: 0,
             decoded: HashMap::new(),
             decoded_bytes: 0,
@@ -97,6 +117,19 @@ impl<'a> SceneReader<'a> {
     /// Reads the scene. The error is the first fault, with its node, mesh or accessor; or more
     /// repetition than the limit. Complexity: O(bytes + repetition).
     pub fn read(mut self) -> Result<SourceMesh, Fault> {
+        self.add_scene()?;
+        self.finish()
+    }
+
+    /// The same, with the node of each object and its transform to the scene. Without nodes, there
+    /// are none.
+    pub fn read_placed(mut self) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), Fault> {
+        self.add_scene()?;
+        let places = std::mem::take(&mut self.places);
+        Ok((self.finish()?, places))
+    }
+
+    fn add_scene(&mut self) -> Result<(), Fault> {
         if self.data.document.nodes.is_empty() {
             // A library of meshes without a scene.
             for (index, mesh) in self.data.document.meshes.iter().enumerate() {
@@ -106,7 +139,7 @@ impl<'a> SceneReader<'a> {
         } else {
             self.add_nodes()?;
         }
-        self.finish()
+        Ok(())
     }
 
     /// Visits the nodes depth first. Not recursive, since a chain of nodes can be as long as the
@@ -115,9 +148,10 @@ impl<'a> SceneReader<'a> {
         let document = self.data.document;
         let nodes = &document.nodes;
         let mut is_visited = vec![false; nodes.len()];
-        let mut stack: Vec<(u32, DAffine3)> =
-            roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
-        while let Some((index, parent)) = stack.pop() {
+        // With the object of the nearest node above that has a mesh.
+        let mut stack: Vec<(u32, DAffine3, Option<usize>)> =
+            roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY, None)).collect();
+        while let Some((index, parent, mut nearest)) = stack.pop() {
             let (Some(node), Some(is_visited)) = (nodes.get(index as usize), is_visited.get_mut(index as usize)) else {
                 let nodes = counted(nodes.len(), "node", "nodes");
                 return Err(Fault::format(format!(
@@ -138,8 +172,11 @@ impl<'a> SceneReader<'a> {
                 let name = name.or(record.and_then(|record| record.name.as_deref())).unwrap_or_default();
                 self.deformed_count += usize::from(node.skin.is_some());
                 self.add_mesh(name, &label(), mesh, transform)?;
+                self.places.push((index, transform));
+                nearest = self.mesh.objects.len().checked_sub(1);
             }
-            stack.extend(node.children.iter().rev().map(|&child| (child, transform)));
+            self.add_collider(node, &label(), transform, nearest)?;
+            stack.extend(node.children.iter().rev().map(|&child| (child, transform, nearest)));
         }
         Ok(())
     }
@@ -158,8 +195,19 @@ impl<'a> SceneReader<'a> {
         // Many nodes may take the one name of a long-named mesh, and visit its many primitives,
         // however short they are.
         self.claim(name.len(), 1)?;
-        self.claim(record.primitives.len(), PRIMITIVE_BYTES)?;
         self.begin_object(name);
+        self.add_primitives(record, label, mesh_index, transform)
+    }
+
+    /// Adds the primitives of a mesh to the current object.
+    fn add_primitives(
+        &mut self,
+        record: &MeshRecord,
+        label: &str,
+        mesh_index: u32,
+        transform: DAffine3,
+    ) -> Result<(), Fault> {
+        self.claim(record.primitives.len(), PRIMITIVE_BYTES)?;
         // First vertex and vertex count of each accessor that this node has read.
         let mut known: HashMap<u32, (u32, usize)> = HashMap::new();
         for primitive in record.primitives.iter() {
@@ -215,7 +263,7 @@ impl<'a> SceneReader<'a> {
         self.unclaimed_bytes -= spelt_out * bytes_each;
         self.repeated_count = self.repeated_count.saturating_add(count - spelt_out);
         if self.repeated_count > self.limits.repeated_vertices {
-            return Err(too_much_repetition(self.limits));
+            return Err(self.limits.too_much_repetition());
         }
         Ok(())
     }
@@ -266,7 +314,7 @@ impl<'a> SceneReader<'a> {
                 }
                 let limits = self.limits;
                 let rejected = |error| match error {
-                    DracoFault::TooLarge => too_much_repetition(limits),
+                    DracoFault::TooLarge => limits.too_much_repetition(),
                     DracoFault::Damaged(text) => fault(format!("is damaged ({text}); export the file again")),
                 };
                 let claim = draco::claim(bytes).map_err(rejected)?;
@@ -424,12 +472,16 @@ impl<'a> SceneReader<'a> {
 
     fn finish(self) -> Result<SourceMesh, Fault> {
         let (miscounts, first_miscount) = (self.miscounts, self.first_miscount);
-        let Self { data, positions, mut mesh, is_shown, object_count, deformed_count, restart_count, .. } = self;
+        let reads_colliders = self.shapes.is_some();
+        let Self { data, positions, mut mesh, is_shown, object_count, deformed_count, restart_count, findings, .. } =
+            self;
         let document = data.document;
         if positions.is_empty() {
             let meshes = counted(document.meshes.len(), "mesh", "meshes");
-            let reason = if document.meshes.is_empty() {
+            let reason = if document.meshes.is_empty() && (reads_colliders || !physics::is_present(document)) {
                 "the file has no meshes: export objects with a mesh".to_owned()
+            } else if !reads_colliders && physics::is_present(document) {
+                "the scene shows no mesh, but has colliders: add --split auto to bake those".to_owned()
             } else if !is_shown.contains(&true) {
                 format!(
                     "the scene shows no mesh (the file has {meshes}): check that the objects were visible on export"
@@ -442,17 +494,21 @@ impl<'a> SceneReader<'a> {
         mesh.positions = Positions::Double(positions);
         // Exporters write a vertex once for each normal or texture coordinate that it has.
         mesh.may_share_vertices = false;
-        let unseen = is_shown.iter().filter(|&&is| !is).count();
-        if unseen > 0 {
-            mesh.notes.push(format!("meshes outside the scene, left out: {unseen}"));
+        let unseen = (0..).zip(&is_shown).filter(|&(_, &is_shown)| !is_shown);
+        let unused = unseen.clone().filter(|(mesh, _)| !findings.meshes.contains(mesh)).count();
+        let unseen = unseen.count();
+        if unused > 0 {
+            mesh.notes.push(format!("meshes outside the scene, left out: {unused}"));
         }
-        let repeats = object_count - (is_shown.len() - unseen);
+        let repeats = object_count - findings.count - (is_shown.len() - unseen);
         if repeats > 0 {
             mesh.notes.push(format!("repeated instances of a mesh, all included: {repeats}"));
         }
         if deformed_count > 0 {
             mesh.notes.push(format!("skins and morph targets, left at rest: {deformed_count}"));
         }
+        mesh.notes.append(&mut findings.notes());
+        mesh.warnings.append(&mut findings.warnings());
         if restart_count > 0 {
             mesh.notes.push(format!("primitives divided by the primitive restart index: {restart_count}"));
         }
@@ -469,13 +525,6 @@ impl<'a> SceneReader<'a> {
         }
         Ok(mesh)
     }
-}
-
-fn too_much_repetition(limits: &Limits) -> Fault {
-    Fault::format(format!(
-        "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
-        limits.repeated_vertices
-    ))
 }
 
 /// Vertex index in the scene of corner `at` of a primitive.

@@ -293,6 +293,9 @@ fn cases() -> Vec<Case> {
         case("GLB triangles compressed by Draco", "a.glb", 8_192, |count| {
             SourceFile::alone(super::draco::sheet(count as u32))
         }),
+        case("GLB vertices compressed by meshopt", "a.glb", 65_536, |count| {
+            SourceFile::alone(super::meshopt::zeros(count))
+        }),
         case("GLB chunks", "a.glb", 65_536, |count| {
             let mut bytes = shapes::gltf::glb(&document(&format!("{POINT},{MESH}")).bytes, b"");
             bytes.extend([4, 0, 0, 0, b'x', 0, 0, 0, 1, 2, 3, 4].repeat(count));

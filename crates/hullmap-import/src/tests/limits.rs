@@ -336,6 +336,14 @@ fn cases() -> Vec<Case> {
             || super::draco::sheet(700_000),
             Fails("--max-instanced"),
         ),
+        case("GLB of a compressed view", "a.glb", WHOLE, || super::meshopt::zeros(1_000_000), Works { points: 0 }),
+        case(
+            "GLB of a compressed view beyond the limit",
+            "a.glb",
+            WHOLE,
+            || super::meshopt::zeros(50_000_000),
+            Fails("--max-instanced"),
+        ),
         case(
             "GLB that repeats a mesh beyond the limit",
             "a.glb",

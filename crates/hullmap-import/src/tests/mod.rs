@@ -6,6 +6,8 @@ mod formats;
 mod gltf;
 mod growth;
 mod limits;
+mod meshopt;
+mod physics;
 
 use super::fault::Fault;
 use super::*;

@@ -27,6 +27,10 @@ class BakeOptions(TypedDict, total=False):
     max_error: Optional[Union[float, str]]
     """Maximum length by which an enclosing hull extends beyond the exact one; ``"1%"`` is relative to
     the diagonal. With ``decompose``, the maximum protrusion of a part; ``"2%"`` by default."""
+    for_engine: Optional[
+        Literal["none", "physx", "physx-gpu", "jolt", "box3d", "unity", "unreal", "newton", "mujoco-warp"]
+    ]
+    """Simplify hulls and parts to the limits of an engine on vertices, faces and edges."""
     decompose: Optional[Union[bool, Literal["cover"]]]
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
     max_parts: Optional[int]
@@ -41,7 +45,7 @@ class BakeOptions(TypedDict, total=False):
     vertices: Optional[Literal["referenced", "all"]]
     """Use the vertices that faces reference, by default, or all vertices."""
     split: Optional[Literal["none", "object", "auto"]]
-    """One hull per file, per object, or per named collision part (UCX_…)."""
+    """One hull per file, per object, or per collision part (glTF colliders, UCX_…)."""
     unit_scale: Optional[float]
     """Factor of all coordinates; 0.01 converts centimetres to metres."""
     up_axis: Optional[Literal["keep", "y-to-z", "z-to-y"]]

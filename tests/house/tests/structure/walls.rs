@@ -11,7 +11,7 @@ use hullmap_outside::{command::cargo, files::workspace};
 
 /// All packages that the runtime with all its features brings into an engine, except macros that
 /// run in the compiler.
-const RUNTIME: [&str; 23] = [
+const RUNTIME: [&str; 24] = [
     "hullmap",
     "hullmap-format",
     "glam",
@@ -28,6 +28,8 @@ const RUNTIME: [&str; 23] = [
     "rkyv",
     "self_cell",
     "simdutf8",
+    // Sines with the same bits on all platforms.
+    "libm",
     // Errors and checksums.
     "thiserror",
     "twox-hash",

@@ -8,18 +8,20 @@
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
 mod robot;
+mod scene;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use hullmap::{MassProperties, MassSource, Pack};
-use hullmap_import::{Limits, Split};
+use hullmap_import::{Limits, Split, UpAxis};
 use serde::Serialize;
 
-use crate::args::{ExportArgs, Format, Target};
+use crate::args::export::{ExportArgs, Format, Target};
 use crate::geometry::rank_name;
-use crate::mesh_file::body::{Body, Inertial};
-use crate::mesh_file::{glb, names, obj, place, stl};
+use crate::mesh_file::body::{Body, DENSITY, Inertial};
+use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
+use crate::mesh_file::{glb, obj, place, stl};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
@@ -30,12 +32,7 @@ use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
 use crate::terminal::{self, Output};
 use robot::Robot;
-
-/// Density of water, and MuJoCo's default, in kilograms per cubic metre.
-const DENSITY: f64 = 1000.0;
-
-/// Maximum number of hull names in a message.
-const NAMES_IN_MESSAGE: usize = 5;
+use scene::Added;
 
 /// The hulls of a pack as JSON. Field names are the JSON's.
 #[derive(Debug, Serialize)]
@@ -141,8 +138,17 @@ impl Export<'_> {
             )));
         }
         self.rename(place, &pack, &mut bodies);
-        let mass = self.mass(place, &pack, &indices);
-        let files = files(args, path, &pack, self.format, self.is_folder, bodies, mass.as_ref())?;
+        let files = if let Some(into) = &args.into {
+            let counts = Some(counts(&bodies));
+            // Those that were not left out.
+            let is_solid = |&index: &usize| pack.hull(index).is_ok_and(|hull| hull.rank() == 3);
+            let indices: Vec<usize> = indices.into_iter().filter(is_solid).collect();
+            let bytes = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
+            vec![ExportedFile { name: String::new(), bytes, counts }]
+        } else {
+            let mass = self.mass(place, &pack, &indices);
+            files(args, path, &pack, self.format, self.is_folder, bodies, mass.as_ref())?
+        };
         let Some(target) = target else {
             let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
             return end(Exit::Done, written.map_err(Failure::from));
@@ -161,10 +167,14 @@ impl Export<'_> {
 /// The format: as given, as the extension of the target says, or the one that the engine reads
 /// best. With `is_folder`, `--out` is a folder.
 fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
+    if let Some(into) = &args.into {
+        check_into(args, into)?;
+        return Ok(Format::Glb);
+    }
     let allowed: &[Format] = match args.target {
         None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json],
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
-        Some(Target::Godot) => &[Format::Glb],
+        Some(Target::Godot | Target::KhrPhysics | Target::Omi | Target::Both) => &[Format::Glb],
         Some(Target::Mjcf | Target::Urdf | Target::Sdf) => &[Format::Obj, Format::Stl],
     };
     let extension = args.out.as_deref().and_then(Path::extension).map(|extension| extension.to_ascii_lowercase());
@@ -212,17 +222,49 @@ fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<()
     Ok(())
 }
 
+/// Checks that the output has the form of the file that it changes.
+fn check_into(args: &ExportArgs, into: &Path) -> Result<(), Failure> {
+    let usage = |message: String| Err(Failure::usage(message));
+    let Some(out) = &args.out else {
+        return usage("--into: name the file to write with --out".to_owned());
+    };
+    if args.format.is_some() || args.parts {
+        return usage("--into: the file keeps its format; leave out --format and --parts".to_owned());
+    }
+    let extension = |path: &Path| path.extension().map(|extension| extension.to_ascii_lowercase());
+    if !extension(into).is_some_and(|extension| extension == "glb" || extension == "gltf") {
+        return usage(format!("--into {}: expected a glTF file (.glb or .gltf)", into.display()));
+    }
+    if extension(into) != extension(out) {
+        let name = extension(into).unwrap_or_default();
+        let (out, name) = (out.display(), name.display());
+        return usage(format!("--out {out}: the file keeps its form; name a file with the extension {name}"));
+    }
+    Ok(())
+}
+
 /// Checks what clap cannot express.
 fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::usage(message));
-    if args.is_visible && args.target != Some(Target::Godot) {
-        return usage("--visible: only for Godot; add --for godot".to_owned());
+    let is_physics = args.target.is_some_and(Target::is_physics);
+    if args.is_visible && !is_physics {
+        return usage("--visible: only for colliders in glTF; add --for godot, khr-physics, omi or both".to_owned());
+    }
+    if args.into.is_some() && !is_physics {
+        return usage("--into: adds colliders by extensions; add --for khr-physics, omi, both or godot".to_owned());
+    }
+    if args.into.is_some() && is_many {
+        return usage("--into: takes one pack; export the packs one after the other".to_owned());
+    }
+    if args.into.is_some() && args.up_axis != UpAxis::Keep {
+        return usage("--up-axis: hulls keep the axes of the glTF file; leave it out with --into".to_owned());
     }
     if args.mesh_prefix.is_some() && !args.target.is_some_and(Target::is_document) {
         return usage("--mesh-prefix: only for documents that name files; add --for mjcf, urdf or sdf".to_owned());
     }
-    if args.density.is_some() && !args.target.is_some_and(Target::is_document) {
-        return usage("--density: only for documents with masses; add --for mjcf, urdf or sdf".to_owned());
+    let has_mass = args.target.is_some_and(Target::is_document) || args.into.is_some() && !args.is_static;
+    if args.density.is_some() && !has_mass {
+        return usage("--density: only for files with masses; add --for mjcf, urdf or sdf, or --into".to_owned());
     }
     if is_many && args.name.is_some() {
         return usage("--name: several packs are exported, and each needs a name; export this one alone".to_owned());
@@ -330,7 +372,8 @@ impl Export<'_> {
                 let mesh = args.name.clone().or_else(|| self.render_mesh(place, pack));
                 names::unreal(&own, mesh.as_deref())
             }
-            Some(Target::Godot) => names::godot(&own, args.name.as_deref(), args.is_visible),
+            Some(Target::KhrPhysics | Target::Omi | Target::Both) => return,
+            Some(Target::Godot) => names::godot(&own, args.name.as_deref()),
             Some(Target::Mjcf | Target::Urdf | Target::Sdf) => {
                 names::unique(own.iter().map(|(name, _)| names::token(name)).collect())
             }
@@ -408,6 +451,7 @@ fn files(
 fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[Body]) -> Result<ExportedFile, String> {
     let bytes = match format {
         Format::Obj => obj::write(bodies, args.target == Some(Target::Unreal)),
+        Format::Glb if args.target.is_some_and(Target::is_physics) => scene::alone(args, bodies.to_vec())?,
         Format::Glb => glb::write(bodies)?,
         Format::Json => {
             let exported = ExportedPack { source: pack.source_path(), options: pack.options(), hulls: bodies };
@@ -417,9 +461,14 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
         }
         Format::Stl => bodies.first().map_or(Ok(Vec::new()), stl::write)?,
     };
+    Ok(ExportedFile { name, bytes, counts: Some(counts(bodies)) })
+}
+
+/// Number of hulls, vertices and triangles.
+fn counts(bodies: &[Body]) -> [usize; 3] {
     let vertices = bodies.iter().map(|body| body.positions.len()).sum();
     let triangles = bodies.iter().map(|body| body.triangles().count()).sum();
-    Ok(ExportedFile { name, bytes, counts: Some([bodies.len(), vertices, triangles]) })
+    [bodies.len(), vertices, triangles]
 }
 
 impl Export<'_> {

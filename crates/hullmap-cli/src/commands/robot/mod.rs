@@ -166,8 +166,8 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
             "--from-visual always is for URDF and SDF: in MJCF a geom that collides may be drawn and have mass, too";
         return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
     }
-    if args.inertia && description.format != Format::Urdf {
-        let message = "--inertia is for URDF; remove the flag, or set the inertia in the file";
+    if args.inertia && description.format == Format::Mjcf {
+        let message = "--inertia is for URDF and SDF; remove the flag, or set the inertia in the file";
         return Err(one(Failure::usage(format!("{}: {message}", input.display()))));
     }
     let target = Target::new(args, &description).map_err(one)?;

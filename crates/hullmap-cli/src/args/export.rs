@@ -1,0 +1,157 @@
+//! Arguments of `bake export`.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use hullmap_import::UpAxis;
+
+use crate::scene::colliders::Draft;
+
+/// Arguments of `bake export`.
+#[derive(Debug, clap::Args)]
+pub struct ExportArgs {
+    /// Packs, or folders to search for them
+    #[arg(required = true, value_name = "FILE|DIR")]
+    pub packs: Vec<PathBuf>,
+    /// File to write, or folder if several files are written [default: standard output]
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
+    #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
+    pub format: Option<Format>,
+    /// Use the names and files that an engine expects
+    #[arg(
+        long = "for",
+        value_enum,
+        value_name = "unreal|godot|khr-physics|omi|both|mjcf|urdf|sdf",
+        hide_possible_values = true
+    )]
+    pub target: Option<Target>,
+    /// Add the hulls to this glTF file as colliders, below the nodes of their objects; with --for
+    /// khr-physics, omi, both or godot
+    #[arg(long, value_name = "FILE", requires = "target")]
+    pub into: Option<PathBuf>,
+    /// With --into, write static colliders, without masses
+    #[arg(long = "static", requires = "into")]
+    pub is_static: bool,
+    /// Draft of KHR_physics_rigid_bodies
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = Draft::October2025,
+        value_name = "2025-10|2026-06",
+        hide_possible_values = true,
+        hide_short_help = true
+    )]
+    pub draft: Draft,
+    /// Export only this hull, by name or index; repeatable
+    #[arg(long = "hull", value_name = "NAME")]
+    pub hulls: Vec<String>,
+    /// Write one file per hull to a folder, named after the hulls
+    #[arg(long)]
+    pub parts: bool,
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack
+    /// only
+    #[arg(long, value_name = "NAME", requires = "target")]
+    pub name: Option<String>,
+    /// Draw the hulls, too, in glTF with colliders
+    #[arg(long = "visible")]
+    pub is_visible: bool,
+    /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
+    #[arg(long, value_name = "PREFIX")]
+    pub mesh_prefix: Option<String>,
+    /// Density for the mass in MJCF, URDF, SDF and with --into, in kilograms per cubic unit of the
+    /// pack, or of the glTF file; default 1000
+    #[arg(long, value_name = "DENSITY", value_parser = density)]
+    pub density: Option<f64>,
+    /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = UpAxis::Keep,
+        value_name = "keep|y-to-z|z-to-y",
+        hide_possible_values = true
+    )]
+    pub up_axis: UpAxis,
+    /// Replace existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Formats of exported meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Wavefront OBJ
+    Obj,
+    /// Binary STL
+    Stl,
+    /// Binary glTF 2.0
+    Glb,
+    /// JSON
+    Json,
+}
+
+impl Format {
+    /// Extension of its files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+            Self::Glb => "glb",
+            Self::Json => "json",
+        }
+    }
+}
+
+/// Engines and documents with rules of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Target {
+    /// Meshes named `UCX_<render mesh>_<nn>`
+    Unreal,
+    /// glTF with `OMI_physics_body`
+    Godot,
+    /// glTF with `KHR_physics_rigid_bodies`
+    KhrPhysics,
+    /// glTF with `OMI_physics_body`
+    Omi,
+    /// glTF with both extensions
+    Both,
+    /// A MuJoCo model and its mesh files
+    Mjcf,
+    /// A link and its mesh files
+    Urdf,
+    /// A model of one link for Gazebo, and its mesh files
+    Sdf,
+}
+
+impl Target {
+    /// Whether it is a document that names mesh files and states the mass.
+    pub fn is_document(self) -> bool {
+        matches!(self, Self::Mjcf | Self::Urdf | Self::Sdf)
+    }
+
+    /// Whether it is glTF with colliders by an extension.
+    pub fn is_physics(self) -> bool {
+        matches!(self, Self::Godot | Self::KhrPhysics | Self::Omi | Self::Both)
+    }
+
+    /// Name for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unreal => "Unreal",
+            Self::Godot => "Godot",
+            Self::KhrPhysics => "KHR_physics_rigid_bodies",
+            Self::Omi => "OMI_physics_body",
+            Self::Both => "glTF physics",
+            Self::Mjcf => "MuJoCo",
+            Self::Urdf => "URDF",
+            Self::Sdf => "SDF",
+        }
+    }
+}
+
+/// A density: finite, and above 0.
+fn density(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|density: &f64| *density > 0.0 && density.is_finite());
+    found.ok_or_else(|| "expected a number above 0, such as 1000 or 2700".to_owned())
+}

@@ -1,0 +1,45 @@
+//! Arguments of `bake verify`.
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+
+use super::limits::LimitArgs;
+use super::numbers::at_least_one;
+use crate::budget::NAMES;
+
+/// Directions tested on each hull by default.
+pub const DEFAULT_DIRECTIONS: usize = 10_000;
+
+/// Arguments of `bake verify`.
+#[derive(Debug, clap::Args)]
+pub struct VerifyArgs {
+    /// Packs, or folders to search for them
+    #[arg(required = true, value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// The source mesh, or a folder of meshes [default: beside the pack, then the recorded path]
+    #[arg(long, value_name = "PATH")]
+    pub source: Option<PathBuf>,
+    /// Exit with 1 if the source of a pack is not found
+    #[arg(long)]
+    pub require_source: bool,
+    /// List every hull in the table, not one line per pack
+    #[arg(long)]
+    pub hulls: bool,
+    /// Fail if a hull is not within the limits of an engine: physx, physx-gpu, jolt, box3d, unity,
+    /// unreal, newton or mujoco-warp
+    #[arg(long, value_name = "ENGINE", value_parser = PossibleValuesParser::new(&NAMES[1..]), hide_possible_values = true)]
+    pub budget: Option<String>,
+    /// Number of directions to test on each hull
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
+    pub directions: usize,
+    /// Seed of the random directions
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// Limits on source files.
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Print one JSON object per hull
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,291 @@
+//! `bake export --into`: colliders below the nodes of a glTF file.
+//!
+//! A hull belongs to the node that has the name of its object, as `bake build --split object` names
+//! hulls. The hull of a whole file belongs to its only node, or to the scene. A node with hulls is
+//! a body, unless a node above it is one: then its hulls belong to that body.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DVec3};
+use hullmap::{MassSource, Pack};
+use hullmap_import::{self as import, ImportOptions, Limits, ReadError, SceneObject, Split, UpAxis, scene_objects};
+use serde::Deserialize;
+
+use crate::args::export::{ExportArgs, Target};
+use crate::mesh_file::body::{Body, DENSITY};
+use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
+use crate::options::BuildOptions;
+use crate::outcome::Failure;
+use crate::pack_file::folder_of;
+use crate::scene::colliders::{self, Collider, Form, Motion};
+use crate::scene::container::GltfFile;
+use crate::scene::principal::principal_axes;
+use crate::terminal;
+
+/// The hulls of a pack, which are added to a file.
+pub struct Added<'a> {
+    /// The arguments.
+    pub args: &'a ExportArgs,
+    /// Path of the pack.
+    pub path: &'a Path,
+    /// The pack.
+    pub pack: &'a Pack,
+    /// Indices of the hulls in the pack, ascending.
+    pub indices: &'a [usize],
+}
+
+/// The extensions that the arguments select.
+fn form(args: &ExportArgs) -> Form {
+    Form {
+        khr: matches!(args.target, Some(Target::KhrPhysics | Target::Both)).then_some(args.draft),
+        is_omi: matches!(args.target, Some(Target::Omi | Target::Both | Target::Godot)),
+        is_visible: args.is_visible,
+    }
+}
+
+/// A file that has these hulls as static colliders, and nothing else.
+pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
+    let at_root = |body| Collider { body, node: None, pack_in_node: DAffine3::IDENTITY };
+    let colliders: Vec<Collider> = bodies.into_iter().map(at_root).collect();
+    colliders::add(&GltfFile::empty(), &colliders, &[], &form(args))
+}
+
+impl Added<'_> {
+    /// The file `into` with the hulls as colliders. `bodies` are the hulls, in the order of their
+    /// indices.
+    ///
+    /// # Errors
+    /// Usage: the file cannot be read. Rejected: it is damaged, has colliders already, or no node
+    /// for a hull.
+    pub fn file(&self, into: &Path, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
+        let form = form(self.args);
+        let shown = into.display();
+        let fault = |message: String| Failure::rejected(format!("{shown}: {message}"));
+        let source = import::read(&shown.to_string(), into, &Limits::DEFAULT).map_err(|error| match error {
+            ReadError::Io(error) => Failure::usage(format!("--into {shown}: cannot read: {error}; check the file")),
+            ReadError::Import(error) => Failure::rejected(error.to_string()),
+        })?;
+        let stem = into.file_stem().unwrap_or_default().to_string_lossy();
+        let objects = scene_objects(&shown.to_string(), &stem, &source, &Limits::DEFAULT);
+        let objects = objects.map_err(|error| Failure::rejected(error.to_string()))?;
+        let file = GltfFile::open(&source.bytes).map_err(fault)?;
+        let document: Document = serde_json::from_str(&file.text).map_err(|error| fault(error.to_string()))?;
+        self.check_references(into, &document)?;
+
+        let options = BuildOptions::from_recorded(self.pack.options()).map(|options| options.import());
+        let options = options.unwrap_or(ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT });
+        let owners = self.owners(into, &objects, options.split)?;
+        let colliders: Vec<Collider> = bodies
+            .into_iter()
+            .zip(&owners)
+            .map(|(body, owner)| {
+                let pack_in_scene = pack_in_scene(&options, DVec3::from_array(body.origin));
+                let pack_in_node = owner.map_or(pack_in_scene, |object| object.node_in_scene.inverse() * pack_in_scene);
+                Collider { body, node: owner.map(|object| object.node), pack_in_node }
+            })
+            .collect();
+        if let Some(collider) = colliders.iter().find(|collider| !collider.pack_in_node.is_finite()) {
+            let name = &collider.body.name;
+            return Err(fault(format!("the node of hull {name} has a scale of 0; correct it, or leave the hull out")));
+        }
+        let motions = if self.args.is_static { Vec::new() } else { self.motions(&owners, &document, &options)? };
+        colliders::add(&file, &colliders, &motions, &form).map_err(fault)
+    }
+
+    /// The object that each hull belongs to; `None`: the scene.
+    fn owners<'o>(
+        &self,
+        into: &Path,
+        objects: &'o [SceneObject],
+        split: Split,
+    ) -> Result<Vec<Option<&'o SceneObject>>, Failure> {
+        let named: BTreeMap<&str, &SceneObject> = objects.iter().map(|object| (object.name.as_str(), object)).collect();
+        let (mut owners, mut unowned) = (Vec::new(), Vec::new());
+        for &index in self.indices {
+            let Ok(hull) = self.pack.hull(index) else {
+                continue;
+            };
+            let object = names::object(hull.name(), hull.part());
+            let owner = named.get(object).copied().or_else(|| match objects {
+                [only] if split == Split::None => Some(only),
+                _ => None,
+            });
+            if owner.is_none() {
+                unowned.push(object.to_owned());
+            }
+            owners.push(owner);
+        }
+        let (Some(first), shown) = (unowned.first(), into.display()) else {
+            return Ok(owners);
+        };
+        if split == Split::None {
+            terminal::note(format_args!(
+                "{shown}: the hulls are of the whole file, so they are added to the scene, without mass; bake it with \
+                 --split object for a body per node"
+            ));
+            return Ok(owners);
+        }
+        let some: Vec<&str> = objects.iter().take(NAMES_IN_MESSAGE).map(|object| object.name.as_str()).collect();
+        let more = if objects.len() > NAMES_IN_MESSAGE { ", …" } else { "" };
+        Err(Failure::rejected(format!(
+            "{}: no node of {shown} has the name of hull {first} (it has {}{more}); bake that file with --split object, \
+             or select hulls with --hull",
+            self.path.display(),
+            some.join(", ")
+        )))
+    }
+
+    /// The bodies, with the mass of their hulls.
+    fn motions(
+        &self,
+        owners: &[Option<&SceneObject>],
+        document: &Document,
+        options: &ImportOptions,
+    ) -> Result<Vec<Motion>, Failure> {
+        let parents = document.parents();
+        let nodes: BTreeMap<usize, &SceneObject> =
+            owners.iter().flatten().map(|object| (object.node, *object)).collect();
+        let mut hulls: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (&index, owner) in self.indices.iter().zip(owners) {
+            let Some(owner) = owner else {
+                continue;
+            };
+            // The highest node above that has hulls, too. The importer has checked that this is a
+            // tree.
+            let above = std::iter::successors(Some(owner.node), |&node| parents.get(node).copied().flatten());
+            let body = above.filter(|node| nodes.contains_key(node)).last().unwrap_or(owner.node);
+            hulls.entry(body).or_default().push(index);
+        }
+        let mut are_hulls = false;
+        let mut motions = Vec::new();
+        for (node, indices) in hulls {
+            let density = self.args.density.unwrap_or(DENSITY);
+            let mass = self.pack.mass_properties_of(indices.iter().copied(), density);
+            let mass = mass.map_err(|error| Failure::rejected(format!("{}: {error}", self.path.display())))?;
+            let Some(object) = nodes.get(&node) else {
+                continue;
+            };
+            are_hulls |= mass.source == MassSource::Hulls;
+            // A density is per unit of the scene: mass grows with the third power of a length, and
+            // inertia with the fifth.
+            let unit = 1.0 / options.unit_scale;
+            // All hulls of a file have one origin.
+            let origin = indices.first().and_then(|&index| self.pack.hull(index).ok());
+            let origin = origin.map_or(DVec3::ZERO, |hull| hull.origin());
+            let center = pack_in_scene(options, origin).transform_point3(mass.center_of_mass);
+            let turn = unrotation(options.up_axis);
+            let (_, node_rotation, _) = object.node_in_scene.to_scale_rotation_translation();
+            let turn = DMat3::from_quat(node_rotation).transpose() * turn;
+            let (moments, orientation) = principal_axes(turn * mass.inertia * turn.transpose() * unit.powi(5));
+            let center = object.node_in_scene.inverse().transform_point3(center);
+            let mass = mass.mass * unit.powi(3);
+            // NaN takes the failing branch.
+            let is_solid = mass > 0.0 && mass < f64::INFINITY && moments.min_element() > 0.0 && center.is_finite();
+            if is_solid {
+                motions.push(Motion { node, mass, center, moments, orientation });
+            } else {
+                terminal::note(format_args!("{}: node {} has no mass", self.path.display(), object.name));
+            }
+        }
+        if are_hulls {
+            terminal::note(format_args!(
+                "{}: masses are those of hulls, where the pack does not record that of the mesh (it is not closed, or only \
+                 some of its parts are exported)",
+                self.path.display()
+            ));
+        }
+        Ok(motions)
+    }
+
+    /// Fails if the file names others, and the output lies in another folder, where they are not.
+    fn check_references(&self, into: &Path, document: &Document) -> Result<(), Failure> {
+        let Some(out) = &self.args.out else {
+            return Ok(());
+        };
+        let files = document.buffers.iter().chain(&document.images).filter_map(|item| item.uri.as_deref());
+        let Some(name) = files.into_iter().find(|uri| !uri.starts_with("data:")) else {
+            return Ok(());
+        };
+        let absolute = |path: &Path| folder_of(path).canonicalize().ok();
+        if absolute(out).is_some() && absolute(out) == absolute(into) {
+            return Ok(());
+        }
+        Err(Failure::usage(format!(
+            "{}: names other files, such as {name}, by their places beside it; write the output to the same folder",
+            into.display()
+        )))
+    }
+}
+
+/// What of a document decides where colliders go.
+#[derive(Debug, Deserialize)]
+struct Document {
+    #[serde(default)]
+    nodes: Vec<Children>,
+    #[serde(default)]
+    buffers: Vec<Uri>,
+    #[serde(default)]
+    images: Vec<Uri>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Children {
+    // Some exporters write all numbers as floats.
+    #[serde(default)]
+    children: Vec<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Uri {
+    uri: Option<String>,
+}
+
+impl Document {
+    /// Parent of each node.
+    fn parents(&self) -> Vec<Option<usize>> {
+        let mut parents = vec![None; self.nodes.len()];
+        for (index, node) in self.nodes.iter().enumerate() {
+            for &child in &node.children {
+                if let Some(parent) = parents.get_mut(child as usize) {
+                    *parent = Some(index);
+                }
+            }
+        }
+        parents
+    }
+}
+
+/// Transform from the frame of a pack to that of the file that it was baked from: what the import
+/// did, undone.
+fn pack_in_scene(options: &ImportOptions, origin: DVec3) -> DAffine3 {
+    let linear = unrotation(options.up_axis) * (1.0 / options.unit_scale);
+    DAffine3::from_mat3_translation(linear, linear * origin)
+}
+
+/// The inverse of the rotation of `--up-axis`.
+fn unrotation(up_axis: UpAxis) -> DMat3 {
+    match up_axis {
+        UpAxis::Keep => DMat3::IDENTITY,
+        // (x, −z, y) becomes (x, y, z).
+        UpAxis::YToZ => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
+        UpAxis::ZToY => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_placement_of_an_import_is_undone() {
+        let [x, y, z] = [3.0, 5.0, 7.0];
+        for (up_axis, placed) in [(UpAxis::Keep, [x, y, z]), (UpAxis::YToZ, [x, -z, y]), (UpAxis::ZToY, [x, z, -y])] {
+            let options = ImportOptions { unit_scale: 0.01, up_axis, ..ImportOptions::DEFAULT };
+            let origin = DVec3::new(0.5, -0.25, 1.0);
+            let point = DVec3::from_array(placed) * 0.01 - origin;
+            let back = pack_in_scene(&options, origin).transform_point3(point);
+            assert!((back - DVec3::new(x, y, z)).length() < 1e-12, "{up_axis:?}: {back}");
+        }
+    }
+}

@@ -1,0 +1,445 @@
+//! Hulls as colliders in a glTF file, by `KHR_physics_rigid_bodies` and `OMI_physics_body`.
+//!
+//! 1. Each hull becomes a mesh, with its positions and triangles at the end of the file's buffer,
+//!    or in a buffer of its own if the file is text or has no such buffer.
+//! 2. A new node below the node of its object has the collider. So the hull moves with the object,
+//!    and is not drawn: no node of the scene has its mesh, except with `is_visible`.
+//! 3. The node of the object has the mass, the centre of mass and the inertia.
+//!
+//! The hull keeps its positions, in the frame of the pack, if the node of its object is not
+//! distorted: the new node then has the transform from that frame. Otherwise, since a node may not
+//! shear, the positions are transformed and rounded.
+//!
+//! # Reference
+//! Khronos, "KHR_physics_rigid_bodies", the drafts of [`Draft`]; Open Metaverse Interoperability
+//! Group, "OMI_physics_body" and "OMI_physics_shape", commit 89d328b of August 2026.
+
+use std::collections::BTreeMap;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use clap::ValueEnum;
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use serde_json::json;
+use serde_json::value::RawValue;
+
+use super::container::GltfFile;
+use super::edit::{Edits, Members, elements, members};
+use crate::mesh_file::body::Body;
+use crate::mesh_file::glb::bounds;
+
+/// Names of extensions.
+const KHR_BODY: &str = "KHR_physics_rigid_bodies";
+const OMI_BODY: &str = "OMI_physics_body";
+const OMI_SHAPE: &str = "OMI_physics_shape";
+
+/// Maximum difference of a matrix from a rotation with a uniform scale, relative to the scale.
+/// Files have about seven digits, and readers accept a few thousandths.
+const DISTORTION: f64 = 1e-5;
+
+/// Component types of accessors, and targets of buffer views.
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+
+/// Draft of `KHR_physics_rigid_bodies`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Draft {
+    /// Commit ac5c413 of October 2025: a collider names a node that has the mesh.
+    #[default]
+    #[value(name = "2025-10")]
+    October2025,
+    /// As readers changed in August 2026: a collider names the mesh.
+    #[value(name = "2026-06")]
+    June2026,
+}
+
+/// Which extensions are written, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Form {
+    /// The draft of `KHR_physics_rigid_bodies`, if it is written.
+    pub khr: Option<Draft>,
+    /// Whether `OMI_physics_body` is written.
+    pub is_omi: bool,
+    /// Whether the hulls are drawn.
+    pub is_visible: bool,
+}
+
+/// A hull, and where it belongs.
+#[derive(Debug)]
+pub struct Collider {
+    /// The hull, in the frame of its pack.
+    pub body: Body,
+    /// Node below which it is added; `None`: at the root of the scene.
+    pub node: Option<usize>,
+    /// Transform from the frame of the pack to the frame of the node, or of the scene.
+    pub pack_in_node: DAffine3,
+}
+
+/// A node that is a rigid body.
+#[derive(Debug)]
+pub struct Motion {
+    /// Index of the node.
+    pub node: usize,
+    /// In kilograms.
+    pub mass: f64,
+    /// Centre of mass in the frame of the node.
+    pub center: DVec3,
+    /// Principal moments of inertia, in kg·m².
+    pub moments: DVec3,
+    /// Rotation from the principal axes to the axes of the node.
+    pub orientation: DQuat,
+}
+
+/// The file with colliders and masses. Fails if it is not a glTF document, or has colliders
+/// already. Complexity: O(bytes).
+pub fn add(file: &GltfFile, colliders: &[Collider], motions: &[Motion], form: &Form) -> Result<Vec<u8>, String> {
+    let root = members(&file.text)?;
+    let mut writer = Writer::new(&root, &file.text)?;
+    writer.check_no_colliders(form)?;
+    let mut buffer = writer.buffer(file)?;
+    for collider in colliders {
+        writer.add_collider(collider, form, &mut buffer);
+    }
+    for motion in motions {
+        writer.add_motion(motion, form);
+    }
+    let added = writer.add_buffer(buffer)?;
+    let text = writer.finish(form)?;
+    file.with(text, &added)
+}
+
+/// Where new bytes go.
+struct Buffer {
+    /// Index of the buffer.
+    index: usize,
+    /// Place of the first new byte in it.
+    base: usize,
+    is_chunk: bool,
+    bytes: Vec<u8>,
+}
+
+/// Lists of a document that grow.
+#[derive(Clone, Copy)]
+enum List {
+    Nodes,
+    Meshes,
+    Accessors,
+    Views,
+    Buffers,
+}
+
+const LISTS: [&str; 5] = ["nodes", "meshes", "accessors", "bufferViews", "buffers"];
+
+struct Writer<'a> {
+    text: &'a str,
+    root: &'a Members<'a>,
+    edits: Edits<'a>,
+    /// For each list its elements, and new ones.
+    old: [Vec<&'a RawValue>; 5],
+    new: [Vec<String>; 5],
+    /// New children of nodes, and of the scene.
+    children: BTreeMap<usize, Vec<usize>>,
+    roots: Vec<usize>,
+    /// New extensions of nodes.
+    extensions: BTreeMap<usize, Vec<(&'static str, String)>>,
+    /// Shapes of the file before, and new ones.
+    shape_count: usize,
+    shapes: Vec<String>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(root: &'a Members<'a>, text: &'a str) -> Result<Self, String> {
+        let mut old: [Vec<&RawValue>; 5] = Default::default();
+        for (list, name) in old.iter_mut().zip(LISTS) {
+            if let Some(raw) = root.get(name) {
+                *list = elements(raw.get()).map_err(|error| format!("{name}: {error}"))?;
+            }
+        }
+        let shape_count = match shapes_of(root)? {
+            Some(list) => elements(list.get())?.len(),
+            None => 0,
+        };
+        let (edits, new) = (Edits::new(text), Default::default());
+        let (children, roots, extensions, shapes) = (BTreeMap::new(), Vec::new(), BTreeMap::new(), Vec::new());
+        Ok(Self { text, root, edits, old, new, children, roots, extensions, shape_count, shapes })
+    }
+
+    fn check_no_colliders(&self, form: &Form) -> Result<(), String> {
+        for (index, node) in self.old[List::Nodes as usize].iter().enumerate() {
+            let Some(extensions) = members(node.get())?.get("extensions").copied() else {
+                continue;
+            };
+            let extensions = members(extensions.get())?;
+            for (name, is_written) in [(KHR_BODY, form.khr.is_some()), (OMI_BODY, form.is_omi)] {
+                if is_written && extensions.contains_key(name) {
+                    return Err(format!("node {index} already has {name}; export into the file without colliders"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Where new bytes go: to the end of the BIN chunk, if that is the first buffer or may become
+    /// it.
+    fn buffer(&self, file: &GltfFile) -> Result<Buffer, String> {
+        let buffers = &self.old[List::Buffers as usize];
+        let is_chunk = match buffers.first() {
+            Some(first) => file.buffer().is_some() && !members(first.get())?.contains_key("uri"),
+            None => file.is_glb(),
+        };
+        let base = if is_chunk { file.buffer().map_or(0, <[u8]>::len) } else { 0 };
+        let index = if is_chunk { 0 } else { buffers.len() };
+        Ok(Buffer { index, base, is_chunk, bytes: Vec::new() })
+    }
+
+    /// Adds an element to a list, and returns its index.
+    fn push(&mut self, list: List, element: String) -> usize {
+        let (old, new) = (self.old[list as usize].len(), &mut self.new[list as usize]);
+        new.push(element);
+        old + new.len() - 1
+    }
+
+    fn add_view(&mut self, buffer: &mut Buffer, numbers: impl Iterator<Item = [u8; 4]>, target: u32) -> usize {
+        let start = buffer.bytes.len();
+        buffer.bytes.extend(numbers.flatten());
+        let view = json!({
+            "buffer": buffer.index, "byteOffset": buffer.base + start, "byteLength": buffer.bytes.len() - start,
+            "target": target,
+        });
+        self.push(List::Views, view.to_string())
+    }
+
+    fn add_collider(&mut self, collider: &Collider, form: &Form, buffer: &mut Buffer) {
+        let body = &collider.body;
+        let keeps_positions = is_similarity(&collider.pack_in_node);
+        let positions: Vec<[f32; 3]> = if keeps_positions {
+            body.positions.clone()
+        } else {
+            let place = |position: &[f32; 3]| {
+                let position = DVec3::from_array(position.map(f64::from));
+                collider.pack_in_node.transform_point3(position).to_array().map(|x| x as f32)
+            };
+            body.positions.iter().map(place).collect()
+        };
+        let index_count = 3 * body.triangles().count();
+        let vertices = self.add_view(buffer, positions.iter().flatten().map(|x| x.to_le_bytes()), VERTICES);
+        // A frame that mirrors would turn the triangles inside out.
+        let is_mirrored = !keeps_positions && collider.pack_in_node.matrix3.determinant() < 0.0;
+        let turn = |[a, b, c]: [u32; 3]| if is_mirrored { [b, a, c] } else { [a, b, c] };
+        let indices = self.add_view(buffer, body.triangles().flat_map(turn).map(u32::to_le_bytes), INDICES);
+        let [low, high] = bounds(&positions);
+        let vertices = json!({
+            "bufferView": vertices, "componentType": F32, "count": positions.len(), "type": "VEC3",
+            "min": low, "max": high,
+        });
+        let indices = json!({ "bufferView": indices, "componentType": U32, "count": index_count, "type": "SCALAR" });
+        let vertices = self.push(List::Accessors, vertices.to_string());
+        let indices = self.push(List::Accessors, indices.to_string());
+        let primitive = json!({ "attributes": { "POSITION": vertices }, "indices": indices });
+        let mesh = self.push(List::Meshes, json!({ "name": body.name, "primitives": [primitive] }).to_string());
+
+        let mut extensions = serde_json::Map::new();
+        if let Some(draft) = form.khr {
+            let geometry = match draft {
+                Draft::October2025 => {
+                    // Outside of the scene, so that it is not drawn.
+                    let holder = json!({ "name": format!("{}_mesh", body.name), "mesh": mesh });
+                    json!({ "node": self.push(List::Nodes, holder.to_string()), "convexHull": true })
+                }
+                Draft::June2026 => json!({ "mesh": mesh, "convexHull": true }),
+            };
+            extensions.insert(KHR_BODY.to_owned(), json!({ "collider": { "geometry": geometry } }));
+        }
+        if form.is_omi {
+            let shape = self.shape_count + self.shapes.len();
+            self.shapes.push(json!({ "type": "convex", "convex": { "mesh": mesh } }).to_string());
+            extensions.insert(OMI_BODY.to_owned(), json!({ "collider": { "shape": shape } }));
+        }
+        let mut node = json!({ "name": body.name, "extensions": extensions });
+        if form.is_visible {
+            node["mesh"] = mesh.into();
+        }
+        if keeps_positions && collider.pack_in_node != DAffine3::IDENTITY {
+            node["matrix"] = json!(DMat4::from(collider.pack_in_node).to_cols_array());
+        }
+        let node = self.push(List::Nodes, node.to_string());
+        match collider.node {
+            Some(parent) => self.children.entry(parent).or_default().push(node),
+            None => self.roots.push(node),
+        }
+    }
+
+    fn add_motion(&mut self, motion: &Motion, form: &Form) {
+        let mut described = json!({
+            "mass": motion.mass,
+            "centerOfMass": motion.center.to_array(),
+            "inertiaDiagonal": motion.moments.to_array(),
+            "inertiaOrientation": motion.orientation.to_array(),
+        });
+        let extensions = self.extensions.entry(motion.node).or_default();
+        if form.khr.is_some() {
+            extensions.push((KHR_BODY, json!({ "motion": described }).to_string()));
+        }
+        if form.is_omi {
+            described["type"] = "dynamic".into();
+            extensions.push((OMI_BODY, json!({ "motion": described }).to_string()));
+        }
+    }
+
+    /// Adds the new bytes to the document, and returns those for the BIN chunk.
+    fn add_buffer(&mut self, buffer: Buffer) -> Result<Vec<u8>, String> {
+        let length = buffer.base + buffer.bytes.len();
+        if buffer.bytes.is_empty() {
+            return Ok(Vec::new());
+        }
+        if !buffer.is_chunk {
+            let data = STANDARD.encode(&buffer.bytes);
+            let uri = format!("data:application/octet-stream;base64,{data}");
+            self.push(List::Buffers, json!({ "byteLength": length, "uri": uri }).to_string());
+            return Ok(Vec::new());
+        }
+        match self.old[List::Buffers as usize].first() {
+            None => drop(self.push(List::Buffers, json!({ "byteLength": length }).to_string())),
+            Some(first) => {
+                let length_before = members(first.get())?.get("byteLength").copied();
+                let length_before = length_before.ok_or("the first buffer has no byteLength")?;
+                self.edits.replace(length_before.get(), length.to_string());
+            }
+        }
+        Ok(buffer.bytes)
+    }
+
+    /// The text with everything new in it.
+    fn finish(mut self, form: &Form) -> Result<String, String> {
+        self.add_to_nodes()?;
+        let mut new_members: Vec<(&str, String)> = Vec::new();
+        for (name, new) in LISTS.into_iter().zip(std::mem::take(&mut self.new)) {
+            self.append_or_add(name, &new, &mut new_members)?;
+        }
+        self.add_to_scene()?;
+        let used: Vec<&str> = match self.root.get("extensionsUsed") {
+            Some(used) => serde_json::from_str::<Vec<&str>>(used.get()).map_err(|error| error.to_string())?,
+            None => Vec::new(),
+        };
+        let written = [(KHR_BODY, form.khr.is_some()), (OMI_BODY, form.is_omi), (OMI_SHAPE, form.is_omi)];
+        let names = written.iter().filter(|(name, is_written)| *is_written && !used.contains(name));
+        let names: Vec<String> = names.map(|(name, _)| format!("\"{name}\"")).collect();
+        self.append_or_add("extensionsUsed", &names, &mut new_members)?;
+        self.add_shapes(&mut new_members)?;
+        self.edits.add(self.text, &new_members)?;
+        Ok(self.edits.apply())
+    }
+
+    /// Appends to a list of the document, or adds the list.
+    fn append_or_add(
+        &mut self,
+        name: &'static str,
+        new: &[String],
+        members: &mut Vec<(&'static str, String)>,
+    ) -> Result<(), String> {
+        match self.root.get(name) {
+            Some(list) => self.edits.append(list.get(), new)?,
+            None if new.is_empty() => {}
+            None => members.push((name, format!("[{}]", new.join(",")))),
+        }
+        Ok(())
+    }
+
+    fn add_to_nodes(&mut self) -> Result<(), String> {
+        let changed: Vec<usize> = self.children.keys().chain(self.extensions.keys()).copied().collect();
+        for index in std::collections::BTreeSet::from_iter(changed) {
+            let node = *self.old[List::Nodes as usize].get(index).ok_or("a node is missing")?;
+            let old = members(node.get())?;
+            let mut new: Vec<(&str, String)> = Vec::new();
+            let children = self.children.remove(&index).unwrap_or_default();
+            let children: Vec<String> = children.iter().map(usize::to_string).collect();
+            match old.get("children") {
+                Some(list) => self.edits.append(list.get(), &children)?,
+                None if children.is_empty() => {}
+                None => new.push(("children", format!("[{}]", children.join(",")))),
+            }
+            let extensions = self.extensions.remove(&index).unwrap_or_default();
+            match old.get("extensions") {
+                Some(object) => self.edits.add(object.get(), &extensions)?,
+                None if extensions.is_empty() => {}
+                None => new.push(("extensions", object(&extensions))),
+            }
+            self.edits.add(node.get(), &new)?;
+        }
+        Ok(())
+    }
+
+    fn add_to_scene(&mut self) -> Result<(), String> {
+        let Some(scenes) = self.root.get("scenes").filter(|_| !self.roots.is_empty()) else {
+            // Without scenes, nodes without parents are the roots.
+            return Ok(());
+        };
+        let index = self.root.get("scene").map_or(Ok(0), |index| index.get().parse::<usize>());
+        let index = index.map_err(|_| "scene is not an index".to_owned())?;
+        let scene = *elements(scenes.get())?.get(index).ok_or("the default scene does not exist")?;
+        let roots: Vec<String> = self.roots.iter().map(usize::to_string).collect();
+        match members(scene.get())?.get("nodes") {
+            Some(list) => self.edits.append(list.get(), &roots),
+            None => self.edits.add(scene.get(), &[("nodes", format!("[{}]", roots.join(",")))]),
+        }
+    }
+
+    fn add_shapes(&mut self, new_members: &mut Vec<(&'static str, String)>) -> Result<(), String> {
+        if self.shapes.is_empty() {
+            return Ok(());
+        }
+        let shapes = format!("[{}]", self.shapes.join(","));
+        let Some(extensions) = self.root.get("extensions") else {
+            let shapes = object(&[(OMI_SHAPE, object(&[("shapes", shapes)]))]);
+            new_members.push(("extensions", shapes));
+            return Ok(());
+        };
+        match (members(extensions.get())?.get(OMI_SHAPE), shapes_of(self.root)?) {
+            (_, Some(list)) => self.edits.append(list.get(), &self.shapes),
+            (Some(object), None) => self.edits.add(object.get(), &[("shapes", shapes)]),
+            (None, None) => self.edits.add(extensions.get(), &[(OMI_SHAPE, object(&[("shapes", shapes)]))]),
+        }
+    }
+}
+
+/// The list of shapes that the document has for `OMI_physics_body`.
+fn shapes_of<'a>(root: &Members<'a>) -> Result<Option<&'a RawValue>, String> {
+    let Some(extensions) = root.get("extensions") else {
+        return Ok(None);
+    };
+    match members(extensions.get())?.get(OMI_SHAPE) {
+        Some(shapes) => Ok(members(shapes.get())?.get("shapes").copied()),
+        None => Ok(None),
+    }
+}
+
+/// Text of an object with these members.
+fn object(members: &[(&str, String)]) -> String {
+    let members: Vec<String> = members.iter().map(|(name, value)| format!("\"{name}\":{value}")).collect();
+    format!("{{{}}}", members.join(","))
+}
+
+/// Whether a transform is a rotation, a uniform scale and a translation: what the node of a
+/// collider may have. NaN takes the failing branch.
+fn is_similarity(transform: &DAffine3) -> bool {
+    let product = transform.matrix3.transpose() * transform.matrix3;
+    let scale_sq = product.x_axis.x;
+    let rest = (product - glam::DMat3::from_diagonal(DVec3::splat(scale_sq))).to_cols_array();
+    scale_sq > 0.0 && scale_sq < f64::INFINITY && rest.iter().all(|x| x.abs() <= DISTORTION * scale_sq)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distorted_frames_are_recognised() {
+        let turned = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.5);
+        let with = |scale: DVec3| DAffine3::from_scale_rotation_translation(scale, turned, DVec3::ONE);
+        assert!(is_similarity(&with(DVec3::splat(0.01))) && is_similarity(&with(DVec3::new(-2.0, 2.0, 2.0))));
+        assert!(!is_similarity(&with(DVec3::new(1.0, 1.0, 1.01))) && !is_similarity(&with(DVec3::ZERO)));
+        assert!(!is_similarity(&with(DVec3::splat(f64::NAN))));
+    }
+}

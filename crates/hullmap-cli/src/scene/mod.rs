@@ -1,0 +1,13 @@
+//! glTF files to which colliders are added, in place: everything else keeps its bytes.
+//!
+//! | module | concept |
+//! |---|---|
+//! | `container` | a glTF file, as text or GLB, taken apart and put together |
+//! | `edit` | insertions into JSON text |
+//! | `colliders` | hulls and masses as nodes with physics extensions |
+//! | `principal` | principal axes of an inertia tensor |
+
+pub mod colliders;
+pub mod container;
+pub mod edit;
+pub mod principal;

@@ -1,0 +1,86 @@
+//! Principal axes of an inertia tensor: the Jacobi eigenvalue algorithm.
+//!
+//! A rotation in the plane of two axes makes the element of the tensor that joins them 0. Such
+//! rotations, one pair of axes after the other, converge quadratically to a diagonal tensor. The
+//! power iteration of the decomposition is not used: it needs no more than a few digits.
+//!
+//! # Reference
+//! Golub and Van Loan, "Matrix Computations", section 8.5.
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// Maximum number of sweeps over the three pairs of axes. Five are usual.
+const SWEEPS: usize = 40;
+
+/// Moments about the principal axes, and the rotation from those axes to the axes of the tensor.
+///
+/// `tensor` is symmetric. The product of rotation, diagonal and inverse rotation is the tensor.
+pub fn principal_axes(tensor: DMat3) -> (DVec3, DQuat) {
+    let (mut diagonal, mut axes) = (tensor, DMat3::IDENTITY);
+    for _ in 0..SWEEPS {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let between = diagonal.col(p)[q];
+            if between == 0.0 {
+                continue;
+            }
+            // The tangent of the smaller of the two angles.
+            let theta = (diagonal.col(q)[q] - diagonal.col(p)[p]) / (2.0 * between);
+            let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+            let sine = tangent * cosine;
+            let mut rotation = DMat3::IDENTITY;
+            rotation.col_mut(p)[p] = cosine;
+            rotation.col_mut(q)[q] = cosine;
+            rotation.col_mut(q)[p] = sine;
+            rotation.col_mut(p)[q] = -sine;
+            diagonal = rotation.transpose() * diagonal * rotation;
+            // Exactly, so that rounding errors do not keep the loop going.
+            diagonal.col_mut(p)[q] = 0.0;
+            diagonal.col_mut(q)[p] = 0.0;
+            axes *= rotation;
+        }
+    }
+    let moments = DVec3::new(diagonal.x_axis.x, diagonal.y_axis.y, diagonal.z_axis.z);
+    (moments, DQuat::from_mat3(&axes).normalize())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rebuilt(moments: DVec3, rotation: DQuat) -> DMat3 {
+        let axes = DMat3::from_quat(rotation);
+        axes * DMat3::from_diagonal(moments) * axes.transpose()
+    }
+
+    #[test]
+    fn the_axes_diagonalise_the_tensor() {
+        for (diagonal, axis, angle) in [
+            (DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, -1.0), 0.7),
+            (DVec3::new(5.0, 5.0, 1.0), DVec3::new(0.0, 1.0, 1.0), 2.0),
+            (DVec3::new(2e-9, 3e-9, 4e-9), DVec3::X, 1.0),
+            (DVec3::ONE, DVec3::Y, 0.3),
+            (DVec3::new(1e6, 1e6, 1.0), DVec3::new(3.0, -1.0, 0.5), 3.0),
+        ] {
+            let tensor = rebuilt(diagonal, DQuat::from_axis_angle(axis.normalize(), angle));
+            let (moments, rotation) = principal_axes(tensor);
+            let error = (rebuilt(moments, rotation) - tensor).to_cols_array();
+            let size = diagonal.max_element();
+            assert!(error.iter().all(|x| x.abs() <= 1e-12 * size), "{error:?}");
+            let sorted = |v: DVec3| {
+                let mut list = v.to_array();
+                list.sort_by(f64::total_cmp);
+                list
+            };
+            for (a, b) in sorted(moments).into_iter().zip(sorted(diagonal)) {
+                assert!((a - b).abs() <= 1e-12 * size, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_diagonal_tensor_needs_no_rotation() {
+        let (moments, rotation) = principal_axes(DMat3::from_diagonal(DVec3::new(3.0, 1.0, 2.0)));
+        assert_eq!((moments, rotation), (DVec3::new(3.0, 1.0, 2.0), DQuat::IDENTITY));
+    }
+}

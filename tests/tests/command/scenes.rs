@@ -1,0 +1,246 @@
+//! `bake export --into`: colliders in glTF files that keep everything else, and come back as the
+//! same hulls.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use hullmap::Pack;
+use hullmap_outside::command::{Run, bake_in};
+use serde_json::Value;
+use shapes::gltf::{self, Parts};
+use shapes::mesh::Mesh;
+use shapes::solids::{extrusion, regular_polygon};
+use tempfile::TempDir;
+
+fn bake(folder: &TempDir, line: &str) -> Run {
+    bake_in(folder.path(), line.split_whitespace())
+}
+
+/// An L, which a decomposition divides.
+fn ell() -> Mesh {
+    extrusion(&[[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]], 0.0, 1.0)
+}
+
+/// Two meshes in nodes that turn, scale and mirror them; the last one is distorted.
+fn model() -> Parts {
+    let drum = extrusion(&regular_polygon(24, 0.7), -0.5, 0.25);
+    let nodes = concat!(
+        r#"{"name":"root","children":[1,3],"translation":[1,2,3]},"#,
+        r#"{"name":"arm","mesh":0,"rotation":[0.5,0.5,0.5,0.5],"children":[2]},"#,
+        r#"{ "name":"drum","mesh":1,"translation":[0,0,4],"scale":[-2,2,2],"extras":{"n":1.50,"big":1.0e+2} },"#,
+        r#"{"name":"flat","mesh":1,"rotation":[0,0.6,0,0.8],"scale":[1,3,0.2]}"#
+    );
+    gltf::parts(&[("ell", &ell()), ("drum", &drum)], nodes, "0")
+}
+
+/// Text and BIN chunk of a GLB file.
+fn chunks(file: &[u8]) -> (String, Vec<u8>) {
+    let length = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+    let text = &file[20..20 + length(12)];
+    assert_eq!(length(8), file.len());
+    (String::from_utf8(text.to_vec()).unwrap(), file[28 + text.len()..].to_vec())
+}
+
+/// Whether `new` is `old` with insertions.
+fn has_insertions_only(old: &str, new: &str) -> bool {
+    let mut rest = new.bytes();
+    old.trim_end().bytes().all(|byte| rest.any(|other| other == byte))
+}
+
+fn hulls(folder: &TempDir, pack: &str) -> BTreeMap<String, Vec<[u32; 3]>> {
+    let pack = Pack::open(folder.path().join(pack)).unwrap();
+    let vertices = |hull: &hullmap::Hull| hull.vertices().map(|v| v.to_array().map(|x| (x + 0.0).to_bits())).collect();
+    pack.hulls().map(|hull| (hull.name().to_owned(), vertices(&hull))).collect()
+}
+
+#[test]
+fn everything_else_keeps_its_bytes_and_colliders_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = model().glb();
+    fs::write(folder.path().join("model.glb"), &file).unwrap();
+    bake(&folder, "build model.glb --split object --decompose --out . --quiet").expect(0);
+    let before = hulls(&folder, "model.hullmap");
+    assert!(before.len() > 4 && before.contains_key("drum"), "{:?}", before.keys());
+    let (old_text, old_bytes) = chunks(&file);
+    for target in ["khr-physics", "omi", "both", "godot", "khr-physics --draft 2026-06"] {
+        bake(&folder, &format!("export model.hullmap --into model.glb --for {target} --out out.glb --force")).expect(0);
+        let out = fs::read(folder.path().join("out.glb")).unwrap();
+        let (text, bytes) = chunks(&out);
+        assert!(bytes.starts_with(&old_bytes), "{target}: render data changed");
+        // Of all that the file had, only the length of its buffer is another.
+        let length = |text: &str| text.split("\"buffers\":[{\"byteLength\":").nth(1).unwrap()[..].to_owned();
+        let digits = |text: &str| length(text).find('}').map(|end| length(text)[..end].to_owned()).unwrap();
+        let adapted = old_text.replace(
+            &format!("\"byteLength\":{}}}]", digits(&old_text)),
+            &format!("\"byteLength\":{}}}]", digits(&text)),
+        );
+        assert!(has_insertions_only(&adapted, &text), "{target}: {text}");
+        assert!(text.contains(r#"{"n":1.50,"big":1.0e+2}"#) && !text.contains("extensionsRequired"));
+        bake(&folder, "build out.glb --split auto --out . --quiet").expect(0);
+        let after = hulls(&folder, "out.hullmap");
+        assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>(), "{target}");
+        for (name, hull) in &before {
+            if name.starts_with("flat") {
+                // A distorted node rounds the positions.
+                assert_eq!(hull.len(), after[name].len());
+                for (a, b) in hull.iter().flatten().zip(after[name].iter().flatten()) {
+                    let (a, b) = (f32::from_bits(*a), f32::from_bits(*b));
+                    assert!((a - b).abs() <= 1e-6, "{name}: {a} {b}");
+                }
+            } else {
+                assert_eq!(hull, &after[name], "{target}: {name}");
+            }
+        }
+        // A file with colliders is not given more of them.
+        let again = "export model.hullmap --into out.glb --out more.glb --for";
+        let run = bake(&folder, &format!("{again} {target}")).expect(1);
+        assert!(run.stderr.contains("already has") && !folder.path().join("more.glb").exists(), "{run:?}");
+    }
+    // An independent reader accepts it.
+    gltf_crate(&folder, "out.glb");
+}
+
+/// Reads a file with the crate `gltf`.
+fn gltf_crate(folder: &TempDir, name: &str) {
+    let document = ::gltf::Gltf::open(folder.path().join(name)).unwrap();
+    assert_eq!(document.default_scene().unwrap().nodes().count(), 1);
+    assert!(document.nodes().len() > 4 && document.meshes().len() > 2);
+}
+
+fn written(folder: &TempDir, name: &str) -> Value {
+    let (text, _) = chunks(&fs::read(folder.path().join(name)).unwrap());
+    serde_json::from_str(&text).unwrap()
+}
+
+/// The node `drum` is below `arm`, so both are one body. Masses are in kilograms of the file's
+/// units, whatever those of the pack.
+#[test]
+fn bodies_have_the_mass_of_their_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("model.glb"), model().glb()).unwrap();
+    let motion = |options: &str| {
+        bake(&folder, &format!("build model.glb --split object --out p --quiet {options}")).expect(0);
+        let line = "export p/model.hullmap --into model.glb --for both --density 2 --out out.glb --force";
+        bake(&folder, line).expect(0);
+        let document = written(&folder, "out.glb");
+        let extension = |node: usize, name: &str| document["nodes"][node]["extensions"][name]["motion"].clone();
+        for node in [0, 2] {
+            assert!(document["nodes"][node].get("extensions").is_none(), "{}", document["nodes"][node]);
+        }
+        assert_eq!(extension(1, "OMI_physics_body")["type"], "dynamic");
+        (extension(1, "KHR_physics_rigid_bodies"), extension(3, "OMI_physics_body"))
+    };
+    let drum_area = 12.0 * 0.49 * (std::f64::consts::TAU / 24.0).sin();
+    let close = |value: &Value, expected: f64| {
+        let value = value.as_f64().unwrap();
+        assert!((value - expected).abs() <= 1e-5 * expected.abs().max(1.0), "{value}, not {expected}");
+    };
+    for options in ["", "--unit-scale 100 --up-axis y-to-z", "--recentre --unit-scale 0.25"] {
+        let (arm, flat) = motion(options);
+        // 5 for the L; the drum has 0.75 of height, and is twice as long each way.
+        let (ell_mass, drum_mass) = (2.0 * 5.0, 2.0 * 8.0 * 0.75 * drum_area);
+        close(&arm["mass"], ell_mass + drum_mass);
+        close(&flat["mass"], 2.0 * 0.6 * 0.75 * drum_area);
+        // In the frame of the node: the L's centre, and the drum's, whose node is at z = 4.
+        let ell_center = [(3.0 * 1.5 + 2.0 * 0.5) / 5.0, (3.0 * 0.5 + 2.0 * 2.0) / 5.0, 0.5];
+        let drum_center = [0.0, 0.0, 4.0 - 2.0 * 0.125];
+        for axis in 0..3 {
+            let expected = (ell_mass * ell_center[axis] + drum_mass * drum_center[axis]) / (ell_mass + drum_mass);
+            close(&arm["centerOfMass"][axis], expected);
+        }
+        close(&flat["centerOfMass"][2], -0.125);
+    }
+    bake(&folder, "export p/model.hullmap --into model.glb --for both --static --out static.glb").expect(0);
+    let text = written(&folder, "static.glb").to_string();
+    assert!(text.contains("collider") && !text.contains("motion"));
+}
+
+/// A hull of the whole file belongs to its only node, or to the scene.
+#[test]
+fn hulls_find_their_nodes() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = gltf::parts(&[("ell", &ell())], r#"{"children":[1]},{"mesh":0,"translation":[0,9,0]}"#, "0");
+    fs::write(folder.path().join("one.glb"), one.glb()).unwrap();
+    fs::write(folder.path().join("model.glb"), model().glb()).unwrap();
+    bake(&folder, "build one.glb model.glb --out . --quiet").expect(0);
+    bake(&folder, "export one.hullmap --into one.glb --for omi --out a.glb").expect(0);
+    let document = written(&folder, "a.glb");
+    assert_eq!(document["nodes"][1]["children"], serde_json::json!([2]));
+    assert!(document["nodes"][1]["extensions"]["OMI_physics_body"]["motion"]["mass"].as_f64().unwrap() > 0.0);
+    let run = bake(&folder, "export model.hullmap --into model.glb --for omi --out b.glb").expect(0);
+    assert!(run.stderr.contains("--split object for a body per node"), "{run:?}");
+    let document = written(&folder, "b.glb");
+    assert_eq!(document["scenes"][0]["nodes"], serde_json::json!([0, 4]));
+    let run = bake(&folder, "export model.hullmap --into one.glb --for omi --out c.glb").expect(0);
+    assert!(written(&folder, "c.glb")["nodes"][1]["children"].is_array(), "{run:?}");
+    bake(&folder, "build model.glb --split object --out . --quiet").expect(0);
+    let run = bake(&folder, "export model.hullmap --into one.glb --for omi --out d.glb").expect(1);
+    assert!(run.stderr.contains("has the name of hull arm (it has ell)"), "{run:?}");
+    assert!(!folder.path().join("d.glb").exists());
+}
+
+/// A flat hull is left out with a warning, and the others stay with their nodes.
+#[test]
+fn flat_hulls_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let sheet = Mesh { vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], faces: vec![vec![0, 1, 2]] };
+    let drum = extrusion(&regular_polygon(6, 0.5), 0.0, 1.0);
+    let nodes = r#"{"name":"sheet","mesh":0},{"name":"ell","mesh":1},{"name":"drum","mesh":2}"#;
+    let file = gltf::parts(&[("sheet", &sheet), ("ell", &ell()), ("drum", &drum)], nodes, "0,1,2").glb();
+    fs::write(folder.path().join("m.glb"), file).unwrap();
+    bake(&folder, "build m.glb --split object --out . --quiet").expect(0);
+    let run = bake(&folder, "export m.hullmap --into m.glb --for omi --density 1 --out out.glb").expect(0);
+    assert!(run.stderr.contains("1 hull left out") && run.stderr.contains("sheet"), "{run:?}");
+    let document = written(&folder, "out.glb");
+    assert!(document["nodes"][0].get("children").is_none());
+    for (node, name, mass) in [(1, "ell", 5.0), (2, "drum", 0.375 * 3.0_f64.sqrt())] {
+        let child = document["nodes"][node]["children"][0].as_u64().unwrap() as usize;
+        assert_eq!(document["nodes"][child]["name"], name);
+        let found = document["nodes"][node]["extensions"]["OMI_physics_body"]["motion"]["mass"].as_f64().unwrap();
+        assert!((found - mass).abs() < 1e-5, "{name}: {found}, not {mass}");
+    }
+    // A file for each hull has its collider.
+    bake(&folder, "export m.hullmap --for godot --parts --out parts").expect(0);
+    bake(&folder, "build parts --split auto --out again --quiet").expect(0);
+    for name in ["ell", "drum"] {
+        assert_eq!(hulls(&folder, &format!("again/{name}.hullmap"))[name], hulls(&folder, "m.hullmap")[name]);
+    }
+}
+
+/// A text file keeps its line breaks and its buffers; new data is in a buffer of its own.
+#[test]
+fn text_files_are_changed_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let parts = model();
+    let text = "\u{feff}".to_owned() + &parts.text("data.bin").replace("},{", "},\r\n\t{") + "\n";
+    fs::create_dir(folder.path().join("in")).unwrap();
+    fs::write(folder.path().join("in/model.gltf"), &text).unwrap();
+    fs::write(folder.path().join("in/data.bin"), &parts.buffer).unwrap();
+    bake(&folder, "build in/model.gltf --split object --out . --quiet").expect(0);
+    let line = "export model.hullmap --into in/model.gltf --for both --out";
+    let run = bake(&folder, &format!("{line} out.gltf")).expect(2);
+    assert!(run.stderr.contains("data.bin") && run.stderr.contains("the same folder"), "{run:?}");
+    bake(&folder, &format!("{line} in/out.gltf")).expect(0);
+    let out = fs::read_to_string(folder.path().join("in/out.gltf")).unwrap();
+    assert!(has_insertions_only(&text, &out) && out.ends_with("}\n"), "{out}");
+    bake(&folder, "build in/out.gltf --split auto --out . --quiet").expect(0);
+    assert_eq!(hulls(&folder, "model.hullmap")["drum"], hulls(&folder, "out.hullmap")["drum"]);
+    // In place, as for any file that exists.
+    bake(&folder, &format!("{line} in/model.gltf")).expect(2);
+    bake(&folder, &format!("{line} in/model.gltf --force")).expect(0);
+    assert_eq!(fs::read_to_string(folder.path().join("in/model.gltf")).unwrap(), out);
+}
+
+#[test]
+fn damaged_files_are_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = model().glb();
+    fs::write(folder.path().join("model.glb"), &file).unwrap();
+    bake(&folder, "build model.glb --split object --out . --quiet").expect(0);
+    for length in (0..file.len()).step_by(97) {
+        fs::write(folder.path().join("cut.glb"), &file[..length]).unwrap();
+        let run = bake(&folder, "export model.hullmap --into cut.glb --for both --out out.glb").expect(1);
+        assert!(run.stderr.contains("cut.glb") && !run.stderr.contains("panicked"), "{length}: {run:?}");
+    }
+    assert!(!folder.path().join("out.glb").exists());
+}
