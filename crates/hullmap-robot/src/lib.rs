@@ -44,6 +44,7 @@ mod element;
 mod error;
 mod formats;
 mod lenient;
+mod links;
 mod mjcf;
 mod places;
 mod sdf;

@@ -8,17 +8,22 @@ use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{
-    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference, scheme_of,
-};
+use crate::description::{Change, Description, Format, Link, Reference, folder_of, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
-use crate::element::{child, children, escaped, lead, removed, rename, set, unique};
+use crate::element::{child, escaped, lead, removed, rename, set, unique};
 use crate::error::RobotError;
+use crate::links::Dialect;
 use crate::places::Places;
 
-/// Solids that need no mesh.
-const PRIMITIVES: [&str; 6] = ["box", "cylinder", "sphere", "capsule", "ellipsoid", "cone"];
+const DIALECT: Dialect = Dialect {
+    format: Format::Sdf,
+    primitives: &["box", "cylinder", "sphere", "capsule", "ellipsoid", "cone"],
+    link_name: qualified,
+    mesh,
+    pose,
+    mass,
+};
 
 /// Children of a visual that a collision does not have.
 const ONLY_VISUAL: [&str; 7] =
@@ -33,30 +38,12 @@ const FILES: [&str; 5] = ["uri", "script", "albedo_map", "normal_map", "filename
 /// Two links of a model have one name, or a link has none.
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let tree = document.parse()?;
-    let folder = folder_of(document.path()).to_owned();
-    let mut links: Vec<Link> = Vec::new();
-    let mut lines: BTreeMap<String, u32> = BTreeMap::new();
+    let folder = folder_of(document.path());
     let mut notes = Vec::new();
     let is_link = |node: &Node| {
         node.has_tag_name("link") && node.parent_element().is_some_and(|model| model.has_tag_name("model"))
     };
-    for node in tree.descendants().filter(is_link) {
-        let at = node.range().start;
-        let own = node.attribute("name").ok_or_else(|| document.error(at, "this link has no name; add one"))?;
-        let name = qualified(node, own);
-        let line = document.line(at);
-        if let Some(first) = lines.insert(name.clone(), line) {
-            return Err(
-                document.error(at, format!("link `{name}` exists already, in line {first}; rename one of them"))
-            );
-        }
-        let shapes = |kind: &'static str| -> Vec<Shape> {
-            children(node, kind).map(|node| shape(node, &document, places)).collect()
-        };
-        let (collisions, visuals) = (shapes("collision"), shapes("visual"));
-        let mass = mass(node);
-        links.push(Link { name, document: 0, line, at, collisions, visuals, takes_visuals: true, mass });
-    }
+    let links = DIALECT.links(tree.descendants().filter(is_link), &document, places)?;
     for node in tree.descendants().filter(|node| node.has_tag_name("include")) {
         let uri = child(node, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
         let line = document.line(node.range().start);
@@ -65,18 +52,9 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         ));
     }
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
-    let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, &folder)).collect();
+    let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, folder)).collect();
     drop(tree);
-    let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
-    Ok(Description {
-        format: Format::Sdf,
-        documents: vec![document],
-        links,
-        references: references.into_iter().collect(),
-        notes,
-        mesh_names,
-        mjcf: None,
-    })
+    Ok(DIALECT.description(document, links, references, notes))
 }
 
 /// The name with those of the models that hold the link, except a single model.
@@ -89,26 +67,13 @@ fn qualified(link: Node, name: &str) -> String {
     outer.chain(std::iter::once(name)).collect::<Vec<_>>().join("::")
 }
 
-fn shape(node: Node, document: &Document, places: &Places) -> Shape {
-    let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
-    let geometry = match geometry {
-        None => Geometry::Other("it has no geometry".to_owned()),
-        Some(mesh) => match mesh.tag_name().name() {
-            "mesh" if child(mesh, "submesh").is_some() => {
-                Geometry::Other("it is a submesh, a part of a file; save it as a file of its own".to_owned())
-            }
-            "mesh" => {
-                let written = child(mesh, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
-                let scale = child(mesh, "scale").and_then(|scale| scale.text());
-                Geometry::Mesh(mesh_use(written, scale, places, folder_of(document.path())))
-            }
-            name if PRIMITIVES.contains(&name) => Geometry::Primitive(name.to_owned()),
-            name => Geometry::Other(format!("`{name}` is not a mesh")),
-        },
-    };
-    let at = node.range().start;
-    let name = node.attribute("name").unwrap_or_default().to_owned();
-    Shape { name, document: 0, line: document.line(at), geometry, pose: pose(node), stays_single: None, at }
+/// The file and the scale of a `mesh` element.
+fn mesh<'a>(mesh: Node<'a, 'a>) -> Result<[Option<&'a str>; 2], String> {
+    if child(mesh, "submesh").is_some() {
+        return Err("it is a submesh, a part of a file; save it as a file of its own".to_owned());
+    }
+    let text = |name: &str| child(mesh, name).and_then(|element| element.text());
+    Ok([text("uri").map(str::trim), text("scale")])
 }
 
 /// The mass that a link states, unless its inertia is computed from densities.

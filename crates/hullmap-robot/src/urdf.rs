@@ -7,18 +7,22 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use crate::description::{
-    Change, Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference,
-    scheme_of, triple,
-};
+use crate::description::{Change, Description, Format, Link, Reference, folder_of, reference, triple};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, children, lead, removed, rename, set, unique};
 use crate::error::RobotError;
+use crate::links::Dialect;
 use crate::places::Places;
 
-/// Solids that need no mesh.
-const PRIMITIVES: [&str; 4] = ["box", "cylinder", "sphere", "capsule"];
+const DIALECT: Dialect = Dialect {
+    format: Format::Urdf,
+    primitives: &["box", "cylinder", "sphere", "capsule"],
+    link_name: |_, name| name.to_owned(),
+    mesh: |mesh| Ok(["filename", "scale"].map(|name| mesh.attribute(name))),
+    pose,
+    mass,
+};
 
 /// Finds the links of a description.
 ///
@@ -26,64 +30,12 @@ const PRIMITIVES: [&str; 4] = ["box", "cylinder", "sphere", "capsule"];
 /// Two links have one name, or a link has none.
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let tree = document.parse()?;
-    let folder = folder_of(document.path()).to_owned();
-    let mut links: Vec<Link> = Vec::new();
-    let mut lines: BTreeMap<String, u32> = BTreeMap::new();
-    for node in children(tree.root_element(), "link") {
-        let at = node.range().start;
-        let name = node.attribute("name").ok_or_else(|| document.error(at, "this link has no name; add one"))?;
-        let line = document.line(at);
-        if let Some(first) = lines.insert(name.to_owned(), line) {
-            return Err(
-                document.error(at, format!("link `{name}` exists already, in line {first}; rename one of them"))
-            );
-        }
-        let shapes = |kind: &'static str| -> Vec<Shape> {
-            children(node, kind).map(|node| shape(node, &document, places)).collect()
-        };
-        let (collisions, visuals) = (shapes("collision"), shapes("visual"));
-        links.push(Link {
-            name: name.to_owned(),
-            document: 0,
-            line,
-            at,
-            collisions,
-            visuals,
-            takes_visuals: true,
-            mass: mass(node),
-        });
-    }
+    let links = DIALECT.links(children(tree.root_element(), "link"), &document, places)?;
+    let folder = folder_of(document.path());
     let named = tree.descendants().filter_map(|node| node.attribute("filename"));
-    let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, &folder)).collect();
+    let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, folder)).collect();
     drop(tree);
-    let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
-    Ok(Description {
-        format: Format::Urdf,
-        documents: vec![document],
-        links,
-        references: references.into_iter().collect(),
-        notes: Vec::new(),
-        mesh_names,
-        mjcf: None,
-    })
-}
-
-fn shape(node: Node, document: &Document, places: &Places) -> Shape {
-    let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
-    let geometry = match geometry {
-        None => Geometry::Other("it has no geometry".to_owned()),
-        Some(geometry) => match geometry.tag_name().name() {
-            "mesh" => {
-                let written = geometry.attribute("filename").unwrap_or_default();
-                Geometry::Mesh(mesh_use(written, geometry.attribute("scale"), places, folder_of(document.path())))
-            }
-            name if PRIMITIVES.contains(&name) => Geometry::Primitive(name.to_owned()),
-            name => Geometry::Other(format!("`{name}` is not a mesh")),
-        },
-    };
-    let at = node.range().start;
-    let name = node.attribute("name").unwrap_or_default().to_owned();
-    Shape { name, document: 0, line: document.line(at), geometry, pose: pose(node), stays_single: None, at }
+    Ok(DIALECT.description(document, links, references, Vec::new()))
 }
 
 /// The edits that make these changes.

@@ -1,0 +1,103 @@
+//! The links of URDF and SDF, which differ in how they write names, meshes, poses and masses.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use roxmltree::Node;
+
+use crate::description::{
+    Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, scheme_of,
+};
+use crate::document::Document;
+use crate::element::{child, children};
+use crate::error::RobotError;
+use crate::places::Places;
+
+/// How a format writes links.
+pub(crate) struct Dialect {
+    pub(crate) format: Format,
+    /// Solids that need no mesh.
+    pub(crate) primitives: &'static [&'static str],
+    /// The name of a link in messages, from its element and the name there.
+    pub(crate) link_name: fn(Node, &str) -> String,
+    /// The file and the scale that a `mesh` element states, or why it cannot be used.
+    pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> Result<[Option<&'a str>; 2], String>,
+    /// The pose of an element in its link; `None` if it is not known.
+    pub(crate) pose: fn(Node) -> Option<[f64; 6]>,
+    /// The mass that a link states.
+    pub(crate) mass: fn(Node) -> Option<f64>,
+}
+
+impl Dialect {
+    /// The links at `nodes`.
+    ///
+    /// # Errors
+    /// Two links have one name, or a link has none.
+    pub(crate) fn links<'t>(
+        &self,
+        nodes: impl Iterator<Item = Node<'t, 't>>,
+        document: &Document,
+        places: &Places,
+    ) -> Result<Vec<Link>, RobotError> {
+        let mut links: Vec<Link> = Vec::new();
+        let mut lines: BTreeMap<String, u32> = BTreeMap::new();
+        for node in nodes {
+            let at = node.range().start;
+            let own = node.attribute("name").ok_or_else(|| document.error(at, "this link has no name; add one"))?;
+            let name = (self.link_name)(node, own);
+            let line = document.line(at);
+            if let Some(first) = lines.insert(name.clone(), line) {
+                return Err(
+                    document.error(at, format!("link `{name}` exists already, in line {first}; rename one of them"))
+                );
+            }
+            let shapes = |kind: &'static str| -> Vec<Shape> {
+                children(node, kind).map(|node| self.shape(node, document, places)).collect()
+            };
+            let (collisions, visuals) = (shapes("collision"), shapes("visual"));
+            let mass = (self.mass)(node);
+            links.push(Link { name, document: 0, line, at, collisions, visuals, takes_visuals: true, mass });
+        }
+        Ok(links)
+    }
+
+    fn shape(&self, node: Node, document: &Document, places: &Places) -> Shape {
+        let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
+        let geometry = match geometry {
+            None => Geometry::Other("it has no geometry".to_owned()),
+            Some(element) => match element.tag_name().name() {
+                "mesh" => match (self.mesh)(element) {
+                    Ok([file, scale]) => {
+                        Geometry::Mesh(mesh_use(file.unwrap_or_default(), scale, places, folder_of(document.path())))
+                    }
+                    Err(reason) => Geometry::Other(reason),
+                },
+                name if self.primitives.contains(&name) => Geometry::Primitive(name.to_owned()),
+                name => Geometry::Other(format!("`{name}` is not a mesh")),
+            },
+        };
+        let at = node.range().start;
+        let name = node.attribute("name").unwrap_or_default().to_owned();
+        let pose = (self.pose)(node);
+        Shape { name, document: 0, line: document.line(at), geometry, pose, stays_single: None, at }
+    }
+
+    /// The description of a single document.
+    pub(crate) fn description(
+        &self,
+        document: Document,
+        links: Vec<Link>,
+        references: BTreeSet<Reference>,
+        notes: Vec<String>,
+    ) -> Description {
+        let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
+        Description {
+            format: self.format,
+            documents: vec![document],
+            links,
+            references: references.into_iter().collect(),
+            notes,
+            mesh_names,
+            mjcf: None,
+        }
+    }
+}
