@@ -5,6 +5,7 @@
 mod guesses;
 #[cfg(test)]
 mod tests;
+pub mod usd;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ use crate::jobs::shard::Shard;
 use crate::options::table::Section;
 use crate::options::{OptionLayer, PartsLayer, flag};
 use crate::terminal::Escaped;
+use usd::UsdArgs;
 
 /// Headings of the help. Headings from the table of options come first, the farm last.
 const FILES: &str = Section::Files.heading();
@@ -84,12 +86,13 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
-    /// Write hulls as meshes, also for Unreal, Godot, MJCF, URDF, SDF
+    /// Write hulls as meshes, also for Unreal, Godot, MJCF, URDF, SDF, USD
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
                       bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
                       bake export baked --for godot --out collision          (a file per pack)\n  \
-                      bake export baked/arm.hullmap --for urdf --out arm")]
+                      bake export baked/arm.hullmap --for urdf --out arm\n  \
+                      bake export baked/seat.hullmap --for usd --prim /World/chair --asset ./chair.usd --out hulls.usda")]
     Export(ExportArgs),
     /// Replace collision meshes in robots: URDF, MJCF, SDF
     #[command(after_help = "Examples:\n  \
@@ -505,7 +508,7 @@ pub struct ExportArgs {
     #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
     pub format: Option<Format>,
     /// Use the names and files that an engine expects
-    #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf|sdf", hide_possible_values = true)]
+    #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf|sdf|usd", hide_possible_values = true)]
     pub target: Option<Target>,
     /// Export only this hull, by name or index; repeatable
     #[arg(long = "hull", value_name = "NAME")]
@@ -513,8 +516,8 @@ pub struct ExportArgs {
     /// Write one file per hull to a folder, named after the hulls
     #[arg(long)]
     pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack
-    /// only
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF), link (URDF, SDF) or prim of the
+    /// mesh (USD); one pack only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
     /// Keep the hulls visible in Godot, by the suffix -convcol
@@ -523,8 +526,8 @@ pub struct ExportArgs {
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density for the mass in MJCF, URDF and SDF, in kilograms per cubic unit of the pack;
-    /// default 1000
+    /// Density for the mass in MJCF, URDF, SDF and USD, in kilograms per cubic unit of the pack;
+    /// default 1000, in USD per cubic metre
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
@@ -536,6 +539,9 @@ pub struct ExportArgs {
         hide_possible_values = true
     )]
     pub up_axis: UpAxis,
+    /// Flags for USD.
+    #[command(flatten)]
+    pub usd: UsdArgs,
     /// Replace existing files
     #[arg(long)]
     pub force: bool,
@@ -646,6 +652,8 @@ pub enum Target {
     Urdf,
     /// A model of one link for Gazebo, and its mesh files
     Sdf,
+    /// A layer over a stage
+    Usd,
 }
 
 impl Target {
@@ -662,6 +670,7 @@ impl Target {
             Self::Mjcf => "MuJoCo",
             Self::Urdf => "URDF",
             Self::Sdf => "SDF",
+            Self::Usd => "USD",
         }
     }
 }

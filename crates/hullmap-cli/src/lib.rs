@@ -96,6 +96,8 @@ pub use estimates::{DecomposedObject, PartsEstimates};
 pub use hullmap_bake::progress::{Progress, Stage};
 pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_source};
 #[cfg(feature = "command")]
+pub use mesh_file::usda;
+#[cfg(feature = "command")]
 use outcome::{Exit, Failure, end};
 #[cfg(feature = "command")]
 use terminal::Output;

@@ -18,3 +18,4 @@ mod sources;
 mod subcommands;
 #[cfg(unix)]
 mod untrusted;
+mod usd;

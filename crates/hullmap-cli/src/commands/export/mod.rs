@@ -8,6 +8,7 @@
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
 mod robot;
+mod usd;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -76,6 +77,9 @@ struct Export<'a> {
 /// pack is damaged, or none of its hulls can be written in the format. Such failures of one of
 /// several packs are reported, and the others exported.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
+    if args.target == Some(Target::Usd) {
+        return usd::run(args, out);
+    }
     let is_many = args.packs.len() > 1 || args.packs.iter().any(|pack| pack.is_dir());
     let is_folder = args.parts || args.target.is_some_and(Target::is_document);
     check_flags(args, is_many, is_folder)?;
@@ -166,6 +170,8 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
         Some(Target::Godot) => &[Format::Glb],
         Some(Target::Mjcf | Target::Urdf | Target::Sdf) => &[Format::Obj, Format::Stl],
+        // It is written elsewhere.
+        Some(Target::Usd) => &[],
     };
     let extension = args.out.as_deref().and_then(Path::extension).map(|extension| extension.to_ascii_lowercase());
     let named = || allowed.iter().find(|format| extension.as_ref().is_some_and(|ending| ending == format.extension()));
@@ -222,7 +228,10 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
         return usage("--mesh-prefix: only for documents that name files; add --for mjcf, urdf or sdf".to_owned());
     }
     if args.density.is_some() && !args.target.is_some_and(Target::is_document) {
-        return usage("--density: only for documents with masses; add --for mjcf, urdf or sdf".to_owned());
+        return usage("--density: only for documents with masses; add --for mjcf, urdf, sdf or usd".to_owned());
+    }
+    if let Some(flag) = args.usd.given() {
+        return usage(format!("{flag}: only for USD; add --for usd"));
     }
     if is_many && args.name.is_some() {
         return usage("--name: several packs are exported, and each needs a name; export this one alone".to_owned());
@@ -325,7 +334,7 @@ impl Export<'_> {
         let args = self.args;
         let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
         let new = match args.target {
-            None => return,
+            None | Some(Target::Usd) => return,
             Some(Target::Unreal) => {
                 let mesh = args.name.clone().or_else(|| self.render_mesh(place, pack));
                 names::unreal(&own, mesh.as_deref())
