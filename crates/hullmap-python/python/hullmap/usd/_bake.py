@@ -30,6 +30,8 @@ _DECIDED = ("split", "unit_scale", "up_axis", "recentre", "vertices", "lean")
 _LENGTHS = ("max_error", "min_thickness")
 # Axes of a frame are at right angles if their dot product, relative to their lengths, is at most this.
 _SHEAR = 1e-6
+# Vertices of a convex hull in PhysX.
+_PHYSX_VERTICES = 255
 # A mesh that any options suit.
 _CORNER = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 _SIDES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
@@ -197,6 +199,9 @@ class _Maker:
         parent, name, transform, resets, note = self._place(source)
         notes += note
         mass, density = self._mass(source) if scale is not None else (None, None)
+        largest = max(len(pack[at]) for at in solids)
+        if largest > _PHYSX_VERTICES:
+            notes.append(f"a hull has {largest} vertices, and PhysX keeps {_PHYSX_VERTICES}: max_vertices limits them")
         group = {
             "parent": parent, "name": name, "mesh": source.path, "transform": transform, "resets_transforms": resets,
             "pack": pack._pack, "hulls": solids, "mass": mass, "density": density,
