@@ -7,8 +7,10 @@ Truth comes from elsewhere: boxes have a formula for their mass, OpenUSD compute
 too, if it is installed. `BAKE` is the command, for `bake export --for usd`.
 """
 
+import contextlib
 import itertools
 import math
+import os
 import pathlib
 import subprocess
 import sys
@@ -408,6 +410,32 @@ def check_command(bake, folder):
     print(f"command: {len(hulls)} hulls equal to the pack's")
 
 
+@contextlib.contextmanager
+def moved(folder):
+    """In another working directory."""
+    here = os.getcwd()
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(here)
+
+
+def check_document():
+    """The example of docs/usd.md runs as it stands."""
+    text = (pathlib.Path(__file__).parents[2] / "docs" / "usd.md").read_text(encoding="utf-8")
+    example = text.split("```python\n")[1].split("```")[0]
+    with tempfile.TemporaryDirectory() as name, moved(name):
+        for asset_name in ("robot.usd", "chair.usd"):
+            stage = Usd.Stage.CreateNew(asset_name)
+            UsdGeom.Xform.Define(stage, "/World")
+            mesh(stage, "/World/seat", ell())
+            stage.GetRootLayer().Save()
+        names = {}
+        exec(example, names)
+        assert [prim.parts for prim in names["report"].prims] == [2] and pathlib.Path("robot_physics.usda").exists()
+
+
 def check_newton(stage):
     try:
         import newton
@@ -443,6 +471,7 @@ def main(bake):
         stage = check_python(folder)
         check_always(folder)
         check_errors(folder)
+        check_document()
         check_newton(stage)
         if bake:
             check_command(bake, folder)

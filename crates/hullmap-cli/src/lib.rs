@@ -90,7 +90,7 @@ mod verification;
 use std::ffi::OsString;
 
 #[cfg(feature = "command")]
-use args::{Cli, Command};
+use args::{Cli, Command, Target};
 pub use baker::BakedPack;
 pub use estimates::{DecomposedObject, PartsEstimates};
 pub use hullmap_bake::progress::{Progress, Stage};
@@ -151,6 +151,7 @@ fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure>
         Command::Status(args) => commands::status::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
+        Command::Export(args) if args.target == Some(Target::Usd) => commands::export::usd::run(args, out),
         Command::Export(args) => commands::export::run(args, out),
         Command::Robot(args) => commands::robot::run(args, out),
         Command::Query(args) => commands::query::run(args, out),

@@ -1,4 +1,5 @@
-//! `bake export --for usd`: a layer over a stage. `tests/usd/check.py` reads such layers by OpenUSD.
+//! `bake export --for usd`: a layer over a stage. `tests/usd/check.py` reads such layers by
+//! OpenUSD.
 
 use std::fs;
 

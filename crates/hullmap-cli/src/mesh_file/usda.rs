@@ -23,7 +23,7 @@
 //! | MuJoCo | `mjc:maxhullvert` | -1: no limit |
 //!
 //! # Reference
-//! OpenUSD, "Rigid Body Physics in USD" (`usdPhysics/schema.usda`), and "USD File Format"; NVIDIA,
+//! OpenUSD, "Rigid Body Physics in USD" (the schema `usdPhysics`), and "USD File Format"; NVIDIA,
 //! Omniverse USD physics schemas, `PhysxConvexHullCollisionAPI`; newton-usd-schemas,
 //! `NewtonMeshCollisionAPI`; MuJoCo, `mjcPhysics`, `MjcMeshCollisionAPI`.
 

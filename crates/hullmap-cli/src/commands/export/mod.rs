@@ -8,7 +8,7 @@
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
 mod robot;
-mod usd;
+pub mod usd;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -77,9 +77,6 @@ struct Export<'a> {
 /// pack is damaged, or none of its hulls can be written in the format. Such failures of one of
 /// several packs are reported, and the others exported.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
-    if args.target == Some(Target::Usd) {
-        return usd::run(args, out);
-    }
     let is_many = args.packs.len() > 1 || args.packs.iter().any(|pack| pack.is_dir());
     let is_folder = args.parts || args.target.is_some_and(Target::is_document);
     check_flags(args, is_many, is_folder)?;
@@ -170,7 +167,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
         Some(Target::Godot) => &[Format::Glb],
         Some(Target::Mjcf | Target::Urdf | Target::Sdf) => &[Format::Obj, Format::Stl],
-        // It is written elsewhere.
+        // `usd` writes it.
         Some(Target::Usd) => &[],
     };
     let extension = args.out.as_deref().and_then(Path::extension).map(|extension| extension.to_ascii_lowercase());
