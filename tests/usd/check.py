@@ -247,7 +247,8 @@ def check_python(folder):
     assert properties(stage) == shown, "a prim of the asset was changed"
     named = Tf.MakeValidIdentifier(HOSTILE)
     found = {
-        "/World/mirror": box((0, 0, 0), (1, 2, 4)), "/World/body/box": box((0, 0, 0), (1, 2, 4)), "/World/body/ell": ell(), "/World/arm/concave": ell(),
+        "/World/mirror": box((0, 0, 0), (1, 2, 4)), "/World/body/box": box((0, 0, 0), (1, 2, 4)),
+        "/World/body/ell": ell(), "/World/arm/concave": ell(),
         "/World/arm/limited": rock(2), "/_proto/stone": rock(3), "/World/stone_2/stone": rock(3),
         "/World/größe_漢字": box((-1, -1, -1), (1, 1, 1)), f"/World/{named}": rock(1), f"/World/{named}_hulls": rock(4),
     }  # fmt: skip
@@ -303,7 +304,10 @@ def check_python(folder):
     check_solid(stage, "/World/mirror_hulls", frame, expected(*found["/World/mirror"], frame, density))
     assert math.isclose(own["/World/arm/concave"], 7.0, rel_tol=1e-6)
     assert math.isclose(own["/World/größe_漢字"], 8 * density, rel_tol=1e-6)
-    print(f"python: {len(baked)} meshes, {count} hulls, {report.bakes} bakes, {len(report.skipped)} skipped; body {mass} kg")
+    print(
+        f"python: {len(baked)} meshes, {count} hulls, {report.bakes} bakes, {len(report.skipped)} skipped; "
+        f"body {mass} kg"
+    )
     return stage
 
 
@@ -330,8 +334,12 @@ def check_solid(stage, group, frame, part):
 
 def check_always(folder):
     """Drawn meshes replace the colliders of their body, primitives too."""
-    report = hullmap.usd.bake(folder / "asset @1.usda", from_visual="always", decompose=True, max_error="2mm", max_vertices=32)
-    assert {"/World/arm/concave", "/World/arm/limited", "/World/arm/cube", "/World/terrain"} == set(report.off), report.off
+    report = hullmap.usd.bake(
+        folder / "asset @1.usda", from_visual="always", decompose=True, max_error="2mm", max_vertices=32
+    )
+    assert {"/World/arm/concave", "/World/arm/limited", "/World/arm/cube", "/World/terrain"} == set(report.off), (
+        report.off
+    )
     assert all(prim.protrusion is None or prim.protrusion <= 0.002 * (1 + 1e-9) for prim in report.prims)
     assert {"/World/arm/drawn", "/World/terrain"} <= {prim.path for prim in report.prims}
     never = hullmap.usd.bake(folder / "asset @1.usda", from_visual="never")
@@ -370,7 +378,11 @@ def check_errors(folder):
     there.GetReferences().AddReference(str(source), "/World/body")
     there.SetInstanceable(True)
     report = hullmap.usd.bake(stage)
-    assert "subLayers" not in report.text and report.prims[0].hulls == "/root/hulls" and "default prim" in report.prims[0].notes[-1]
+    assert (
+        "subLayers" not in report.text
+        and report.prims[0].hulls == "/root/hulls"
+        and "default prim" in report.prims[0].notes[-1]
+    )
     assert len(report.skipped) == 2 and all("instance of" in entry.reason for entry in report.skipped)
 
 

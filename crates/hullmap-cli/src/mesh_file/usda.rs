@@ -387,11 +387,9 @@ fn principal_axes(tensor: DMat3) -> ([f64; 3], DQuat) {
         let cosine = tangent.hypot(1.0).recip();
         let sine = tangent * cosine;
         let turn = |columns: &mut [[f64; 3]; 3]| {
-            for row in 0..3 {
-                let (a, b) = (columns[p][row], columns[q][row]);
-                columns[p][row] = cosine * a - sine * b;
-                columns[q][row] = sine * a + cosine * b;
-            }
+            let (first, second) = (columns[p], columns[q]);
+            columns[p] = [0, 1, 2].map(|row| cosine * first[row] - sine * second[row]);
+            columns[q] = [0, 1, 2].map(|row| sine * first[row] + cosine * second[row]);
         };
         turn(&mut axes);
         turn(&mut tensor);

@@ -99,7 +99,9 @@ def bake(
     if target is not None:
         _write(target, text)
     skipped = walk.skipped + maker.skipped
-    return Report(text, None if target is None else str(target), tuple(maker.prims), tuple(skipped), len(maker.packs), tuple(off))
+    return Report(
+        text, None if target is None else str(target), tuple(maker.prims), tuple(skipped), len(maker.packs), tuple(off)
+    )
 
 
 def _open(stage: Union[FilePath, Any]) -> Any:
@@ -220,7 +222,18 @@ class _Maker:
         vertices = sum(len(hull) for hull in hulls)
         path = f"{parent.rstrip('/')}/{name}"
         self.prims.append(
-            BakedPrim(source.path, path, index, len(hulls), vertices, protrusion, uncovered, own, source.instances, tuple(notes))
+            BakedPrim(
+                source.path,
+                path,
+                index,
+                len(hulls),
+                vertices,
+                protrusion,
+                uncovered,
+                own,
+                source.instances,
+                tuple(notes),
+            )
         )
 
     def text(self, asset: Optional[str], off: List[str]) -> str:
@@ -233,7 +246,8 @@ class _Maker:
         text, of_hulls = _hullmap.usd_layer(stage, self.groups, off)
         note = "the mass is that of its hulls, because the mesh is not closed"
         self.prims = [
-            BakedPrim(**{**vars(prim), "notes": (*prim.notes, note)}) if prim.path in of_hulls else prim for prim in self.prims
+            BakedPrim(**{**vars(prim), "notes": (*prim.notes, note)}) if prim.path in of_hulls else prim
+            for prim in self.prims
         ]
         by_path = {prim.path: prim for prim in self.prims}
         replaced = set(off)
@@ -279,7 +293,12 @@ class _Maker:
         limit = "physxConvexDecompositionCollision:hullVertexLimit" if decomposes else LIMITS[2]
         limits = [_number(source.prim, name) for name in (*LIMITS[:2], limit)]
         authored = [number for number in limits if number is not None and number >= 4]
-        if authored and source.approximation and "max_vertices" not in options and (decomposes or "max_error" not in options):
+        if (
+            authored
+            and source.approximation
+            and "max_vertices" not in options
+            and (decomposes or "max_error" not in options)
+        ):
             options["max_vertices"] = min(authored)
         return self._lengths(options, scale)
 
@@ -345,12 +364,21 @@ class _Maker:
         elif prim.GetParent().IsPseudoRoot() and prim == self.stage.GetDefaultPrim():
             why = "is the default prim"
         if why is not None:
-            note = f"the mesh itself {why}, so its hulls are below it; validators report nested geometry: put it below an Xform"
+            note = (
+                f"the mesh itself {why}, so its hulls are below it; validators report nested geometry: put it below an "
+                "Xform"
+            )
             return source.path, self._name(prim, "hulls"), None, False, [note]
         parent = prim.GetParent()
         matrix = np.array(form.GetLocalTransformation(), dtype=np.float64)
         transform = None if np.array_equal(matrix, np.eye(4)) else matrix.tolist()
-        return str(parent.GetPath()), self._name(parent, f"{prim.GetName()}_hulls"), transform, form.GetResetXformStack(), []
+        return (
+            str(parent.GetPath()),
+            self._name(parent, f"{prim.GetName()}_hulls"),
+            transform,
+            form.GetResetXformStack(),
+            [],
+        )
 
     def _name(self, parent: Any, name: str) -> str:
         """A name that no child of a prim has."""

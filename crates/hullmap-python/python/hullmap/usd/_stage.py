@@ -113,7 +113,10 @@ def _geometry(mesh: Any) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.int64]
     geom = pxr("UsdGeom")
     if mesh.GetPointsAttr().ValueMightBeTimeVarying():
         raise BakeError("its points are animated, and hulls do not follow them")
-    if mesh.GetPrim().HasRelationship("skel:skeleton") and mesh.GetPrim().GetRelationship("skel:skeleton").GetForwardedTargets():
+    if (
+        mesh.GetPrim().HasRelationship("skel:skeleton")
+        and mesh.GetPrim().GetRelationship("skel:skeleton").GetForwardedTargets()
+    ):
         raise BakeError("it is bound to a skeleton, and hulls do not follow it")
     points = np.asarray(mesh.GetPointsAttr().Get() or [], dtype=np.float32).reshape(-1, 3)
     counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get() or [], dtype=np.int64)
@@ -122,11 +125,14 @@ def _geometry(mesh: Any) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.int64]
         raise BakeError("it has no points or no faces")
     if (counts < 0).any() or counts.sum() != len(corners):
         raise BakeError(
-            f"faceVertexCounts names {int(counts.sum())} corners, but faceVertexIndices has {len(corners)}: repair the mesh"
+            f"faceVertexCounts names {int(counts.sum())} corners, but faceVertexIndices has {len(corners)}: repair the "
+            "mesh"
         )
     if corners.min() < 0 or corners.max() >= len(points):
         wrong = corners.min() if corners.min() < 0 else corners.max()
-        raise BakeError(f"faceVertexIndices has the index {int(wrong)}, but there are {len(points)} points: repair the mesh")
+        raise BakeError(
+            f"faceVertexIndices has the index {int(wrong)}, but there are {len(points)} points: repair the mesh"
+        )
     owner = np.repeat(np.arange(len(counts)), counts)
     holes = np.asarray(mesh.GetHoleIndicesAttr().Get() or [], dtype=np.int64)
     kept = ~np.isin(np.arange(len(counts)), holes)
