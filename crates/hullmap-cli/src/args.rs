@@ -86,7 +86,7 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
-    /// Write hulls as meshes, also for Unreal, Godot, MJCF, URDF, SDF, USD
+    /// Write hulls as meshes, for engines, simulators and USD
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
                       bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
