@@ -8,6 +8,7 @@ mod limits;
 mod numbers;
 #[cfg(test)]
 mod tests;
+pub mod usd;
 pub mod verify;
 
 use std::ffi::OsString;
@@ -88,13 +89,14 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
-    /// Write hulls as meshes, or into glTF, for engines and simulators
+    /// Write hulls as meshes, into glTF, or as a USD layer, for engines and simulators
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
                       bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
                       bake export baked --for godot --out collision          (a file per pack)\n  \
                       bake export baked/car.hullmap --into car.glb --for both --out car_physics.glb\n  \
-                      bake export baked/arm.hullmap --for urdf --out arm")]
+                      bake export baked/arm.hullmap --for urdf --out arm\n  \
+                      bake export baked/seat.hullmap --for usd --prim /World/chair --asset ./chair.usd --out hulls.usda")]
     Export(ExportArgs),
     /// Replace collision meshes in robots: URDF, MJCF, SDF
     #[command(after_help = "Examples:\n  \

@@ -95,11 +95,14 @@ mod verification;
 use std::ffi::OsString;
 
 #[cfg(feature = "command")]
+use args::export::Target;
 use args::{Cli, Command};
 pub use baker::BakedPack;
 pub use estimates::{DecomposedObject, PartsEstimates};
 pub use hullmap_bake::progress::{Progress, Stage};
 pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_source};
+#[cfg(feature = "command")]
+pub use mesh_file::usda;
 #[cfg(feature = "command")]
 use outcome::{Exit, Failure, end};
 #[cfg(feature = "command")]
@@ -154,6 +157,7 @@ fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure>
         Command::Status(args) => commands::status::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
+        Command::Export(args) if args.target == Some(Target::Usd) => commands::export::usd::run(args, out),
         Command::Export(args) => commands::export::run(args, out),
         Command::Robot(args) => commands::robot::run(args, out),
         Command::Query(args) => commands::query::run(args, out),

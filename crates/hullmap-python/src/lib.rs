@@ -14,6 +14,7 @@
 //! | `solve` | arrays of poses, on all threads, with the GIL released |
 //! | `gpu` | the same on a GPU |
 //! | `manifolds` | the same for contact manifolds |
+//! | `usd` | layers of Universal Scene Description |
 //! | `columns` | answers as columns |
 //! | `threads` | thread pools that survive `fork` |
 //! | `error` | exceptions |
@@ -33,6 +34,7 @@ mod shape;
 mod solve;
 mod task;
 mod threads;
+mod usd;
 
 use std::ffi::OsString;
 
@@ -65,6 +67,7 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run_command, module)?)?;
     module.add_function(wrap_pyfunction!(bake::bake_arrays, module)?)?;
     module.add_function(wrap_pyfunction!(bake::bake_file, module)?)?;
+    module.add_function(wrap_pyfunction!(usd::usd_layer, module)?)?;
     module.add_function(wrap_pyfunction!(pose::pose_rows, module)?)?;
     module.add_function(wrap_pyfunction!(pose::relative, module)?)?;
     module.add_function(wrap_pyfunction!(solve::intersects, module)?)?;

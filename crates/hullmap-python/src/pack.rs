@@ -26,6 +26,11 @@ impl Pack {
         let pack = core::Pack::from_bytes(bytes).map_err(|error| InvalidPack::new_err(error.to_string()))?;
         Ok(Self { pack: Arc::new(pack), path: None, notes })
     }
+
+    /// The pack of the crate.
+    pub fn core(&self) -> &core::Pack {
+        &self.pack
+    }
 }
 
 #[pymethods]

@@ -20,3 +20,4 @@ mod sources;
 mod subcommands;
 #[cfg(unix)]
 mod untrusted;
+mod usd;

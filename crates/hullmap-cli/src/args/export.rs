@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use hullmap_import::UpAxis;
 
+use super::usd::UsdArgs;
 use crate::scene::colliders::Draft;
 
 /// Arguments of `bake export`.
@@ -23,7 +24,7 @@ pub struct ExportArgs {
     #[arg(
         long = "for",
         value_enum,
-        value_name = "unreal|godot|khr-physics|omi|both|mjcf|urdf|sdf",
+        value_name = "unreal|godot|khr-physics|omi|both|mjcf|urdf|sdf|usd",
         hide_possible_values = true
     )]
     pub target: Option<Target>,
@@ -50,8 +51,8 @@ pub struct ExportArgs {
     /// Write one file per hull to a folder, named after the hulls
     #[arg(long)]
     pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF, SDF); one pack
-    /// only
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF), link (URDF, SDF) or prim of the
+    /// mesh (USD); one pack only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
     /// Draw the hulls, too, in glTF with colliders
@@ -60,8 +61,8 @@ pub struct ExportArgs {
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density for the mass in MJCF, URDF, SDF and with --into, in kilograms per cubic unit of the
-    /// pack, or of the glTF file; default 1000
+    /// Density for the mass in MJCF, URDF, SDF, USD and with --into, in kilograms per cubic unit of
+    /// the pack, or of the glTF file; default 1000, in USD per cubic metre
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
@@ -73,6 +74,9 @@ pub struct ExportArgs {
         hide_possible_values = true
     )]
     pub up_axis: UpAxis,
+    /// Flags for USD.
+    #[command(flatten)]
+    pub usd: UsdArgs,
     /// Replace existing files
     #[arg(long)]
     pub force: bool,
@@ -122,6 +126,8 @@ pub enum Target {
     Urdf,
     /// A model of one link for Gazebo, and its mesh files
     Sdf,
+    /// A layer over a stage
+    Usd,
 }
 
 impl Target {
@@ -146,6 +152,7 @@ impl Target {
             Self::Mjcf => "MuJoCo",
             Self::Urdf => "URDF",
             Self::Sdf => "SDF",
+            Self::Usd => "USD",
         }
     }
 }

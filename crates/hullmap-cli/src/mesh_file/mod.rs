@@ -8,3 +8,4 @@ pub mod names;
 pub mod obj;
 pub mod place;
 pub mod stl;
+pub mod usda;

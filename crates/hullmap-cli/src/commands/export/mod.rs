@@ -9,6 +9,7 @@
 
 mod robot;
 mod scene;
+pub mod usd;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -176,6 +177,8 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
         Some(Target::Godot | Target::KhrPhysics | Target::Omi | Target::Both) => &[Format::Glb],
         Some(Target::Mjcf | Target::Urdf | Target::Sdf) => &[Format::Obj, Format::Stl],
+        // `usd` writes it.
+        Some(Target::Usd) => &[],
     };
     let extension = args.out.as_deref().and_then(Path::extension).map(|extension| extension.to_ascii_lowercase());
     let named = || allowed.iter().find(|format| extension.as_ref().is_some_and(|ending| ending == format.extension()));
@@ -264,7 +267,10 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     }
     let has_mass = args.target.is_some_and(Target::is_document) || args.into.is_some() && !args.is_static;
     if args.density.is_some() && !has_mass {
-        return usage("--density: only for files with masses; add --for mjcf, urdf or sdf, or --into".to_owned());
+        return usage("--density: only for files with masses; add --for mjcf, urdf, sdf or usd, or --into".to_owned());
+    }
+    if let Some(flag) = args.usd.given() {
+        return usage(format!("{flag}: only for USD; add --for usd"));
     }
     if is_many && args.name.is_some() {
         return usage("--name: several packs are exported, and each needs a name; export this one alone".to_owned());
@@ -367,7 +373,7 @@ impl Export<'_> {
         let args = self.args;
         let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
         let new = match args.target {
-            None => return,
+            None | Some(Target::Usd) => return,
             Some(Target::Unreal) => {
                 let mesh = args.name.clone().or_else(|| self.render_mesh(place, pack));
                 names::unreal(&own, mesh.as_deref())

@@ -1,0 +1,48 @@
+//! Flags of `bake export --for usd`.
+
+use clap::ValueEnum;
+
+/// Where the hulls go in a stage, and what the layer states about it.
+#[derive(Debug, clap::Args)]
+pub struct UsdArgs {
+    /// Prim below which the mesh is, in USD, for instance /World/chair
+    #[arg(long, value_name = "PATH")]
+    pub prim: Option<String>,
+    /// Asset that the USD layer goes over, as the layer names it, for instance ./chair.usd
+    #[arg(long, value_name = "ASSET")]
+    pub asset: Option<String>,
+    /// Length of a unit of the USD stage in metres; default 1
+    #[arg(long, value_name = "F", value_parser = positive)]
+    pub meters_per_unit: Option<f64>,
+    /// Up axis of the USD stage; default z
+    #[arg(long, value_enum, value_name = "y|z", hide_possible_values = true)]
+    pub stage_up: Option<StageUp>,
+}
+
+impl UsdArgs {
+    /// The first flag that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let flags = [
+            ("--prim", self.prim.is_some()),
+            ("--asset", self.asset.is_some()),
+            ("--meters-per-unit", self.meters_per_unit.is_some()),
+            ("--stage-up", self.stage_up.is_some()),
+        ];
+        flags.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag))
+    }
+}
+
+/// Up axes that a stage may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StageUp {
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+/// A length of a unit: finite, and above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+    found.ok_or_else(|| "expected a number above 0, such as 1 or 0.01".to_owned())
+}
