@@ -231,6 +231,11 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }
 
+/// Note on parts that are symmetric about a plane, which is given by its equation.
+pub fn symmetric(name: &str, plane: &str) -> Remark {
+    Remark::note("symmetric", name, format!("{name}: the parts are symmetric about {plane}"))
+}
+
 /// Uncovered distance, relative to the size, that counts as covered: the containment error that a
 /// hull may have, 1e-7, with room for rounding.
 const COVERED: f64 = 1.5e-7;

@@ -5,6 +5,7 @@ use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
 use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
 use hullmap_bake::hull::{self, Hull};
+use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 #[cfg(feature = "command")]
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +28,37 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`: twice its standard deviation.
     pub voids_error: Option<f64>,
+    /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub symmetry: Option<MirrorPlane>,
+}
+
+/// A plane of symmetry: the points p with `normal · p = offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+pub struct MirrorPlane {
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// Offset along the normal, a length.
+    pub offset: f64,
+}
+
+impl MirrorPlane {
+    /// The plane about which parts, each given by its vertices, are symmetric; `None` if there is
+    /// none, or if there are too many parts.
+    pub fn of(parts: &[&[[f32; 3]]]) -> Option<Self> {
+        let Mirror { plane, .. } = mirror_of_parts(Some(parts).filter(|parts| parts.len() <= MAX_PARTS)?)?;
+        Some(Self { normal: plane.normal.to_array(), offset: plane.offset })
+    }
+
+    /// Its equation, such as `x = 0`.
+    pub fn in_words(&self) -> String {
+        Mirror::new(self.normal, self.offset).to_string()
+    }
+}
+
+fn symmetry(parts: &[&Hull]) -> Option<MirrorPlane> {
+    MirrorPlane::of(&parts.iter().map(|part| part.vertices.as_slice()).collect::<Vec<_>>())
 }
 
 impl PartsEstimates {
@@ -39,6 +71,7 @@ impl PartsEstimates {
         let (Looseness { overlap, mean_protrusion, outside_hull }, means) = looseness_of_parts(solid, &whole, parts);
         let (overlap, mean_protrusion) = (Some(overlap), Some(mean_protrusion));
         let mut found = Self { overlap, mean_protrusion, outside_hull: Some(outside_hull), ..Self::default() };
+        found.symmetry = symmetry(parts);
         if let Some(volume) = volume {
             let Voids { volume: empty, error } = voids(solid, parts);
             (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
@@ -48,7 +81,8 @@ impl PartsEstimates {
 
     /// The estimates of `parts` whose mesh is not known.
     pub fn without_mesh(parts: &[&Hull]) -> Self {
-        Self { overlap: (parts.len() <= MAX_PARTS).then(|| overlap(parts)), ..Self::default() }
+        let overlap = (parts.len() <= MAX_PARTS).then(|| overlap(parts));
+        Self { overlap, symmetry: symmetry(parts), ..Self::default() }
     }
 
     /// What a sentence states of them, if the parts were compared.

@@ -165,6 +165,7 @@ fn judge(
     if let Some(estimates) = estimates {
         let found = estimates.looseness();
         measured.remarks.extend(found.map(|found| advice::estimates(name, &found, estimates.voids)));
+        measured.remarks.extend(estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words())));
         measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
     }
 }

@@ -79,6 +79,9 @@ typedef struct {
     // Time after which the search stops, in seconds. Parts may then protrude further, and depend
     // on the machine. Default: no limit.
     double seconds;
+    // 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric, unless
+    // others are fewer.
+    uint32_t ignore_symmetry;
 } HullmapDecomposeOptions;
 
 // Facts about a decomposition.

@@ -139,6 +139,7 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
             0.0 => usual.min_thickness,
             share => Length::Relative(share),
         },
+        symmetry: options.ignore_symmetry == 0,
         seconds: (options.seconds > 0.0).then_some(options.seconds),
     })
 }

@@ -45,6 +45,9 @@ pub struct Options {
     /// Time after which the search stops, in seconds. Parts may then protrude further, and depend
     /// on the machine. Default: no limit.
     pub seconds: f64,
+    /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric, unless
+    /// others are fewer.
+    pub ignore_symmetry: u32,
 }
 
 /// A convex part. The arrays belong to the decomposition.

@@ -37,6 +37,8 @@ pub struct Cover {
     /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
     /// the maximum error.
     pub min_thickness: Length,
+    /// Whether a mesh that has a mirror plane gets symmetric parts.
+    pub symmetry: bool,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
     /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls
     /// of what the surface is halved into.
@@ -51,6 +53,7 @@ impl Default for Cover {
             max_vertices: 64,
             overlap: 0.05,
             min_thickness: Length::Relative(0.005),
+            symmetry: true,
             seconds: None,
         }
     }

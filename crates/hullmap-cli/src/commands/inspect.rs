@@ -5,6 +5,7 @@ use hullmap_bake::number::{percent, short};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
+use crate::estimates::MirrorPlane;
 use crate::geometry::{polygons, positions, rank_name};
 use crate::open::{kept_warnings, open_pack};
 use crate::options::BuildOptions;
@@ -55,6 +56,8 @@ struct HullDescription {
     solid: Option<&'static str>,
     part: u32,
     part_count: u32,
+    /// The plane about which the parts of its object are symmetric; `None` if there is none.
+    symmetry: Option<MirrorPlane>,
     origin: [f64; 3],
     /// Vertices, with `--vertices`.
     positions: Option<Vec<[f32; 3]>>,
@@ -116,11 +119,21 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
         options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
         warnings: kept_warnings(pack),
-        hulls: pack.hulls().map(|hull| describe(&hull, has_vertices)).collect(),
+        hulls: described(&pack.hulls().collect::<Vec<_>>(), has_vertices),
     }
 }
 
-fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
+/// The descriptions of hulls. The parts of an object are consecutive.
+fn described(hulls: &[Hull], has_vertices: bool) -> Vec<HullDescription> {
+    let of_object = |own: &[Hull]| {
+        let vertices: Vec<Vec<[f32; 3]>> = own.iter().map(positions).collect();
+        let symmetry = MirrorPlane::of(&vertices.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        own.iter().map(|hull| describe(hull, symmetry, has_vertices)).collect::<Vec<_>>()
+    };
+    hulls.chunk_by(|_, next| next.part() > 0).flat_map(of_object).collect()
+}
+
+fn describe(hull: &Hull, symmetry: Option<MirrorPlane>, has_vertices: bool) -> HullDescription {
     let worst = hull.worst_cost();
     let kind = hull.index_kind();
     let mesh = hull.mesh_mass_properties(1.0);
@@ -143,6 +156,7 @@ fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
         solid: hull.solid().map(SolidKind::as_str),
         part: hull.part(),
         part_count: hull.part_count(),
+        symmetry,
         origin: hull.origin().to_array(),
         positions: has_vertices.then(|| positions(hull)),
         polygons: has_vertices.then(|| polygons(hull)),
@@ -218,7 +232,8 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
 
 /// Writes the pack's record about a convex part.
 fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
-    out.line(format_args!("  part               {} of {} of its object", hull.part, hull.part_count))?;
+    let symmetric = hull.symmetry.map_or_else(String::new, |plane| format!(", symmetric about {}", plane.in_words()));
+    out.line(format_args!("  part               {} of {} of its object{symmetric}", hull.part, hull.part_count))?;
     let (Some(solid), Some(uncovered), Some(protrusion), Some(at)) =
         (hull.solid, hull.uncovered, hull.protrusion, hull.protrusion_at)
     else {
@@ -256,6 +271,7 @@ mod tests {
             solid: None,
             part: 0,
             part_count: 0,
+            symmetry: None,
             origin: [0.0; 3],
             positions: None,
             polygons: None,

@@ -183,6 +183,7 @@ pub mod tests {
         ("decompose_seconds", "2.5"),
         ("record_source", "name"),
         ("lean", "true"),
+        ("symmetry", "none"),
     ];
 
     /// A layer with these values.

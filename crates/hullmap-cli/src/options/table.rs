@@ -310,10 +310,21 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         is_advanced: true,
         ..OPTION
     },
+    BuildOption {
+        key: "symmetry",
+        syntax: Words(&["auto", "none"]),
+        default: DefaultValue::Value("auto"),
+        value_name: "auto|none",
+        help: "Make the parts of a symmetric mesh symmetric unless others are fewer (auto), or ignore symmetry (none)",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 18;
+pub const OPTION_COUNT: usize = 19;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

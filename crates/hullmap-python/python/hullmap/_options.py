@@ -36,6 +36,8 @@ class BakeOptions(TypedDict, total=False):
     min_thickness: Optional[Union[float, str]]
     """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""
+    symmetry: Optional[Literal["auto", "none"]]
+    """Make the parts of a symmetric mesh symmetric, unless others are fewer; "auto" by default."""
     decompose_seconds: Optional[float]
     """Time after which the search for parts stops. Packs may then differ from run to run."""
     vertices: Optional[Literal["referenced", "all"]]
