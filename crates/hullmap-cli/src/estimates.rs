@@ -3,6 +3,7 @@
 
 use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
+use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
@@ -63,8 +64,15 @@ fn symmetry(parts: &[&Hull]) -> Option<MirrorPlane> {
 
 impl PartsEstimates {
     /// The estimates of `parts` that stand for `mesh`, and the mean protrusion of each part.
-    /// `volume` is that of the mesh's solid, if it is known.
-    pub fn new(mesh: &PointSet, solid: &Solid, parts: &[&Hull], volume: Option<f64>) -> (Self, Vec<Option<f64>>) {
+    /// `solid` is that from which protrusion counts, and `volume` that of the mesh's own, if it is
+    /// known.
+    pub fn new(
+        mesh: &PointSet,
+        cover: Option<&Cover>,
+        solid: &Solid,
+        parts: &[&Hull],
+        volume: Option<f64>,
+    ) -> (Self, Vec<Option<f64>>) {
         let Some(whole) = hull::build(mesh).ok().filter(|_| parts.len() <= MAX_PARTS) else {
             return (Self::default(), vec![None; parts.len()]);
         };
@@ -73,7 +81,9 @@ impl PartsEstimates {
         let mut found = Self { overlap, mean_protrusion, outside_hull: Some(outside_hull), ..Self::default() };
         found.symmetry = symmetry(parts);
         if let Some(volume) = volume {
-            let Voids { volume: empty, error } = voids(solid, parts);
+            // Unreachable space is not the mesh's.
+            let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
+            let Voids { volume: empty, error } = voids(own.as_ref().unwrap_or(solid), parts);
             (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
         }
         (found, means)
@@ -108,6 +118,10 @@ pub struct DecomposedObject {
     pub protrusion: Option<f64>,
     /// Thickness of the thinnest part.
     pub thickness: Option<f64>,
+    /// Radius of the ball that must be able to reach a place from outside for protrusion to count
+    /// there; `None` if it counts everywhere.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub reachable: Option<f64>,
     /// Why an engine cannot use the parts well, in one word each; empty if it can.
     pub flaws: Vec<String>,
     /// How the parts fit together.
@@ -125,6 +139,7 @@ impl DecomposedObject {
             uncovered: object.solid.map(|_| object.uncovered),
             protrusion: object.parts.iter().filter_map(|part| part.protrusion).reduce(f64::max),
             thickness: object.parts.iter().map(|part| part.thickness).reduce(f64::min),
+            reachable: object.cover.and_then(|cover| cover.reachable).map(|radius| radius.of(object.diagonal)),
             flaws: doubts.iter().map(|doubt| doubt.flaw.as_str().to_owned()).collect(),
             estimates,
         }

@@ -48,6 +48,9 @@ pub struct Options {
     /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric, unless
     /// others are fewer.
     pub ignore_symmetry: u32,
+    /// Radius of a ball: protrusion counts only where such a ball can come from outside, a length.
+    /// Default: everywhere.
+    pub reachable: f64,
 }
 
 /// A convex part. The arrays belong to the decomposition.

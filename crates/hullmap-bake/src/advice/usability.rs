@@ -207,6 +207,7 @@ mod tests {
         overlap: 0.05,
         min_thickness: Length::Relative(0.005),
         symmetry: true,
+        reachable: None,
         seconds: None,
     };
 

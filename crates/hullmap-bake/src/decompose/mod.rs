@@ -46,7 +46,7 @@ use part::SourceVertices;
 use partition::wrap;
 use search::Search;
 
-use crate::{BakeError, PointSet, fit::solid::Solid, hull, progress::Stage, simplify};
+use crate::{BakeError, PointSet, hull, progress::Stage, simplify};
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
@@ -75,7 +75,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     }
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
-    let solid = Solid::new(mesh);
+    let solid = parameters.solid(mesh);
     let found = if parameters.max_parts == Some(1) {
         None
     } else {

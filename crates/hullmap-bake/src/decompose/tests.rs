@@ -8,7 +8,7 @@ use super::{
     *,
 };
 use crate::{
-    fit::{Looseness, fits, looseness},
+    fit::{Looseness, Solid, fits, looseness},
     hull::Hull,
     mass::{Mass, mass},
 };

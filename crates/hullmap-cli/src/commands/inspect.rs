@@ -182,6 +182,9 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
     out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
+    let cover = BuildOptions::from_recorded(&report.options).and_then(|options| options.decompose());
+    let reachable =
+        cover.and_then(|cover| cover.reachable).map(|radius| format!("a ball of radius {radius} from outside"));
     for warning in &report.warnings {
         out.line(format_args!("  warning            {warning}"))?;
     }
@@ -213,7 +216,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
             out.line("  mesh               mass unknown: not a closed mesh")?;
         }
         if hull.part_count > 0 {
-            write_part(hull, out)?;
+            write_part(hull, reachable.as_deref(), out)?;
         }
         if hull.origin != [0.0; 3] {
             out.line(format_args!("  origin             {} in the source", hull.origin.map(rounded).join(" ")))?;
@@ -231,7 +234,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
 }
 
 /// Writes the pack's record about a convex part.
-fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
+fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output) -> Result<(), Failure> {
     let symmetric = hull.symmetry.map_or_else(String::new, |plane| format!(", symmetric about {}", plane.in_words()));
     out.line(format_args!("  part               {} of {} of its object{symmetric}", hull.part, hull.part_count))?;
     let (Some(solid), Some(uncovered), Some(protrusion), Some(at)) =
@@ -242,7 +245,11 @@ fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
     out.line(format_args!("  solid              {solid}"))?;
     out.line(format_args!("  uncovered          at most {}, of the surface outside all parts", short(uncovered)))?;
     let at = at.map(rounded).join(" ");
-    Ok(out.line(format_args!("  protrusion         at most {}, greatest at {at}", short(protrusion)))?)
+    out.line(format_args!("  protrusion         at most {}, greatest at {at}", short(protrusion)))?;
+    match reachable {
+        Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words} can come"))?),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ impl clap::Args for OptionLayer {
 
 /// The options of `bake decompose`, with their help where that of `bake build` also speaks of
 /// whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 9] = [
+const OF_PARTS: [(&str, Option<&str>); 10] = [
     (
         "max_error",
         Some(
@@ -43,6 +43,7 @@ const OF_PARTS: [(&str, Option<&str>); 9] = [
     ("overlap", None),
     ("min_thickness", None),
     ("symmetry", None),
+    ("reachable", None),
     ("decompose_seconds", None),
     ("unit_scale", None),
     ("up_axis", None),

@@ -184,6 +184,7 @@ pub mod tests {
         ("record_source", "name"),
         ("lean", "true"),
         ("symmetry", "none"),
+        ("reachable", "5%"),
     ];
 
     /// A layer with these values.

@@ -321,10 +321,21 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         applies_with: Some(("decompose", "cover")),
         ..OPTION
     },
+    BuildOption {
+        key: "reachable",
+        syntax: LengthOrNone,
+        default: DefaultValue::Value("none"),
+        value_name: "R|R%",
+        help: "Count protrusion only where a ball of radius R from outside can reach, so that inner walls cost no parts: a length, or a share of the mesh's diagonal",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 19;
+pub const OPTION_COUNT: usize = 20;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {
