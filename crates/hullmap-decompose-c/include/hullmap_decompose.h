@@ -82,6 +82,9 @@ typedef struct {
     // 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric, unless
     // others are fewer.
     uint32_t ignore_symmetry;
+    // Radius of a ball: protrusion counts only where such a ball can come from outside, a length.
+    // Default: everywhere.
+    double reachable;
 } HullmapDecomposeOptions;
 
 // Facts about a decomposition.

@@ -20,7 +20,7 @@ pub fn squared_distances(is_marked: &[bool], size: [usize; 3]) -> Vec<u32> {
     for axis in 0..3 {
         let stride = [1, size[0], size[0] * size[1]][axis];
         let count = size[axis];
-        for start in (0..squares.len()).filter(|at| at / stride % count == 0) {
+        for start in (0..squares.len()).filter(|at| (at / stride).is_multiple_of(count)) {
             let line = &mut line[..count];
             line.iter_mut().enumerate().for_each(|(k, square)| *square = squares[start + k * stride]);
             envelope.replace(line);

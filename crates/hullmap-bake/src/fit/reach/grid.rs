@@ -48,7 +48,7 @@ impl Grid {
         let longest = (high - low).max_element() + 2.0 * radius;
         let step = longest / (count - 2 * MARGIN - 1) as f64;
         // Written so that NaN and infinity give none.
-        if !(step > 0.0 && step < f64::from(f32::MAX)) || !(radius > 0.0) {
+        if !(step > 0.0 && step < f64::from(f32::MAX) && radius > 0.0) {
             return None;
         }
         let cells = ((high - low + 2.0 * radius) / step).ceil();
