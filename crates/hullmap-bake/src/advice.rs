@@ -242,8 +242,8 @@ pub fn symmetric(name: &str, plane: &str) -> Remark {
 const COVERED: f64 = 1.5e-7;
 
 /// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
-/// largest part. Protrusion counts only where a ball of the radius `reachable`, if there is one, can
-/// come from outside.
+/// largest part. If there is a radius `reachable`, protrusion counts only where a ball of that
+/// radius can come from outside.
 pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachable: Option<Length>) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {

@@ -53,8 +53,8 @@ pub fn mirror_of_mesh(mesh: &PointSet, solid: &Solid) -> Option<Mirror> {
     search::mirrors(&points).into_iter().find(is_mirrored)
 }
 
-/// The plane about which parts, each given by its vertices, are symmetric: each is the mirror image of another, or of itself.
-/// `None` if there is none, or for a single part.
+/// The plane about which parts, each given by its vertices, are symmetric: each is the mirror image
+/// of another, or of itself. `None` if there is none, or for a single part.
 ///
 /// # Complexity
 /// O(n log n) for n vertices about a plane through the origin that is at right angles to an axis.

@@ -107,8 +107,8 @@ impl Ord for Cell {
 }
 
 impl Judge {
-    /// Prepares the mesh of `points`, which must have triangles, and the solid from which protrusion
-    /// counts.
+    /// Prepares the mesh of `points`, which must have triangles, and the solid from which
+    /// protrusion counts.
     pub fn new(points: &PointSet, solid: &Solid) -> Self {
         let at = |v: &u32| DVec3::from_array(points.positions[*v as usize].map(f64::from));
         let triangles: Vec<Triangle> = points.triangles.iter().map(|triangle| triangle.each_ref().map(at)).collect();

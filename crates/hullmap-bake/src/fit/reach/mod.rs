@@ -38,7 +38,8 @@ use super::solid::Solid;
 use crate::PointSet;
 use grid::Grid;
 
-/// Cells along the longest side of the grid, at first. A finer grid distinguishes narrower openings.
+/// Cells along the longest side of the grid, at first. A finer grid distinguishes narrower
+/// openings.
 const CELLS: usize = 160;
 
 /// Cells along the longest side below which no coarser grid is tried.

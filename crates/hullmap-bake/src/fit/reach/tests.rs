@@ -159,7 +159,7 @@ fn shells_bound_their_cells() {
                     let [a, b, c] = t.map(|v| at(v) - p);
                     let [la, lb, lc] = [a.length(), b.length(), c.length()];
                     let scale = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-                    2.0 * a.dot(b.cross(c)).atan2(scale)
+                    2.0 * libm::atan2(a.dot(b.cross(c)), scale)
                 })
                 .sum();
             let turns = angle / (4.0 * std::f64::consts::PI);
