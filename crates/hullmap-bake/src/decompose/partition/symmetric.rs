@@ -46,7 +46,11 @@ pub fn image(hull: &Hull, mirror: &Mirror) -> Option<Hull> {
 /// A hull that also contains all points within the error of a mirror, and what rounding moves by.
 /// `None` if the hull is too thin for that.
 pub fn grown(hull: &Hull, mirror: &Mirror, diagonal: f64) -> Option<Hull> {
-    if mirror.error == 0.0 && mirror.is_exact() {
+    let is_exact = |p: &[f32; 3]| {
+        let at = |p: [f32; 3]| DVec3::from_array(p.map(f64::from));
+        mirror.image(at(*p)) == at(mirror.rounded_image(*p))
+    };
+    if mirror.error == 0.0 && hull.vertices.iter().all(is_exact) {
         return Some(hull.clone());
     }
     let points = hull.positions();
