@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 
+use crate::decompose::Length;
 use crate::fit::Looseness;
 use crate::number::{percent, short};
 use crate::{BakedHull, Fit, SolidKind, mass};
@@ -231,13 +232,19 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }
 
+/// Note on parts that are symmetric about a plane, which is given by its equation.
+pub fn symmetric(name: &str, plane: &str) -> Remark {
+    Remark::note("symmetric", name, format!("{name}: the parts are symmetric about {plane}"))
+}
+
 /// Uncovered distance, relative to the size, that counts as covered: the containment error that a
 /// hull may have, 1e-7, with room for rounding.
 const COVERED: f64 = 1.5e-7;
 
 /// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
-/// largest part.
-pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Remark {
+/// largest part. If there is a radius `reachable`, protrusion counts only where a ball of that
+/// radius can come from outside.
+pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachable: Option<Length>) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
         let text = format!("{name}: {count} {noun}; not measured, because a bound is not finite");
@@ -254,7 +261,10 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
         SolidKind::Sheet => "the surface, which encloses no solid",
     };
     let protrusion = short(protrusion);
-    let text = format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}");
+    let place =
+        reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} from outside can reach"));
+    let text =
+        format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}");
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
 
@@ -425,12 +435,12 @@ mod tests {
         );
         assert!(simple(f64::NAN).unwrap().is_warning);
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Watertight, uncovered, protrusion: 0.25 });
-        assert!(!parts("a", 3, fit(1e-3), 1.0).is_warning);
+        assert!(!parts("a", 3, fit(1e-3), 1.0, None).is_warning);
         let covered = "a: 3 parts; the whole surface is covered, and no part protrudes more than 0.25 from the solid";
-        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0)).0, covered);
-        assert!(texts(parts("a", 3, None, 1.0)).0.contains("not measured"));
-        assert!(parts("a", 3, fit(f64::NAN), 1.0).is_warning);
-        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0));
+        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0, None)).0, covered);
+        assert!(texts(parts("a", 3, None, 1.0, None)).0.contains("not measured"));
+        assert!(parts("a", 3, fit(f64::NAN), 1.0, None).is_warning);
+        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0, None));
         assert!(warning.contains("a: 3 parts;") && warning.contains("--decompose"), "{warning}");
     }
 
@@ -447,7 +457,8 @@ mod tests {
         let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
         let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Sheet, uncovered, protrusion: 0.25 });
-        let cover = [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, fit(gap), 1.0));
+        let cover =
+            [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, fit(gap), 1.0, None));
         let (notes, warnings) = summarise(flat.chain(cover));
         assert_eq!(
             notes,

@@ -39,6 +39,7 @@ mod point_set;
 pub mod progress;
 pub mod simplify;
 mod spread;
+pub mod symmetry;
 
 pub use error::BakeError;
 pub use fit::Fit;

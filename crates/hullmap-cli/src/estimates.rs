@@ -3,8 +3,10 @@
 
 use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
+use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
 use hullmap_bake::hull::{self, Hull};
+use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 #[cfg(feature = "command")]
 use serde::{Deserialize, Serialize};
 
@@ -27,20 +29,61 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`: twice its standard deviation.
     pub voids_error: Option<f64>,
+    /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub symmetry: Option<MirrorPlane>,
+}
+
+/// A plane of symmetry: the points p with `normal · p = offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+pub struct MirrorPlane {
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// Offset along the normal, a length.
+    pub offset: f64,
+}
+
+impl MirrorPlane {
+    /// The plane about which parts, each given by its vertices, are symmetric; `None` if there is
+    /// none, or if there are too many parts.
+    pub fn of(parts: &[&[[f32; 3]]]) -> Option<Self> {
+        let Mirror { plane, .. } = mirror_of_parts(Some(parts).filter(|parts| parts.len() <= MAX_PARTS)?)?;
+        Some(Self { normal: plane.normal.to_array(), offset: plane.offset })
+    }
+
+    /// Its equation, such as `x = 0`.
+    pub fn in_words(&self) -> String {
+        Mirror::new(self.normal, self.offset).to_string()
+    }
+}
+
+fn symmetry(parts: &[&Hull]) -> Option<MirrorPlane> {
+    MirrorPlane::of(&parts.iter().map(|part| part.vertices.as_slice()).collect::<Vec<_>>())
 }
 
 impl PartsEstimates {
     /// The estimates of `parts` that stand for `mesh`, and the mean protrusion of each part.
-    /// `volume` is that of the mesh's solid, if it is known.
-    pub fn new(mesh: &PointSet, solid: &Solid, parts: &[&Hull], volume: Option<f64>) -> (Self, Vec<Option<f64>>) {
+    /// `solid` is that from which protrusion counts, and `volume` that of the mesh's own, if it is
+    /// known.
+    pub fn new(
+        mesh: &PointSet,
+        cover: Option<&Cover>,
+        solid: &Solid,
+        parts: &[&Hull],
+        volume: Option<f64>,
+    ) -> (Self, Vec<Option<f64>>) {
         let Some(whole) = hull::build(mesh).ok().filter(|_| parts.len() <= MAX_PARTS) else {
             return (Self::default(), vec![None; parts.len()]);
         };
         let (Looseness { overlap, mean_protrusion, outside_hull }, means) = looseness_of_parts(solid, &whole, parts);
         let (overlap, mean_protrusion) = (Some(overlap), Some(mean_protrusion));
         let mut found = Self { overlap, mean_protrusion, outside_hull: Some(outside_hull), ..Self::default() };
+        found.symmetry = symmetry(parts);
         if let Some(volume) = volume {
-            let Voids { volume: empty, error } = voids(solid, parts);
+            // Unreachable space is not the mesh's.
+            let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
+            let Voids { volume: empty, error } = voids(own.as_ref().unwrap_or(solid), parts);
             (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
         }
         (found, means)
@@ -48,7 +91,8 @@ impl PartsEstimates {
 
     /// The estimates of `parts` whose mesh is not known.
     pub fn without_mesh(parts: &[&Hull]) -> Self {
-        Self { overlap: (parts.len() <= MAX_PARTS).then(|| overlap(parts)), ..Self::default() }
+        let overlap = (parts.len() <= MAX_PARTS).then(|| overlap(parts));
+        Self { overlap, symmetry: symmetry(parts), ..Self::default() }
     }
 
     /// What a sentence states of them, if the parts were compared.
@@ -74,6 +118,10 @@ pub struct DecomposedObject {
     pub protrusion: Option<f64>,
     /// Thickness of the thinnest part.
     pub thickness: Option<f64>,
+    /// Radius of the ball that must be able to reach a place from outside for protrusion to count
+    /// there; `None` if it counts everywhere.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub reachable: Option<f64>,
     /// Why an engine cannot use the parts well, in one word each; empty if it can.
     pub flaws: Vec<String>,
     /// How the parts fit together.
@@ -91,6 +139,7 @@ impl DecomposedObject {
             uncovered: object.solid.map(|_| object.uncovered),
             protrusion: object.parts.iter().filter_map(|part| part.protrusion).reduce(f64::max),
             thickness: object.parts.iter().map(|part| part.thickness).reduce(f64::min),
+            reachable: object.cover.and_then(|cover| cover.reachable).map(|radius| radius.of(object.diagonal)),
             flaws: doubts.iter().map(|doubt| doubt.flaw.as_str().to_owned()).collect(),
             estimates,
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use hullmap_bake::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, excess, thickness};
 use hullmap_bake::advice::{self, Remark};
-use hullmap_bake::decompose::Cover;
+use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
 use hullmap_bake::hull::Hull;
 use hullmap_bake::progress::Stage;
@@ -58,12 +58,12 @@ pub fn parts(
         if !points.triangles.is_empty() {
             // With a maximum number of parts, the limit is not proven.
             let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(points)));
-            let estimates = record(points, own, limit, is_divided);
+            let estimates = record(points, own, limit, Some(cover), is_divided);
             judge(name, diagonal(points), own, Some(cover), estimates, &mut measured);
         }
         steps.take();
         if is_divided {
-            measured.remarks.push(about_parts(name, own));
+            measured.remarks.push(about_parts(name, own, cover.reachable));
         }
     }
     measured
@@ -83,11 +83,11 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Meas
         let hulls = &mut hulls[start..start + own.len()];
         start += own.len();
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
-        let estimates = record(mesh, hulls, None, hulls.len() > 1);
+        let estimates = record(mesh, hulls, None, None, hulls.len() > 1);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
         judge(&mesh.name, diagonal(mesh), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
-            measured.remarks.push(about_parts(&hulls[0].name, hulls));
+            measured.remarks.push(about_parts(&hulls[0].name, hulls, None));
         }
     }
     measured
@@ -98,17 +98,30 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
     a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
+/// The solid from which the protrusion of parts counts. `cover` are the parameters with which they
+/// were made, if they are known.
+pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
+    cover.map_or_else(|| Solid::new(mesh), |cover| cover.solid(mesh))
+}
+
 /// Remark on the fit of the parts of one object.
-fn about_parts(name: &str, own: &[BakedHull]) -> Remark {
+fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Remark {
     let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::of), size)
+    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::of), size, reachable)
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
 /// mesh. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
-/// proof. Estimates how parts of a mesh that was divided fit together.
-fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>, is_divided: bool) -> Option<PartsEstimates> {
+/// proof. Estimates how the parts of a mesh that was divided fit together; `cover` are its
+/// parameters.
+fn record(
+    mesh: &PointSet,
+    own: &mut [BakedHull],
+    limit: Option<f64>,
+    cover: Option<&Cover>,
+    is_divided: bool,
+) -> Option<PartsEstimates> {
     let count = own.len() as u32;
     // A hull of the whole mesh has its mass already.
     if let Some(first) = own.first_mut().filter(|first| first.mesh_mass.is_none()) {
@@ -116,9 +129,10 @@ fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>, is_divided
     }
     let volume = own.first().and_then(|first| first.mesh_mass).map(|mass| mass.volume);
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
-    let solid = (!mesh.triangles.is_empty()).then(|| Solid::new(mesh));
+    let solid = (!mesh.triangles.is_empty()).then(|| solid_of(mesh, cover));
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit));
-    let estimates = solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, &solid, &hulls, volume).0);
+    let estimates =
+        solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume).0);
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
@@ -165,6 +179,7 @@ fn judge(
     if let Some(estimates) = estimates {
         let found = estimates.looseness();
         measured.remarks.extend(found.map(|found| advice::estimates(name, &found, estimates.voids)));
+        measured.remarks.extend(estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words())));
         measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
     }
 }

@@ -79,6 +79,12 @@ typedef struct {
     // Time after which the search stops, in seconds. Parts may then protrude further, and depend
     // on the machine. Default: no limit.
     double seconds;
+    // 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
+    // unless others are fewer.
+    uint32_t ignore_symmetry;
+    // Radius of a ball: protrusion counts only where such a ball can come from outside, a length.
+    // Default: everywhere.
+    double reachable;
 } HullmapDecomposeOptions;
 
 // Facts about a decomposition.

@@ -10,7 +10,7 @@
 use std::collections::HashMap;
 
 use hullmap_bake::decompose::{Cover, Length, decompose_in};
-use hullmap_bake::fit::fits;
+use hullmap_bake::fit::fits_around;
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::mass::mass;
 use hullmap_bake::progress::{Progress, Stage};
@@ -87,7 +87,11 @@ pub fn decompose(
     }
     // With a maximum number of parts, the limit is not proven.
     let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(&mesh.positions)));
-    let fits = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), limit);
+    let fits = if mesh.triangles.is_empty() {
+        None
+    } else {
+        fits_around(&cover.solid(&mesh), &mesh, &hulls.iter().collect::<Vec<_>>(), limit)
+    };
     let protrusion = |index: usize| fits.as_ref().and_then(|fits| fits.get(index)).map_or(f64::NAN, |f| f.protrusion);
     let parts: Vec<OwnedPart> =
         hulls.iter().enumerate().map(|(index, hull)| owned(hull, mesh.origin, protrusion(index))).collect();
@@ -112,6 +116,7 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         ("max_error_share", options.max_error_share),
         ("overlap", options.overlap),
         ("min_thickness_share", options.min_thickness_share),
+        ("reachable", options.reachable),
         ("seconds", options.seconds),
     ] {
         // No range contains NaN.
@@ -139,6 +144,8 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
             0.0 => usual.min_thickness,
             share => Length::Relative(share),
         },
+        symmetry: options.ignore_symmetry == 0,
+        reachable: (options.reachable > 0.0).then_some(Length::Absolute(options.reachable)),
         seconds: (options.seconds > 0.0).then_some(options.seconds),
     })
 }

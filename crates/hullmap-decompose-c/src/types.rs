@@ -45,6 +45,12 @@ pub struct Options {
     /// Time after which the search stops, in seconds. Parts may then protrude further, and depend
     /// on the machine. Default: no limit.
     pub seconds: f64,
+    /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
+    /// unless others are fewer.
+    pub ignore_symmetry: u32,
+    /// Radius of a ball: protrusion counts only where such a ball can come from outside, a length.
+    /// Default: everywhere.
+    pub reachable: f64,
 }
 
 /// A convex part. The arrays belong to the decomposition.

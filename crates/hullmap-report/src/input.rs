@@ -90,7 +90,7 @@ pub struct VerifiedHull {
 }
 
 /// Estimates of how the parts of one object fit together; `None` for what was not measured.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct PartsEstimates {
     /// Sum of the parts' volumes less the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
@@ -102,6 +102,8 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`.
     pub voids_error: Option<f64>,
+    /// Equation of the plane about which the parts are symmetric.
+    pub symmetry: Option<String>,
 }
 
 /// Sentences for the reader of the page.

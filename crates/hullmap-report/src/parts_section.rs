@@ -82,8 +82,8 @@ const MAX_OBJECTS: usize = 20;
 
 /// The measures of one object, or a dash for each that is not known.
 fn facts(parts: &[Part]) -> String {
-    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error } =
-        parts[0].2.estimates.unwrap_or_default();
+    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry } =
+        parts[0].2.estimates.clone().unwrap_or_default();
     let known = |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| "–".to_owned(), text);
     let percent = |share: f64| format!("{} %", short(100.0 * share));
     let bound = |pick: fn(&HullRow) -> Option<f64>| parts.iter().filter_map(|part| pick(part.1)).reduce(f64::max);
@@ -101,6 +101,7 @@ fn facts(parts: &[Part]) -> String {
         ("Outside the mesh's hull", known(outside_hull, short)),
         ("Solid in no part", empty),
         ("Thinnest part", known(thinnest, short)),
+        ("Symmetric about", symmetry.unwrap_or_else(|| "–".to_owned())),
     ];
     let rows: String =
         rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();

@@ -554,3 +554,75 @@ fn the_command_queries_whole_packs() {
     let one = query("baked/u.hullmap#0", "distance", 30.0);
     assert!(one["distance"].as_f64().unwrap() > 20.0 && one["hull_b"].is_string(), "{one}");
 }
+
+/// The images of parts are computed here from what `inspect` prints.
+#[test]
+fn parts_of_a_symmetric_mesh_are_mirrored_unless_symmetry_is_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    // Two boxes that touch a third in the middle, about x = 0.
+    let boxes = [[[-1, 0, 0], [1, 1, 1]], [[-3, 0, 0], [-1, 2, 1]], [[1, 0, 0], [3, 2, 1]]];
+    let mut text = String::new();
+    for [low, high] in boxes {
+        for i in 0..8 {
+            let [x, y, z] = std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for first in [1, 9, 17] {
+        for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+            let [a, b, c, d] = quad.map(|corner: usize| corner + first);
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    fs::write(folder.path().join("u.obj"), text).unwrap();
+    let row = bake(&folder, "build u.obj --out o --decompose --verify --json").expect(0).json()[0].clone();
+    assert_eq!(row["objects"][0]["symmetry"], serde_json::json!({"normal": [1.0, 0.0, 0.0], "offset": 0.0}), "{row}");
+    assert!(row["notes"].to_string().contains("u: the parts are symmetric about x = 0"), "{row}");
+    let pack = bake(&folder, "inspect o/u.hullmap --vertices --json").expect(0).json()[0].clone();
+    let sorted = |hull: &serde_json::Value, sign: f64| {
+        let at = |p: &serde_json::Value| [0, 1, 2].map(|axis| p[axis].as_f64().unwrap());
+        let points = hull["positions"].as_array().unwrap().iter().map(at);
+        let mut points: Vec<[f64; 3]> = points.map(|[x, y, z]| [sign * x + 0.0, y, z]).collect();
+        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        points
+    };
+    let hulls = pack["hulls"].as_array().unwrap();
+    assert!(hulls.len() > 1 && hulls.iter().all(|hull| hull["symmetry"]["offset"] == 0.0), "{pack}");
+    let all: Vec<_> = hulls.iter().map(|hull| sorted(hull, 1.0)).collect();
+    assert!(hulls.iter().all(|hull| all.contains(&sorted(hull, -1.0))), "{all:?}");
+    let text = bake(&folder, "inspect o/u.hullmap").expect(0).stdout;
+    assert!(text.contains("of its object, symmetric about x = 0"), "{text}");
+    let ignored = bake(&folder, "build u.obj --out i --decompose --symmetry none --json").expect(0).json()[0].clone();
+    assert!(ignored["options"].to_string().contains("symmetry none"), "{ignored}");
+}
+
+/// A box with a closed cavity. Its hull protrudes into the cavity, which no ball can reach.
+#[test]
+fn cavities_cost_no_parts_where_no_ball_can_reach() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::new();
+    for (low, high) in [(0, 10), (1, 9)] {
+        for i in 0..8 {
+            let [x, y, z] = [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low } else { high });
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for (first, is_turned) in [(1, false), (9, true)] {
+        for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+            let [a, b, c, d] = quad.map(|corner: usize| corner + first);
+            text += &if is_turned { format!("f {a} {d} {c} {b}\n") } else { format!("f {a} {b} {c} {d}\n") };
+        }
+    }
+    fs::write(folder.path().join("hollow.obj"), text).unwrap();
+    let row = bake(&folder, "build hollow.obj --out o --decompose --verify --json").expect(0).json()[0].clone();
+    assert!(row["hulls"].as_u64().unwrap() >= 6, "{row}");
+    assert_eq!(row["objects"][0]["reachable"], serde_json::Value::Null, "{row}");
+    let line = "build hollow.obj --out r --decompose --reachable 1 --verify --json";
+    let row = bake(&folder, line).expect(0).json()[0].clone();
+    assert_eq!((&row["hulls"], &row["objects"][0]["reachable"]), (&1.into(), &1.0.into()), "{row}");
+    assert!(row["objects"][0]["protrusion"].as_f64().unwrap() <= 0.02 * 300_f64.sqrt(), "{row}");
+    assert!(row["notes"].to_string().contains("where a ball of radius 1 from outside can reach"), "{row}");
+    bake(&folder, "verify r/hollow.hullmap --json").expect(0);
+    let text = bake(&folder, "inspect r/hollow.hullmap").expect(0).stdout;
+    assert!(text.contains("protrusion counts where a ball of radius 1 from outside can come"), "{text}");
+}

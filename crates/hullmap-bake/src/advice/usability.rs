@@ -206,6 +206,8 @@ mod tests {
         max_vertices: 64,
         overlap: 0.05,
         min_thickness: Length::Relative(0.005),
+        symmetry: true,
+        reachable: None,
         seconds: None,
     };
 

@@ -7,9 +7,9 @@
 
 use super::{
     parameters::Cover,
-    partition::{self, Deadline, Part, PartitionLimits, field::Field, wrap::Bounds},
+    partition::{self, Deadline, Part, PartitionLimits, field::Field, surface::Surface, wrap::Bounds},
 };
-use crate::{PointSet, fit::solid::Solid, mass, progress::Stage};
+use crate::{fit::solid::Solid, mass, progress::Stage};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -68,6 +68,8 @@ fn stride(count: usize, found: usize) -> i32 {
 pub struct Found {
     /// The parts.
     pub parts: Vec<Part>,
+    /// Further parts, each of which stands for its mirror image, too.
+    pub mirrored: Vec<Part>,
     /// Approximate number of parts to which they can be merged.
     pub fewest: usize,
     /// Maximum protrusion.
@@ -75,21 +77,30 @@ pub struct Found {
 }
 
 impl Found {
+    /// Number of parts, with mirror images.
+    pub fn count(&self) -> usize {
+        self.parts.len() + 2 * self.mirrored.len()
+    }
+
     /// The greatest proven protrusion.
-    fn reached(&self) -> f64 {
-        self.parts.iter().map(|part| part.bound).fold(0.0, f64::max)
+    pub fn reached(&self) -> f64 {
+        self.parts.iter().chain(&self.mirrored).map(|part| part.bound).fold(0.0, f64::max)
+    }
+
+    fn volume(&self) -> f64 {
+        let volume = |parts: &[Part]| parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
+        volume(&self.parts) + 2.0 * volume(&self.mirrored)
     }
 }
 
 /// The better of two results, of which the second may be unproven: one that is within the error, or
 /// the one whose parts have the smaller volume.
 fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found> {
-    let volume = |found: &Found| found.parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
     // Infinity is no proof.
     let is_within = |found: &Found| found.reached() < f64::INFINITY && found.reached() <= error;
     match (best, found) {
         (Some(best), Some(found)) => {
-            let is_better = !is_within(&best) && (is_within(&found) || volume(&found) < volume(&best));
+            let is_better = !is_within(&best) && (is_within(&found) || found.volume() < best.volume());
             Some(if is_better { found } else { best })
         }
         (best, found) => best.or(found),
@@ -98,13 +109,16 @@ fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found
 
 /// The searches for one mesh.
 pub struct Levels<'a> {
-    mesh: &'a PointSet,
+    /// What the parts contain.
+    pub surface: &'a Surface,
     /// The mesh's solid.
     pub field: Field<'a>,
     parameters: &'a Cover,
     max_vertices: usize,
     deadline: Option<Deadline>,
     stage: Stage<'a>,
+    /// Number of parts above which a result is of no use, if that is known.
+    pub enough: Option<usize>,
     /// Number of searches so far.
     searches: i32,
 }
@@ -113,14 +127,14 @@ impl<'a> Levels<'a> {
     /// # Complexity
     /// That of [`Field::new`].
     pub fn new(
-        mesh: &'a PointSet,
+        surface: &'a Surface,
         solid: &'a Solid,
         parameters: &'a Cover,
         max_vertices: usize,
         stage: Stage<'a>,
     ) -> Self {
         let deadline = parameters.seconds.map(Deadline::after);
-        Self { mesh, field: Field::new(solid), parameters, max_vertices, deadline, stage, searches: 0 }
+        Self { surface, field: Field::new(solid), parameters, max_vertices, deadline, stage, enough: None, searches: 0 }
     }
 
     fn diagonal(&self) -> f64 {
@@ -184,8 +198,8 @@ impl<'a> Levels<'a> {
             enough,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
         };
-        let partition::Found { parts, fewest } = partition::search(self.mesh, &mut self.field, &limits)?;
-        Some(Found { parts, fewest, limit })
+        let partition::Found { parts, mirrored, fewest } = partition::search(self.surface, &mut self.field, &limits)?;
+        Some(Found { parts, mirrored, fewest, limit })
     }
 
     /// The fewest parts within `error`.
@@ -195,14 +209,14 @@ impl<'a> Levels<'a> {
         let mut best: Option<Found> = self.rough(first);
         let (mut level, mut misses) = (first, 0);
         while misses < MISSES && level >= last {
-            let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.parts.len());
+            let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.count()).or(self.enough);
             let found = self.search(level, enough);
             if self.is_over() {
                 return better(best, found, error);
             }
             level -= STEP;
             misses += 1;
-            if let Some(found) = found.filter(|found| enough.is_none_or(|enough| found.parts.len() <= enough)) {
+            if let Some(found) = found.filter(|found| enough.is_none_or(|enough| found.count() <= enough)) {
                 misses = 0;
                 // The levels between would give the same.
                 if found.reached() < self.limit(last) {
@@ -232,9 +246,13 @@ impl<'a> Levels<'a> {
     fn halved(&self, count: usize) -> Option<Found> {
         self.deadline?;
         let limit = f64::INFINITY;
-        let parts = partition::halved(self.mesh, &self.bounds(limit), count.min(HALVED));
-        let fewest = parts.len();
-        (fewest > 1).then_some(Found { parts, fewest, limit })
+        let is_half = self.surface.mirror.is_some();
+        let count = if is_half { count / 2 } else { count };
+        let halved = partition::halved(self.surface, &self.bounds(limit), count.min(HALVED));
+        let (parts, mirrored) = if is_half { (Vec::new(), halved) } else { (halved, Vec::new()) };
+        let mut found = Found { parts, mirrored, fewest: 0, limit };
+        found.fewest = found.count();
+        (found.fewest > 1).then_some(found)
     }
 
     /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a
@@ -249,10 +267,10 @@ impl<'a> Levels<'a> {
             let found = self.search(level, Some(count + (count / 4).max(2)));
             if self.is_over() {
                 let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
-                return better(best, found.filter(|found| found.parts.len() <= count), f64::INFINITY);
+                return better(best, found.filter(|found| found.count() <= count), f64::INFINITY);
             }
             match found {
-                Some(found) if found.parts.len() <= count => {
+                Some(found) if found.count() <= count => {
                     best = Some((self.level(found.reached(), 1).min(level), found));
                 }
                 _ => low = Some(level),
@@ -279,11 +297,17 @@ impl<'a> Levels<'a> {
         let (reached, mut found) = (found.reached(), found);
         for limit in FURTHER.map(|share| share * reached) {
             let is_useful = limit.is_finite() && limit >= LEAST_FOR_TIGHTNESS * self.diagonal();
-            if found.parts.len() >= count || !is_useful {
+            if found.count() >= count || !is_useful {
                 break;
             }
             let bounds = self.bounds(limit);
-            found.parts = partition::divided_further(self.mesh, &mut self.field, bounds, found.parts, count);
+            // A part that is its own image cannot be divided into such parts.
+            let (divisible, count) = match self.surface.mirror {
+                Some(_) => (&mut found.mirrored, (count - found.parts.len()) / 2),
+                None => (&mut found.parts, count),
+            };
+            let parts = std::mem::take(divisible);
+            *divisible = partition::divided_further(self.surface, &mut self.field, bounds, parts, count);
         }
         found
     }

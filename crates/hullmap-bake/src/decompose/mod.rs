@@ -6,7 +6,8 @@
 //! | `parameters` | parameters of a cover |
 //! | `levels` | the limits for which parts are searched, and which result is taken |
 //! | [`partition`] | the parts for one limit |
-//! | this one | the rest: meshes that need no parts, triangles that are not covered |
+//! | `finish` | final hulls, and triangles that are not covered |
+//! | `search` | parts that are symmetric, or others if they are fewer |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
 //!
@@ -31,43 +32,21 @@
 //! ```
 
 mod convex;
+mod finish;
 mod levels;
 mod parameters;
 mod part;
 pub mod partition;
 mod patch;
+mod search;
 
 use convex::is_convex;
-use glam::DVec3;
-use levels::{Found, Levels};
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
-use partition::{
-    Part,
-    body::Body,
-    shape::{large_faces, tightened},
-    wrap::{self, Bounds},
-};
-use rayon::prelude::*;
+use partition::wrap;
+use search::Search;
 
-use crate::{
-    BakeError, PointSet,
-    fit::{planes::HalfSpace, solid::Solid, uncovered_triangles},
-    hull::{self, Hull},
-    progress::Stage,
-    simplify::{self, nearest::Nearest},
-};
-
-/// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
-const COVERED: f64 = 1e-7;
-
-/// Maximum number of times that a part is built again because it lost vertices.
-const BUILDS: usize = 4;
-
-/// Maximum number of rounds in which triangles that are not proven to be covered are absorbed by
-/// parts or become parts, for instance because they have no area. Bounds are measured by
-/// subtracting parts, so further parts may raise the bound of a triangle that they cut.
-const UNCOVERED_ROUNDS: usize = 4;
+use crate::{BakeError, PointSet, hull, progress::Stage, simplify};
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
@@ -96,93 +75,16 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     }
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
-    let solid = Solid::new(mesh);
-    let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage);
-    let found = if parameters.max_parts == Some(1) { None } else { levels.parts() };
-    let hulls = match found {
-        Some(parts) => finished(mesh, &vertices, &levels, parts, parameters.max_parts),
-        None => vec![wrap::within_vertices(hull, max_vertices)],
+    let solid = parameters.solid(mesh);
+    let found = if parameters.max_parts == Some(1) {
+        None
+    } else {
+        Search { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices }.best(stage)
     };
+    let hulls = found.unwrap_or_else(|| vec![wrap::within_vertices(hull, max_vertices)]);
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
-}
-
-/// The hull of a part's vertices in their order in the mesh. Another order may give faces, and thus
-/// bounds, that differ by rounding.
-fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
-    for _ in 0..BUILDS {
-        let Ok(built) = hull::build(&vertices.part(&hull)) else { break };
-        let is_same = built.vertices.len() == hull.vertices.len();
-        hull = built;
-        if is_same {
-            break;
-        }
-    }
-    hull
-}
-
-/// The hulls of parts, and of what they do not cover. They cover the mesh, and are at most
-/// `max_parts`.
-fn finished(
-    mesh: &PointSet,
-    vertices: &SourceVertices,
-    levels: &Levels,
-    found: Found,
-    max_parts: Option<u32>,
-) -> Vec<Hull> {
-    let Found { parts, limit, .. } = found;
-    let diagonal = levels.field.solid().diagonal();
-    let bounds = levels.bounds(limit);
-    let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-    let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
-    let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
-    let thin = levels.bounds_of_thin_parts(limit);
-    let tight = |part: &Part| wrap::thick(&levels.field, tightened(&levels.field, part, &sides, &bounds), &thin);
-    let tight = |part: &Part| as_built(vertices, tight(part));
-    let mut hulls: Vec<Hull> = parts.par_iter().map(tight).collect();
-    for _ in 0..UNCOVERED_ROUNDS {
-        let missing = uncovered_triangles(mesh, &hulls.iter().collect::<Vec<_>>(), COVERED * diagonal);
-        if missing.is_empty() {
-            break;
-        }
-        for triangle in missing {
-            let corners = mesh.triangles[triangle].map(corner);
-            let may_add = max_parts.is_none_or(|count| hulls.len() < count as usize);
-            if let Some((part, grown)) = absorbed(levels, &hulls, &corners, &bounds, !may_add) {
-                hulls[part] = as_built(vertices, grown);
-            } else if may_add {
-                let own = wrap::of_polygon(&corners, diagonal, thin.thickness, bounds.max_vertices);
-                hulls.extend(own.into_iter().map(|(_, hull)| as_built(vertices, hull)));
-            }
-        }
-    }
-    hulls
-}
-
-/// The part nearest to a triangle, by its index, and a hull of both; `None` if that is not proven
-/// to be within the limit. If the triangle `must` be absorbed, a larger protrusion is accepted.
-fn absorbed(
-    levels: &Levels,
-    hulls: &[Hull],
-    corners: &[DVec3; 3],
-    bounds: &Bounds,
-    must: bool,
-) -> Option<(usize, Hull)> {
-    let distance = |hull: &Hull| {
-        let nearest = Nearest::new(hull);
-        corners.iter().map(|p| nearest.certain(*p).point.distance(*p)).fold(0.0, f64::max)
-    };
-    let (part, _) = hulls
-        .iter()
-        .enumerate()
-        .map(|(index, hull)| (index, distance(hull)))
-        .reduce(|best, next| if next.1 < best.1 { next } else { best })?;
-    let points = [hulls[part].positions().as_slice(), corners].concat();
-    let grown = wrap::tight(&points, bounds.diagonal, bounds.thickness)?;
-    let grown = wrap::within_vertices(grown, bounds.max_vertices);
-    let is_proven = || wrap::prove(&levels.field, &grown, bounds, wrap::MEASUREMENTS).is_ok();
-    (must || is_proven()).then_some((part, grown))
 }
 
 #[cfg(test)]

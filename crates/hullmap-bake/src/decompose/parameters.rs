@@ -1,5 +1,13 @@
 //! Parameters of a decomposition.
 
+use std::fmt;
+
+use crate::{
+    PointSet,
+    fit::{reach::with_unreachable, solid::Solid},
+    number::{percent, short},
+};
+
 /// A length, absolute or relative to the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
@@ -15,6 +23,15 @@ impl Length {
         match self {
             Self::Absolute(length) => length,
             Self::Relative(share) => share * diagonal,
+        }
+    }
+}
+
+impl fmt::Display for Length {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Absolute(length) => write!(f, "{}", short(*length)),
+            Self::Relative(share) => write!(f, "{} of the diagonal", percent(*share)),
         }
     }
 }
@@ -37,6 +54,11 @@ pub struct Cover {
     /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
     /// the maximum error.
     pub min_thickness: Length,
+    /// Whether a mesh that has a mirror plane gets symmetric parts.
+    pub symmetry: bool,
+    /// Radius of a ball: protrusion counts only where such a ball can come from outside. `None` for
+    /// everywhere.
+    pub reachable: Option<Length>,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
     /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls
     /// of what the surface is halved into.
@@ -51,7 +73,24 @@ impl Default for Cover {
             max_vertices: 64,
             overlap: 0.05,
             min_thickness: Length::Relative(0.005),
+            symmetry: true,
+            reachable: None,
             seconds: None,
+        }
+    }
+}
+
+impl Cover {
+    /// The solid from which protrusion counts: that of the mesh, with the space that a ball of the
+    /// radius [`reachable`](Self::reachable) cannot reach.
+    ///
+    /// # Complexity
+    /// That of [`Solid::new`]; with a radius, that of [`with_unreachable`], too.
+    pub fn solid(&self, mesh: &PointSet) -> Solid {
+        let solid = Solid::new(mesh);
+        match self.reachable.map(|radius| radius.of(solid.diagonal())) {
+            Some(radius) => with_unreachable(mesh, solid, radius),
+            None => solid,
         }
     }
 }

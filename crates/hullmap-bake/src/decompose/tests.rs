@@ -1,8 +1,15 @@
+use glam::{DMat3, DVec3};
 use shapes::{concave, mesh::Mesh, solids::extrusion};
 
-use super::*;
+use super::{
+    finish::finished,
+    levels::{Found, Levels},
+    partition::surface::Surface,
+    *,
+};
 use crate::{
-    fit::{Looseness, fits, looseness},
+    fit::{Looseness, Solid, fits, looseness},
+    hull::Hull,
     mass::{Mass, mass},
 };
 
@@ -106,12 +113,13 @@ fn parts_of_a_sheet_have_a_thickness() {
 fn the_number_of_parts_is_never_exceeded() {
     let mesh = point_set(&concave::l());
     let (solid, cover) = (Solid::new(&mesh), Cover::default());
-    let mut levels = Levels::new(&mesh, &solid, &cover, 64, Stage::default());
-    let Found { mut parts, limit, fewest } = levels.parts().unwrap();
+    let surface = Surface::new(&mesh);
+    let mut levels = Levels::new(&surface, &solid, &cover, 64, Stage::default());
+    let Found { mut parts, limit, fewest, .. } = levels.parts().unwrap();
     assert_eq!(parts.len(), 2);
     parts.truncate(1);
     for max_parts in [Some(1), Some(2), None] {
-        let found = Found { parts: parts.clone(), fewest, limit };
+        let found = Found { parts: parts.clone(), mirrored: Vec::new(), fewest, limit };
         let hulls = finished(&mesh, &SourceVertices::new(&mesh), &levels, found, max_parts);
         assert!(max_parts.is_none_or(|count| hulls.len() <= count as usize), "{} of {max_parts:?}", hulls.len());
         let fits = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), None).unwrap();
@@ -120,5 +128,77 @@ fn the_number_of_parts_is_never_exceeded() {
         let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
         let error = cover.max_error.of(solid.diagonal());
         assert!(max_parts.is_some() || worst <= error, "{worst} of {error}");
+    }
+}
+
+/// The parts of a mesh as sorted vertices.
+fn parts_of(mesh: &PointSet, cover: &Cover) -> Vec<Vec<[f32; 3]>> {
+    let mut parts: Vec<Vec<[f32; 3]>> =
+        decompose(mesh, cover).unwrap().unwrap().into_iter().map(|part| part.positions).collect();
+    parts.iter_mut().for_each(|part| part.sort_by(|a, b| a.partial_cmp(b).unwrap()));
+    parts
+}
+
+/// The images are computed here, with no code of the search.
+#[test]
+fn symmetric_meshes_get_mirrored_parts() {
+    for (mesh, error) in [(concave::horseshoe(8), 2.0), (concave::horseshoe(7), 1.0), (concave::open_box(), 1.0)] {
+        let mesh = point_set(&mesh);
+        let cover = Cover { max_error: Length::Relative(0.01 * error), ..Cover::default() };
+        let parts = parts_of(&mesh, &cover);
+        let is_symmetric = (0..3).any(|axis| {
+            let image = |part: &Vec<[f32; 3]>| {
+                let mut image = part.clone();
+                image.iter_mut().for_each(|p| p[axis] = 0.0 - p[axis]);
+                image.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                image
+            };
+            parts.iter().all(|part| parts.contains(&image(part)))
+        });
+        assert!(is_symmetric, "{error} %: {parts:?}");
+        let without = parts_of(&mesh, &Cover { symmetry: false, ..cover });
+        assert!(parts.len() <= without.len(), "{error} %: {} parts instead of {}", parts.len(), without.len());
+        let hulls = hulls(&mesh, &cover);
+        let limit = 0.01 * error * Solid::new(&mesh).diagonal();
+        for fit in fits(&mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).unwrap() {
+            assert!(fit.protrusion <= limit && fit.uncovered <= 1e-7 * Solid::new(&mesh).diagonal(), "{fit:?}");
+        }
+    }
+}
+
+/// Reflections are rounded there, so that parts must contain what rounding moves.
+#[test]
+fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
+    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+    for (shape, turn, offset) in [
+        (concave::chair(), DMat3::IDENTITY, 7.3),
+        (concave::horseshoe(8), turn, 0.0),
+        (concave::horseshoe(8), turn, 2.7),
+    ] {
+        let mut mesh = point_set(&shape);
+        let at = |p: &[f32; 3]| DVec3::from_array(p.map(f64::from));
+        let [low, high] = Solid::new(&mesh).bounds();
+        for p in &mut mesh.positions {
+            *p = (turn * (at(p) + offset)).as_vec3().to_array();
+        }
+        let solid = Solid::new(&mesh);
+        let parts = parts_of(&mesh, &Cover::default());
+        let is_mirrored = |axis: usize| {
+            let normal = turn * DVec3::AXES[axis];
+            // Where the middle of the shape's box was moved.
+            let middle = (0.5 * (low + high) + offset)[axis];
+            let image = |p: &[f32; 3]| at(p) - normal * (2.0 * (normal.dot(at(p)) - middle));
+            let is_near = |p: &[f32; 3], q: &[f32; 3]| image(p).distance(at(q)) <= 1e-5 * solid.diagonal();
+            let is_image = |part: &[[f32; 3]], other: &[[f32; 3]]| {
+                part.len() == other.len() && part.iter().all(|p| other.iter().any(|q| is_near(p, q)))
+            };
+            parts.iter().all(|part| parts.iter().any(|other| is_image(part, other)))
+        };
+        assert!((0..3).any(is_mirrored), "{turn} {offset}");
+        let hulls = hulls(&mesh, &Cover::default());
+        let limit = 0.02 * solid.diagonal();
+        for fit in fits(&mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).unwrap() {
+            assert!(fit.protrusion <= limit && fit.uncovered <= 1e-7 * solid.diagonal(), "{fit:?}");
+        }
     }
 }

@@ -14,6 +14,7 @@
 //! | `voids` | estimate: volume of the solid that is in no part |
 //! | `region` | a part as half-spaces in a box |
 //! | [`branch`] | branch and bound, which both use |
+//! | [`reach`] | space that no ball of a radius can reach from outside |
 //! | [`sides`] | regions that are inside although triangles cut them |
 //! | `triangle_tree` | bounding volume hierarchy of a mesh's triangles |
 //! | [`triangle`], [`planes`] | distances from a triangle, half-spaces of a part |
@@ -28,6 +29,7 @@ mod looseness;
 pub mod mesh_mass;
 pub mod planes;
 pub mod protrusion;
+pub mod reach;
 mod region;
 pub mod sides;
 pub mod solid;

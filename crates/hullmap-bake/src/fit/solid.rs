@@ -157,6 +157,11 @@ impl Solid {
         self.surface.bounds
     }
 
+    /// Number of the mesh's own triangles, which come first.
+    pub fn mesh_count(&self) -> usize {
+        self.mesh_count
+    }
+
     /// All triangles that bound or may bound the solid: the mesh's, then the closing ones.
     pub fn triangles(&self) -> &[Triangle] {
         &self.surface.triangles

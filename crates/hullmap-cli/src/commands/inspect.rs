@@ -5,6 +5,7 @@ use hullmap_bake::number::{percent, short};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
+use crate::estimates::MirrorPlane;
 use crate::geometry::{polygons, positions, rank_name};
 use crate::open::{kept_warnings, open_pack};
 use crate::options::BuildOptions;
@@ -55,6 +56,8 @@ struct HullDescription {
     solid: Option<&'static str>,
     part: u32,
     part_count: u32,
+    /// The plane about which the parts of its object are symmetric; `None` if there is none.
+    symmetry: Option<MirrorPlane>,
     origin: [f64; 3],
     /// Vertices, with `--vertices`.
     positions: Option<Vec<[f32; 3]>>,
@@ -116,11 +119,21 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
         options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
         warnings: kept_warnings(pack),
-        hulls: pack.hulls().map(|hull| describe(&hull, has_vertices)).collect(),
+        hulls: described(&pack.hulls().collect::<Vec<_>>(), has_vertices),
     }
 }
 
-fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
+/// The descriptions of hulls. The parts of an object are consecutive.
+fn described(hulls: &[Hull], has_vertices: bool) -> Vec<HullDescription> {
+    let of_object = |own: &[Hull]| {
+        let vertices: Vec<Vec<[f32; 3]>> = own.iter().map(positions).collect();
+        let symmetry = MirrorPlane::of(&vertices.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        own.iter().map(|hull| describe(hull, symmetry, has_vertices)).collect::<Vec<_>>()
+    };
+    hulls.chunk_by(|_, next| next.part() > 0).flat_map(of_object).collect()
+}
+
+fn describe(hull: &Hull, symmetry: Option<MirrorPlane>, has_vertices: bool) -> HullDescription {
     let worst = hull.worst_cost();
     let kind = hull.index_kind();
     let mesh = hull.mesh_mass_properties(1.0);
@@ -143,6 +156,7 @@ fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
         solid: hull.solid().map(SolidKind::as_str),
         part: hull.part(),
         part_count: hull.part_count(),
+        symmetry,
         origin: hull.origin().to_array(),
         positions: has_vertices.then(|| positions(hull)),
         polygons: has_vertices.then(|| polygons(hull)),
@@ -168,6 +182,9 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
     out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
+    let cover = BuildOptions::from_recorded(&report.options).and_then(|options| options.decompose());
+    let reachable =
+        cover.and_then(|cover| cover.reachable).map(|radius| format!("a ball of radius {radius} from outside"));
     for warning in &report.warnings {
         out.line(format_args!("  warning            {warning}"))?;
     }
@@ -199,7 +216,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
             out.line("  mesh               mass unknown: not a closed mesh")?;
         }
         if hull.part_count > 0 {
-            write_part(hull, out)?;
+            write_part(hull, reachable.as_deref(), out)?;
         }
         if hull.origin != [0.0; 3] {
             out.line(format_args!("  origin             {} in the source", hull.origin.map(rounded).join(" ")))?;
@@ -217,8 +234,9 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
 }
 
 /// Writes the pack's record about a convex part.
-fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
-    out.line(format_args!("  part               {} of {} of its object", hull.part, hull.part_count))?;
+fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output) -> Result<(), Failure> {
+    let symmetric = hull.symmetry.map_or_else(String::new, |plane| format!(", symmetric about {}", plane.in_words()));
+    out.line(format_args!("  part               {} of {} of its object{symmetric}", hull.part, hull.part_count))?;
     let (Some(solid), Some(uncovered), Some(protrusion), Some(at)) =
         (hull.solid, hull.uncovered, hull.protrusion, hull.protrusion_at)
     else {
@@ -227,7 +245,11 @@ fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
     out.line(format_args!("  solid              {solid}"))?;
     out.line(format_args!("  uncovered          at most {}, of the surface outside all parts", short(uncovered)))?;
     let at = at.map(rounded).join(" ");
-    Ok(out.line(format_args!("  protrusion         at most {}, greatest at {at}", short(protrusion)))?)
+    out.line(format_args!("  protrusion         at most {}, greatest at {at}", short(protrusion)))?;
+    match reachable {
+        Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words} can come"))?),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -256,6 +278,7 @@ mod tests {
             solid: None,
             part: 0,
             part_count: 0,
+            symmetry: None,
             origin: [0.0; 3],
             positions: None,
             polygons: None,

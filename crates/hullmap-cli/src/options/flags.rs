@@ -31,7 +31,7 @@ impl clap::Args for OptionLayer {
 
 /// The options of `bake decompose`, with their help where that of `bake build` also speaks of
 /// whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 9] = [
+const OF_PARTS: [(&str, Option<&str>); 11] = [
     (
         "max_error",
         Some(
@@ -48,6 +48,8 @@ const OF_PARTS: [(&str, Option<&str>); 9] = [
     ("max_parts", None),
     ("overlap", None),
     ("min_thickness", None),
+    ("symmetry", None),
+    ("reachable", None),
     ("decompose_seconds", None),
     ("unit_scale", None),
     ("up_axis", None),

@@ -183,6 +183,8 @@ pub mod tests {
         ("decompose_seconds", "2.5"),
         ("record_source", "name"),
         ("lean", "true"),
+        ("symmetry", "none"),
+        ("reachable", "5%"),
         ("for_engine", "box3d"),
     ];
 

@@ -120,6 +120,8 @@ impl BuildOptions {
                 .within_budget(self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices)),
             overlap: self.optional_number("overlap").unwrap_or(f64::INFINITY),
             min_thickness: self.length("min_thickness").unwrap_or(Length::Relative(THINNEST)),
+            symmetry: self.word("symmetry") == "auto",
+            reachable: self.length("reachable"),
             seconds: self.optional_number("decompose_seconds"),
         })
     }
@@ -298,6 +300,9 @@ pub mod tests {
         assert_eq!(cover("overlap", "none"), Some(Cover { overlap: f64::INFINITY, ..usual }));
         assert_eq!(cover("min_thickness", "1%"), Some(Cover { min_thickness: Length::Relative(0.01), ..usual }));
         assert_eq!(cover("min_thickness", "0.5"), Some(Cover { min_thickness: Length::Absolute(0.5), ..usual }));
+        assert_eq!(cover("reachable", "5%"), Some(Cover { reachable: Some(Length::Relative(0.05)), ..usual }));
+        assert_eq!(cover("symmetry", "none"), Some(Cover { symmetry: false, ..usual }));
+        assert_eq!(cover("symmetry", "auto"), Some(usual));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
     }

@@ -311,6 +311,28 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         ..OPTION
     },
     BuildOption {
+        key: "symmetry",
+        syntax: Words(&["auto", "none"]),
+        default: DefaultValue::Value("auto"),
+        value_name: "auto|none",
+        help: "Make the parts of a symmetric mesh symmetric unless others are fewer (auto), or ignore symmetry (none)",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
+    BuildOption {
+        key: "reachable",
+        syntax: LengthOrNone,
+        default: DefaultValue::Value("none"),
+        value_name: "R|R%",
+        help: "Count protrusion only where a ball of radius R from outside can reach, so that inner walls cost no parts: a length, or a share of the mesh's diagonal",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
+    BuildOption {
         key: "for_engine",
         syntax: Words(&crate::budget::NAMES),
         default: DefaultValue::Value("none"),
@@ -322,7 +344,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 19;
+pub const OPTION_COUNT: usize = 21;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

@@ -107,12 +107,12 @@ impl Ord for Cell {
 }
 
 impl Judge {
-    /// Prepares the mesh of `points`, which must have triangles.
-    pub fn new(points: &PointSet) -> Self {
+    /// Prepares the mesh of `points`, which must have triangles, and the solid from which
+    /// protrusion counts.
+    pub fn new(points: &PointSet, solid: &Solid) -> Self {
         let at = |v: &u32| DVec3::from_array(points.positions[*v as usize].map(f64::from));
         let triangles: Vec<Triangle> = points.triangles.iter().map(|triangle| triangle.each_ref().map(at)).collect();
-        let solid = Solid::new(points);
-        let soup = TriangleSoup::new(&solid, triangles.len());
+        let soup = TriangleSoup::new(solid, solid.mesh_count());
         let [low, high] = solid.bounds();
         let rounding = ROUNDING * low.abs().max(high.abs()).max_element() + solid.tolerance();
         Self { triangles, soup, kind: solid.kind(), diagonal: solid.diagonal(), rounding }
@@ -393,7 +393,7 @@ mod tests {
         let mesh = corner();
         let all: Vec<usize> = (0..12).collect();
         let pack = pack(vec![part(&mesh, &all)], &mesh);
-        let (hull, judge) = (pack.hull(0).unwrap(), Judge::new(&mesh));
+        let (hull, judge) = (pack.hull(0).unwrap(), Judge::new(&mesh, &Solid::new(&mesh)));
         assert_eq!((judge.kind(), hull.solid()), (SolidKind::Watertight, Some(SolidKind::Watertight)));
         // The face from (3, 1) to (1, 2) is farthest from the solid where both arms are equally
         // far.
@@ -419,7 +419,7 @@ mod tests {
         upper.name = "upper".into();
         let pack = pack(vec![upper, flat], &mesh);
         let hulls: Vec<Hull> = pack.hulls().collect();
-        let judge = Judge::new(&mesh);
+        let judge = Judge::new(&mesh, &Solid::new(&mesh));
         let claimed = hulls[0].uncovered().unwrap();
         // The vertex (1, 1) is covered by the upper arm. The edge from there to (3, 1) is outside
         // of both parts between its ends.

@@ -31,7 +31,7 @@ use super::truth::Points;
 use super::{Measurement, REGRET_LIMIT, index, measure};
 use crate::estimates::PartsEstimates;
 use crate::geometry::polygons;
-use crate::measure::stand_for_one;
+use crate::measure::{solid_of, stand_for_one};
 use crate::options::BuildOptions;
 use crate::part::{Part, parts};
 use crate::table::rounded;
@@ -290,7 +290,7 @@ fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results
     if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
         result.problems.extend(mass::problem(first, mesh, computed.as_ref()));
     }
-    verify_fit(hulls, mesh, results);
+    verify_fit(hulls, mesh, cover, results);
     add(findings(hulls, Some(mesh), computed.map(|mass| mass.volume), cover), results);
 }
 
@@ -309,7 +309,7 @@ fn add(found: Option<PartsFindings>, results: &mut [HullVerification]) {
 }
 
 /// Checks what the parts of one object record about their fit against its mesh: see [`Judge`].
-fn verify_fit(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
+fn verify_fit(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
     let count = hulls.len();
     for (part, (hull, result)) in hulls.iter().zip(results.iter_mut()).enumerate() {
         let is_part = hull.part_count() > 0 || count > 1;
@@ -325,7 +325,7 @@ fn verify_fit(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification])
     if is_measured && mesh.triangles.is_empty() {
         results[0].problems.push(format!("its parts record a fit, but {} has no faces", mesh.name));
     } else if is_measured {
-        judge(hulls, mesh, results);
+        judge(hulls, mesh, cover, results);
     }
     for result in results {
         result.pass = result.pass && result.problems.is_empty();
@@ -333,8 +333,8 @@ fn verify_fit(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification])
 }
 
 /// Refutes recorded bounds, if a point refutes them.
-fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
-    let judge = Judge::new(mesh);
+fn judge(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
+    let judge = Judge::new(mesh, &solid_of(mesh, cover));
     let name = &mesh.name;
     let uncovered = hulls.first().and_then(Hull::uncovered).unwrap_or(0.0);
     if let Some(Witness { distance, at }) = judge.uncovered(mesh, hulls, uncovered) {

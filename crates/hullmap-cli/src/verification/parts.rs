@@ -4,11 +4,11 @@ use glam::Vec3;
 use hullmap::Hull;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures, PartMeasures, doubts, thickness};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::Solid;
 use hullmap_bake::{PointSet, hull};
 
 use crate::estimates::PartsEstimates;
 use crate::geometry::rebuilt;
+use crate::measure::solid_of;
 use crate::part::diagonal;
 
 /// What was found about the parts of one object.
@@ -40,7 +40,7 @@ pub fn findings(
     let built = built.as_ref().map(|built| built.iter().collect::<Vec<_>>());
     let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
     let (estimates, means) = match (&built, mesh) {
-        (Some(built), Some(mesh)) => PartsEstimates::new(mesh, &Solid::new(mesh), built, volume),
+        (Some(built), Some(mesh)) => PartsEstimates::new(mesh, cover, &solid_of(mesh, cover), built, volume),
         (Some(built), None) => (PartsEstimates::without_mesh(built), vec![None; hulls.len()]),
         (None, _) => (PartsEstimates::default(), vec![None; hulls.len()]),
     };

@@ -40,6 +40,11 @@ class BakeOptions(TypedDict, total=False):
     min_thickness: Optional[Union[float, str]]
     """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""
+    symmetry: Optional[Literal["auto", "none"]]
+    """Make the parts of a symmetric mesh symmetric, unless others are fewer; "auto" by default."""
+    reachable: Optional[Union[float, str]]
+    """Count protrusion only where a ball of this radius can come from outside; ``"5%"`` is relative to the
+    diagonal. Inner walls then cost no parts."""
     decompose_seconds: Optional[float]
     """Time after which the search for parts stops. Packs may then differ from run to run."""
     vertices: Optional[Literal["referenced", "all"]]

@@ -13,19 +13,21 @@ use crate::{fit::planes::HalfSpace, spread::spread};
 const COMMON_POINTS: usize = 512;
 
 /// Number of parts above which none are merged, since the time grows with its square.
-const MANY: usize = 512;
+pub const MANY: usize = 512;
 
 /// Number of parts up to which parts that are far from each other are merged, too: across others.
 const FEW: usize = 48;
 
 /// Number of mergers that may fail to be proven, in addition to one for each part.
-const FAILURES: usize = 16;
+pub const FAILURES: usize = 16;
 
 /// Merged parts.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The parts. They are no fewer than wanted, unless they are fewer without mergers.
     pub parts: Vec<Part>,
+    /// Further parts, each of which stands for its mirror image, too.
+    pub mirrored: Vec<Part>,
     /// Number of parts to which they can be merged.
     pub fewest: usize,
 }
@@ -48,7 +50,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
     let scale = &search.scale;
     let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
     if left.len() > MANY {
-        return Found { fewest: left.len(), parts: left.into_iter().flatten().collect() };
+        return Found { fewest: left.len(), parts: left.into_iter().flatten().collect(), mirrored: Vec::new() };
     }
     let (mut count, mut enough) = (left.len(), None);
     let total: f64 = left.iter().flatten().map(|part| part.piece.body.volume()).sum();
@@ -91,7 +93,8 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
             }
         }
     }
-    Found { parts: enough.unwrap_or(left).into_iter().flatten().collect(), fewest: count }
+    let parts = enough.unwrap_or(left).into_iter().flatten().collect();
+    Found { parts, mirrored: Vec::new(), fewest: count }
 }
 
 /// Pairs of parts whose boxes are at most `gap` apart.
@@ -128,7 +131,7 @@ fn common_with_others(parts: &[Option<Part>], (i, j): (usize, usize), body: &Bod
 }
 
 /// The volume that two bodies have in common, from the share of evenly spread points.
-fn common_volume(a: &Body, b: &Body) -> f64 {
+pub fn common_volume(a: &Body, b: &Body) -> f64 {
     let (low, high) = (a.low.max(b.low), a.high.min(b.high));
     let size = high - low;
     if size.min_element() <= 0.0 {

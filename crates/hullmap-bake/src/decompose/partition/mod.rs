@@ -11,6 +11,8 @@
 //! | [`conflicts`] | pairs of points that must not be in the same part |
 //! | [`peel`] | caps that are cut off a piece, one after the other |
 //! | [`join`] | mergers of parts |
+//! | [`surface`], [`halves`] | the surface, or half of it; mergers across its mirror plane |
+//! | [`symmetric`] | hulls that are their own mirror images |
 //! | [`context`] | what all steps share |
 //! | [`shape`] | final hulls of pieces |
 //! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
@@ -45,11 +47,14 @@ pub mod context;
 pub mod cuts;
 mod deadline;
 pub mod field;
+pub mod halves;
 pub mod join;
 pub mod peel;
 pub mod piece;
 pub mod sample;
 pub mod shape;
+pub mod surface;
+pub mod symmetric;
 pub mod wrap;
 
 use std::sync::Arc;
@@ -65,9 +70,10 @@ pub use join::Found;
 use peel::Along;
 use piece::{Atom, Piece, Scale};
 pub use shape::Part;
+use surface::Surface;
 use wrap::Bounds;
 
-use crate::{PointSet, decompose::patch::Patch, progress::Stage};
+use crate::{decompose::patch::Patch, progress::Stage};
 
 /// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells take
 /// longer.
@@ -109,38 +115,42 @@ pub struct PartitionLimits<'a> {
     pub wanted: usize,
 }
 
-/// Parts that together contain the surface of `mesh`.
+/// Parts that together contain a surface; of half a surface, with their mirror images.
 ///
-/// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
+/// Without a deadline, the result depends on the surface and the limits only. In the worst case, a
 /// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
 /// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
 /// about `enough` parts are needed.
-pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
-    let triangles = triangles(mesh);
+pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
+    let triangles = &surface.triangles;
     field.find_peaks(limits.bounds.limit * HARD_SHARE);
     let field = &*field;
     let diagonal = field.solid().diagonal();
     let PartitionLimits { bounds, overlap, enough, wanted } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
     let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
-    let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
+    let cells::Cells { cells, planes } = cells::cells(triangles, field, &cutting, &|| bounds.is_over())?;
     stage.reach(STAGES[0]);
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body(&piece::points(&atoms));
     let search = Search { field, scale, planes: &planes, bounds };
-    let mut forbidden = search.forbidden(&triangles, &hull);
+    let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
     let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
     let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
-    Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
+    let Some(mirror) = &surface.mirror else {
+        return Some(join::merge(&search, parts, &mut forbidden, overlap, wanted));
+    };
+    let found = join::merge(&search, parts, &mut forbidden, overlap, wanted.div_ceil(2));
+    Some(halves::merge(&search, found, mirror, &mut forbidden, overlap, wanted))
 }
 
 /// Divides parts further, as long as there are at most `count`: those that protrude much from a
 /// large surface first, until each is within the limit of `bounds`. A part that would become too
 /// many stays as it is.
 pub fn divided_further(
-    mesh: &PointSet,
+    surface: &Surface,
     field: &mut Field,
     bounds: Bounds,
     parts: Vec<Part>,
@@ -148,7 +158,7 @@ pub fn divided_further(
 ) -> Vec<Part> {
     field.find_peaks(bounds.limit * HARD_SHARE);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
-    let planes = cells::FacePlanes::new(&triangles(mesh), bounds.diagonal);
+    let planes = cells::FacePlanes::new(&surface.triangles, bounds.diagonal);
     let search = Search { field, scale, planes: &planes, bounds };
     let mut room = count.saturating_sub(parts.len());
     let mut parts = parts;
@@ -171,22 +181,11 @@ pub fn divided_further(
     parts.into_iter().flat_map(further).collect()
 }
 
-/// The mesh's triangles. Their faces point outward.
-fn triangles(mesh: &PointSet) -> Vec<[DVec3; 3]> {
-    let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
-    let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
-    let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
-    if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
-        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    }
-    triangles
-}
-
 /// At most `count` parts, whose bounds are not known: the hulls of what the surface is halved into,
 /// each time in the middle of the longest side. They take hardly more time than the mesh's hull.
-pub fn halved(mesh: &PointSet, bounds: &Bounds, count: usize) -> Vec<Part> {
+pub fn halved(surface: &Surface, bounds: &Bounds, count: usize) -> Vec<Part> {
     let scale = Scale { limit: bounds.limit, diagonal: bounds.diagonal };
-    let polygons = triangles(mesh).into_iter().map(Vec::from).collect();
+    let polygons = surface.triangles.iter().map(|triangle| triangle.to_vec()).collect();
     let atoms = Patch::new(polygons).map(|patch| vec![Arc::new(Atom::new(patch))]);
     let mut pieces: Vec<Piece> = atoms.into_iter().map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
     while !pieces.is_empty() && 2 * pieces.len() <= count {

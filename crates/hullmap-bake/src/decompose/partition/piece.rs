@@ -8,10 +8,11 @@ use super::body::{self, Body, THICKNESS};
 use crate::{
     decompose::patch::Patch,
     fit::planes::{self, HalfSpace},
+    symmetry::Mirror,
 };
 
 /// Distance from a plane up to which a point counts as on it, relative to the diagonal.
-const ON_PLANE: f64 = 1e-9;
+pub const ON_PLANE: f64 = 1e-9;
 
 /// Distance between boxes of atoms up to which they are neighbours, relative to the limit. Smaller
 /// gaps are part of the solid as far as the limit is concerned.
@@ -37,6 +38,14 @@ impl Atom {
         let normals: Vec<DVec3> = atom.triangles().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).collect();
         (atom.area, atom.normal) = (normals.iter().map(|n| n.length()).sum(), normals.iter().sum());
         atom
+    }
+
+    /// Its mirror image, whose faces point outward, too.
+    pub fn image(&self, mirror: &Mirror) -> Self {
+        let polygons = &self.patch.polygons;
+        let image = |p: &DVec3| mirror.image(*p);
+        let polygons = polygons.iter().map(|polygon| polygon.iter().rev().map(image).collect()).collect();
+        Self::new(Patch { polygons, points: self.patch.points.iter().map(image).collect() })
     }
 
     /// The polygons as triangles.

@@ -3,7 +3,7 @@ use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 use super::{body::Body, *};
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Accuracy, Solid, coverage::uncovered, protrusion};
-use crate::hull::Hull;
+use crate::{PointSet, hull::Hull};
 
 fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
     let (thickness, diagonal, stage) = (0.5 * limit, solid.diagonal(), Stage::default());
@@ -16,7 +16,8 @@ fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
 fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let found = search(mesh, &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;
+    let surface = Surface::new(mesh);
+    let found = search(&surface, &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;
     let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
@@ -143,7 +144,7 @@ fn a_search_without_time_ends_with_halves() {
     let limit = 0.02 * solid.diagonal();
     let mut what = limits(limit, &solid);
     what.bounds.deadline = Some(Deadline::after(0.0));
-    assert!(search(&mesh, &mut Field::new(&solid), &what).is_none());
+    assert!(search(&Surface::new(&mesh), &mut Field::new(&solid), &what).is_none());
     let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
     assert!(found.len() > 2 && found.len() <= 8, "{}", found.len());
     assert!(found.iter().all(|hull| hull.vertices.len() <= 12));
@@ -219,7 +220,7 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found = search(&mesh, &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;
+        let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;
         let bound = uncovered(&mesh, &found.iter().map(|part| &part.hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
         assert!(found.iter().all(|part| part.bound <= limit), "seed {seed}");

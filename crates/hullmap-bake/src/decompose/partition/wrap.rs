@@ -62,7 +62,7 @@ const ALIKE: f64 = 0.94;
 const MEASURED: usize = 150;
 
 /// Maximum rounding error of a point, relative to its greatest coordinate.
-const ROUNDING: f64 = 1.1e-7;
+pub const ROUNDING: f64 = 1.1e-7;
 
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]

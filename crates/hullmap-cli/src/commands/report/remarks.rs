@@ -3,6 +3,7 @@
 
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
+use hullmap_bake::decompose::Length;
 use hullmap_report::input::Remarks;
 
 use crate::open::kept_warnings;
@@ -19,13 +20,14 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
         remarks.warnings.clone_from(&source.warnings);
     }
     let hulls: Vec<Hull> = pack.hulls().collect();
+    let cover = BuildOptions::from_recorded(pack.options()).and_then(|options| options.decompose());
+    let reachable = cover.and_then(|cover| cover.reachable);
     let mut found = Vec::new();
     // The parts of one object follow one another; the first has part number 0.
     for parts in hulls.chunk_by(|_, next| next.part() > 0) {
-        found.extend(about_object(parts, source.is_some(), &mut remarks.warnings));
+        found.extend(about_object(parts, source.is_some(), reachable, &mut remarks.warnings));
     }
-    let is_decomposed =
-        BuildOptions::from_recorded(pack.options()).is_some_and(|options| options.decompose().is_some());
+    let is_decomposed = cover.is_some();
     found.extend(hulls.iter().flat_map(|hull| about_hull(hull, is_decomposed && hull.part_count() > 1)));
     let (notes, warnings) = advice::summarise(found);
     remarks.notes.extend(notes);
@@ -37,7 +39,12 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
     remarks
 }
 
-fn about_object(parts: &[Hull], has_source: bool, warnings: &mut Vec<String>) -> Option<Remark> {
+fn about_object(
+    parts: &[Hull],
+    has_source: bool,
+    reachable: Option<Length>,
+    warnings: &mut Vec<String>,
+) -> Option<Remark> {
     let first = parts.first()?;
     let is_cut = parts.len() > 1;
     let name =
@@ -47,7 +54,7 @@ fn about_object(parts: &[Hull], has_source: bool, warnings: &mut Vec<String>) ->
         warnings.extend(hullmap_import::far_away(name, &vertices));
     }
     let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
-    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size))
+    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable))
 }
 
 /// The fit of all parts of one object together; `None` if it was not measured.

@@ -19,7 +19,7 @@ use crate::options::value::Value;
 use crate::outcome::Failure;
 
 /// Options that are lengths of the robot, in metres.
-const LENGTHS: [&str; 2] = ["max_error", "min_thickness"];
+const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
 
 /// What becomes of a shape.
 #[derive(Debug)]

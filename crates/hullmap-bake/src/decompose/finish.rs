@@ -1,0 +1,210 @@
+//! Final hulls of the parts that were found, which together contain the whole surface. Where a
+//! mirror halves the mesh, each is made with its image.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{
+    levels::{Found, Levels},
+    part::SourceVertices,
+    partition::{
+        Part,
+        body::Body,
+        shape::{large_faces, tightened},
+        symmetric,
+        wrap::{self, Bounds},
+    },
+};
+use crate::{
+    PointSet,
+    fit::{planes::HalfSpace, uncovered_triangles},
+    hull::{self, Hull},
+    simplify::nearest::Nearest,
+    symmetry::Mirror,
+};
+
+/// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
+pub const COVERED: f64 = 1e-7;
+
+/// Maximum number of times that a part is built again because it lost vertices.
+const BUILDS: usize = 4;
+
+/// Maximum number of rounds in which triangles that are not proven to be covered are absorbed by
+/// parts or become parts, for instance because they have no area. Bounds are measured by
+/// subtracting parts, so further parts may raise the bound of a triangle that they cut.
+const UNCOVERED_ROUNDS: usize = 4;
+
+/// Numbers of vertices with which a symmetric hull is tried, relative to the maximum: its half and
+/// the image of that have other corners than the hull.
+const SYMMETRIC_VERTICES: [f64; 4] = [1.0, 0.8, 0.6, 0.45];
+
+/// A final hull, and its mirror image if that is another part.
+struct Unit {
+    hull: Hull,
+    image: Option<Hull>,
+}
+
+/// What final hulls depend on.
+struct Finish<'a, 'b> {
+    vertices: &'a SourceVertices<'a>,
+    levels: &'a Levels<'b>,
+    bounds: Bounds<'b>,
+    /// Limits of thin parts.
+    thin: Bounds<'b>,
+    /// Planes of large faces of the mesh's hull.
+    sides: Vec<HalfSpace>,
+}
+
+/// The hulls of parts, and of what they do not cover. They cover the mesh, and are at most
+/// `max_parts`. Those of a symmetric mesh are symmetric as far as that can be proven.
+pub fn finished(
+    mesh: &PointSet,
+    vertices: &SourceVertices,
+    levels: &Levels,
+    found: Found,
+    max_parts: Option<u32>,
+) -> Vec<Hull> {
+    let Found { parts, mirrored, limit, .. } = found;
+    let diagonal = levels.field.solid().diagonal();
+    let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
+    let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
+    let (bounds, thin) = (levels.bounds(limit), levels.bounds_of_thin_parts(limit));
+    let finish = Finish { vertices, levels, bounds, thin, sides };
+    let mut units: Vec<Unit> = parts.par_iter().map(|part| finish.whole(part)).collect();
+    units.par_extend(mirrored.par_iter().map(|part| finish.mirrored(part)));
+    for _ in 0..UNCOVERED_ROUNDS {
+        let hulls: Vec<&Hull> = units.iter().flat_map(Unit::hulls).collect();
+        let missing = uncovered_triangles(mesh, &hulls, COVERED * diagonal);
+        if missing.is_empty() {
+            break;
+        }
+        for triangle in missing {
+            let corners = mesh.triangles[triangle].map(corner);
+            let count: usize = units.iter().map(|unit| unit.hulls().count()).sum();
+            let may_add = max_parts.is_none_or(|most| count < most as usize);
+            if let Some((unit, grown)) = finish.absorbed(&units, &corners, !may_add) {
+                units[unit] = grown;
+            } else if may_add {
+                let own = wrap::of_polygon(&corners, diagonal, thin.thickness, bounds.max_vertices);
+                let room = max_parts.map_or(usize::MAX, |most| (most as usize).saturating_sub(count));
+                units.extend(own.into_iter().map(|(_, hull)| finish.added(hull, room)));
+            }
+        }
+    }
+    units.into_iter().flat_map(|unit| [Some(unit.hull), unit.image]).flatten().collect()
+}
+
+impl Unit {
+    fn hulls(&self) -> impl Iterator<Item = &Hull> {
+        std::iter::once(&self.hull).chain(&self.image)
+    }
+}
+
+impl Finish<'_, '_> {
+    fn mirror(&self) -> Option<&Mirror> {
+        self.levels.surface.mirror.as_ref()
+    }
+
+    /// The hull of a part's vertices in their order in the mesh. Another order may give faces, and
+    /// thus bounds, that differ by rounding.
+    fn as_built(&self, mut hull: Hull) -> Hull {
+        for _ in 0..BUILDS {
+            let Ok(built) = hull::build(&self.vertices.part(&hull)) else { break };
+            let is_same = built.vertices.len() == hull.vertices.len();
+            hull = built;
+            if is_same {
+                break;
+            }
+        }
+        hull
+    }
+
+    /// The tight hull of a part with at most a share of the allowed number of vertices.
+    fn tight(&self, part: &Part, share: f64) -> Hull {
+        let max_vertices = ((share * self.bounds.max_vertices as f64) as usize).max(crate::simplify::MIN_VERTICES);
+        let bounds = Bounds { max_vertices, ..self.bounds };
+        let tight = tightened(&self.levels.field, part, &self.sides, &bounds);
+        wrap::thick(&self.levels.field, tight, &self.thin)
+    }
+
+    /// A part that stands for itself. It is its own image if there is a mirror.
+    fn whole(&self, part: &Part) -> Unit {
+        let tight = self.tight(part, 1.0);
+        let symmetric = self.mirror().and_then(|mirror| {
+            let of = |hull: &Hull| symmetric::symmetric(&self.levels.field, hull, mirror, &self.thin);
+            let first = of(&tight);
+            first.or_else(|| SYMMETRIC_VERTICES[1..].iter().find_map(|share| of(&self.tight(part, *share))))
+        });
+        Unit { hull: self.as_built(symmetric.unwrap_or(tight)), image: None }
+    }
+
+    /// A part that stands for its image, too.
+    fn mirrored(&self, part: &Part) -> Unit {
+        let hull = self.tight(part, 1.0);
+        let Some(mirror) = self.mirror() else { return Unit { hull: self.as_built(hull), image: None } };
+        let grown = symmetric::grown(&hull, mirror, self.bounds.diagonal);
+        self.with_image(grown.unwrap_or(hull), mirror)
+    }
+
+    /// A hull and its image, of which both have the same vertices after they are built.
+    fn with_image(&self, hull: Hull, mirror: &Mirror) -> Unit {
+        let image_of = |hull: &Hull| symmetric::image(hull, mirror).map(|image| self.as_built(image));
+        let mut hull = self.as_built(hull);
+        for _ in 0..BUILDS {
+            let Some(image) = image_of(&hull) else { break };
+            if image.vertices.len() == hull.vertices.len() {
+                return Unit { hull, image: Some(image) };
+            }
+            let Some(fewer) = image_of(&image) else { break };
+            hull = fewer;
+        }
+        Unit { image: image_of(&hull), hull }
+    }
+
+    /// A part for what no other covers, and its image if that is another part and there is `room`.
+    fn added(&self, hull: Hull, room: usize) -> Unit {
+        match self.mirror() {
+            Some(mirror) if room > 1 => self.with_image(hull, mirror),
+            _ => Unit { hull: self.as_built(hull), image: None },
+        }
+    }
+
+    /// The unit nearest to a triangle, by its index, and a hull of both; `None` if that is not
+    /// proven to be within the limit. If the triangle `must` be absorbed, a larger protrusion is
+    /// accepted.
+    fn absorbed(&self, units: &[Unit], corners: &[DVec3; 3], must: bool) -> Option<(usize, Unit)> {
+        let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
+        let distance = |hull: &Hull| {
+            let nearest = Nearest::new(hull);
+            corners.iter().map(|p| nearest.certain(*p).point.distance(*p)).fold(0.0, f64::max)
+        };
+        let all = units.iter().enumerate();
+        let hulls = all.flat_map(|(index, unit)| unit.hulls().enumerate().map(move |(side, hull)| (index, side, hull)));
+        let (unit, side, hull, _) = hulls
+            .map(|(index, side, hull)| (index, side, hull, distance(hull)))
+            .reduce(|best, next| if next.3 < best.3 { next } else { best })?;
+        let mut points = [hull.positions().as_slice(), corners].concat();
+        let own_image = self.mirror().filter(|_| units[unit].image.is_none());
+        if let Some(mirror) = own_image {
+            points.extend(points.clone().into_iter().map(|p| mirror.image(p)));
+        }
+        let grown = wrap::within_vertices(wrap::tight(&points, diagonal, thickness)?, max_vertices);
+        let grown = own_image
+            .and_then(|mirror| symmetric::symmetric(&self.levels.field, &grown, mirror, &self.bounds))
+            .unwrap_or(grown);
+        let is_proven = |hull: &Hull| wrap::prove(&self.levels.field, hull, &self.bounds, wrap::MEASUREMENTS).is_ok();
+        if !must && !is_proven(&grown) {
+            return None;
+        }
+        let grown = match (self.mirror(), side, &units[unit].image) {
+            (Some(mirror), 0, Some(_)) => self.with_image(grown, mirror),
+            (Some(mirror), _, Some(_)) => {
+                let Unit { hull, image } = self.with_image(grown, mirror);
+                Unit { hull: image?, image: Some(hull) }
+            }
+            _ => Unit { hull: self.as_built(grown), image: None },
+        };
+        Some((unit, grown))
+    }
+}

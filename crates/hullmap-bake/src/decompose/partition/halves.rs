@@ -1,0 +1,177 @@
+//! Mergers of parts across a mirror plane, cheapest first: a part with its own image, and parts
+//! that are their own images with each other, or with another part and its image. What is merged is
+//! symmetric, so that the other parts keep their images.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{
+    body::Body,
+    context::Search,
+    join::{self, Found, common_volume},
+    piece::Piece,
+    shape::Part,
+};
+use crate::{fit::planes::HalfSpace, symmetry::Mirror};
+
+/// A part, and whether it stands for its mirror image, too. Otherwise it is its own image.
+#[derive(Clone)]
+struct Unit {
+    part: Part,
+    image: Option<Body>,
+}
+
+impl Unit {
+    /// Number of parts.
+    fn count(&self) -> usize {
+        1 + usize::from(self.image.is_some())
+    }
+
+    fn bodies(&self) -> impl Iterator<Item = &Body> {
+        std::iter::once(&self.part.piece.body).chain(&self.image)
+    }
+
+    fn volume(&self) -> f64 {
+        self.bodies().map(Body::volume).sum()
+    }
+}
+
+/// A merger of a unit with another, or of a part with its image.
+struct Merger {
+    /// The volume that it adds.
+    cost: f64,
+    /// The hull of all.
+    body: Body,
+}
+
+/// Merges parts of half a surface with their mirror images, under the conditions of
+/// [`join::merge`]. The parts of the result are their own images; those `mirrored` stand for their
+/// images, too. Both count in `wanted` and `fewest`.
+///
+/// # Complexity
+/// One hull for each pair of parts, including merged parts.
+pub fn merge(
+    search: &Search,
+    found: Found,
+    mirror: &Mirror,
+    forbidden: &mut Vec<DVec3>,
+    overlap: f64,
+    wanted: usize,
+) -> Found {
+    let image = |part: &Part| Some(search.scale.body(&images(&part.piece.body, mirror)));
+    let mut units: Vec<Option<Unit>> =
+        found.parts.into_iter().map(|part| Some(Unit { image: image(&part), part })).collect();
+    let mut count: usize = units.iter().flatten().map(Unit::count).sum();
+    if count > join::MANY {
+        return result(units, count);
+    }
+    let mut allowed = overlap * units.iter().flatten().map(Unit::volume).sum::<f64>() - common(&units);
+    let mut failures = join::FAILURES + units.len();
+    let mut enough = None;
+    let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
+    while failures > 0 && !search.is_over() {
+        if count <= wanted && enough.is_none() {
+            enough = Some(units.clone());
+        }
+        let new: Vec<(usize, usize)> = pairs(&units).filter(|pair| !mergers.contains_key(pair)).collect();
+        let new: Vec<_> =
+            new.into_par_iter().map(|pair| (pair, merger(search, &units, pair, mirror, forbidden))).collect();
+        mergers.extend(new);
+        let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
+        let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
+        let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
+        let others = units.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
+        let others = others.filter_map(|(_, unit)| unit.as_ref()).flat_map(Unit::bodies);
+        let common: f64 = others.map(|other| common_volume(&body, other)).sum();
+        if common > allowed {
+            continue;
+        }
+        let beyond = search.points_beyond(&body);
+        if !beyond.is_empty() {
+            forbidden.extend(beyond);
+            continue;
+        }
+        match search.shaped(&united(search, &units, pair, &body, mirror)) {
+            Ok(part) => {
+                allowed -= common;
+                let merged = [pair.0, pair.1].map(|i| units[i].take().map_or(0, |unit| unit.count()));
+                count = count + 1 - merged.iter().sum::<usize>();
+                units.push(Some(Unit { part, image: None }));
+                mergers.retain(|(i, j), _| [i, j].iter().all(|k| ![pair.0, pair.1].contains(k)));
+            }
+            Err(point) => {
+                failures -= 1;
+                forbidden.extend(point);
+            }
+        }
+    }
+    result(enough.unwrap_or(units), count)
+}
+
+fn result(units: Vec<Option<Unit>>, fewest: usize) -> Found {
+    let (own, whole): (Vec<Unit>, Vec<Unit>) = units.into_iter().flatten().partition(|unit| unit.image.is_some());
+    let parts = |units: Vec<Unit>| units.into_iter().map(|unit| unit.part).collect();
+    Found { parts: parts(whole), mirrored: parts(own), fewest }
+}
+
+/// The reflections of a body's points.
+fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
+    body.points.iter().map(|p| mirror.image(*p)).collect()
+}
+
+/// Units that may be merged: a part with itself stands for its image.
+fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
+    let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
+    all.filter(move |(i, j)| match (has_image(*i), has_image(*j)) {
+        (Some(true), Some(true)) => i == j,
+        (Some(false), Some(false)) => i != j,
+        (Some(_), Some(_)) => true,
+        _ => false,
+    })
+}
+
+/// The volume that units have in common.
+fn common(units: &[Option<Unit>]) -> f64 {
+    let bodies: Vec<&Body> = units.iter().flatten().flat_map(Unit::bodies).collect();
+    let pairs = bodies.iter().enumerate().flat_map(|(j, b)| bodies[..j].iter().map(move |a| (a, b)));
+    pairs.map(|(a, b)| common_volume(a, b)).sum()
+}
+
+/// The merger of two units; `None` if a forbidden point is in its hull.
+fn merger(
+    search: &Search,
+    units: &[Option<Unit>],
+    (i, j): (usize, usize),
+    mirror: &Mirror,
+    forbidden: &[glam::DVec3],
+) -> Option<Merger> {
+    let own: Vec<&Unit> = [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()).collect();
+    let points: Vec<DVec3> = own.iter().flat_map(|unit| unit.bodies()).flat_map(|body| body.points.clone()).collect();
+    let body = search.scale.body(&points);
+    // The body is its own image, but a point may be known on one side only.
+    let is_inside = |p: &DVec3| search.scale.is_inside(&body, *p) || search.scale.is_inside(&body, mirror.image(*p));
+    let is_free = !forbidden.iter().any(is_inside);
+    is_free.then(|| Merger { cost: body.volume() - own.iter().map(|unit| unit.volume()).sum::<f64>(), body })
+}
+
+/// The union of two units, and of their images, whose hull is `body`.
+fn united(search: &Search, units: &[Option<Unit>], (i, j): (usize, usize), body: &Body, mirror: &Mirror) -> Piece {
+    let (mut atoms, mut planes) = (Vec::new(), Vec::new());
+    for unit in [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()) {
+        let own = &unit.part.piece.atoms;
+        atoms.extend(own.iter().cloned());
+        for plane in &unit.part.piece.planes {
+            let normal = mirror.image(plane.normal) - mirror.image(DVec3::ZERO);
+            let image = HalfSpace { normal, offset: normal.dot(mirror.image(plane.normal * plane.offset)) };
+            planes.extend([*plane, image]);
+        }
+        if unit.image.is_some() {
+            atoms.extend(own.iter().map(|atom| Arc::new(atom.image(mirror))));
+        }
+    }
+    let holds = |plane: &HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
+    search.scale.piece(atoms, planes.into_iter().filter(holds).collect(), &[])
+}

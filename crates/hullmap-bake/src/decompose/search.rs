@@ -1,0 +1,121 @@
+//! Which parts a mesh gets: symmetric ones if it has a mirror plane, unless others are fewer.
+//!
+//! # Steps
+//! 1. Search the parts of the half of the surface on one side of the mirror plane. They and their
+//!    images are the parts. Parts at the plane are merged with their images where the limit allows.
+//! 2. Where a part and its image meet at the plane and are not merged, cuts elsewhere may need
+//!    fewer parts. Then search the parts of the whole surface, too. They win if they are fewer.
+//!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
+//!    they are more and protrude less. A search whose time is limited ends after step 1.
+
+use std::time::Instant;
+
+use super::{
+    finish::{COVERED, finished},
+    levels::{Found, Levels},
+    parameters::Cover,
+    part::SourceVertices,
+    partition::{Part, surface::Surface},
+};
+use crate::{
+    PointSet,
+    fit::{solid::Solid, uncovered_triangles},
+    hull::Hull,
+    progress::Stage,
+    symmetry::{self, Mirror},
+};
+
+/// Protrusion of other parts at which they replace symmetric ones, relative to the protrusion of
+/// the latter, with a maximum number of parts.
+const TIGHTER: f64 = 0.9;
+
+/// Share of the progress after which the parts of the half surface are found.
+const HALF: f64 = 0.4;
+
+/// The search for the parts of one mesh.
+pub struct Search<'a> {
+    /// The mesh.
+    pub mesh: &'a PointSet,
+    /// Its solid.
+    pub solid: &'a Solid,
+    /// Its vertices by position.
+    pub vertices: &'a SourceVertices<'a>,
+    /// What parts are wanted.
+    pub parameters: &'a Cover,
+    /// Maximum number of vertices of a part.
+    pub max_vertices: usize,
+}
+
+/// The hulls of parts, and what decides between them.
+struct Parts {
+    hulls: Vec<Hull>,
+    /// The greatest protrusion that was proven in the search.
+    reached: f64,
+    /// Whether some part and its image meet at the mirror plane.
+    meet: bool,
+}
+
+impl Search<'_> {
+    /// The hulls of the parts; `None` if there are none in time.
+    pub fn best(&self, stage: Stage) -> Option<Vec<Hull>> {
+        let start = Instant::now();
+        let mirror = self.parameters.symmetry.then(|| symmetry::mirror_of_mesh(self.mesh, self.solid)).flatten();
+        let Some(mirror) = mirror else {
+            return Some(self.parts(&self.surface(), self.parameters, None, stage)?.hulls);
+        };
+        let symmetric = self.symmetric(mirror, stage.from_to(0.0, HALF));
+        let stage = stage.from_to(HALF, 1.0);
+        let uses_all = |parts: &Parts| self.parameters.max_parts.is_none_or(|most| parts.hulls.len() >= most as usize);
+        let is_settled = |parts: &Parts| !parts.meet && uses_all(parts) || self.parameters.seconds.is_some();
+        if let Some(parts) = &symmetric
+            && is_settled(parts)
+        {
+            return symmetric.map(|parts| parts.hulls);
+        }
+        let seconds = self.parameters.seconds.map(|limit| (limit - start.elapsed().as_secs_f64()).max(0.0));
+        // With a maximum number of parts, fewer are not better.
+        let enough = symmetric.as_ref().filter(|_| self.parameters.max_parts.is_none());
+        let enough = enough.map(|parts| parts.hulls.len() - 1);
+        let other = self.parts(&self.surface(), &Cover { seconds, ..*self.parameters }, enough, stage);
+        let is_better = |other: &Parts| match (&symmetric, self.parameters.max_parts) {
+            (None, _) => true,
+            (Some(symmetric), None) => other.hulls.len() < symmetric.hulls.len(),
+            (Some(symmetric), Some(_)) if other.hulls.len() > symmetric.hulls.len() => {
+                other.reached < symmetric.reached
+            }
+            (Some(symmetric), Some(_)) => other.reached < TIGHTER * symmetric.reached,
+        };
+        other.filter(is_better).or(symmetric).map(|parts| parts.hulls)
+    }
+
+    fn surface(&self) -> Surface {
+        Surface::new(self.mesh)
+    }
+
+    /// Parts that are symmetric about a mirror, and are proven to cover the mesh; `None` if there
+    /// are none.
+    fn symmetric(&self, mirror: Mirror, stage: Stage) -> Option<Parts> {
+        let half = self.surface().halved(mirror, self.solid.diagonal());
+        let found = self.parts(&half, self.parameters, None, stage)?;
+        let hulls: Vec<&Hull> = found.hulls.iter().collect();
+        let vertices: Vec<&[[f32; 3]]> = hulls.iter().map(|hull| hull.vertices.as_slice()).collect();
+        let is_right = symmetry::are_mirrored(&vertices, &mirror)
+            && uncovered_triangles(self.mesh, &hulls, COVERED * self.solid.diagonal()).is_empty();
+        is_right.then_some(found)
+    }
+
+    /// The parts of a surface, if they are at most `enough`.
+    fn parts(&self, surface: &Surface, cover: &Cover, enough: Option<usize>, stage: Stage) -> Option<Parts> {
+        let mut levels = Levels::new(surface, self.solid, cover, self.max_vertices, stage);
+        levels.enough = enough;
+        let found = levels.parts()?;
+        let on_plane = COVERED * self.solid.diagonal();
+        let is_at =
+            |part: &Part, mirror: &Mirror| part.piece.body.points.iter().any(|p| mirror.plane.height(*p) <= on_plane);
+        let meet = surface.mirror.as_ref().is_some_and(|mirror| found.mirrored.iter().any(|part| is_at(part, mirror)));
+        let reached = found.reached();
+        let is_useful = |found: &Found| enough.is_none_or(|enough| found.count() <= enough);
+        let found = Some(found).filter(is_useful)?;
+        Some(Parts { hulls: finished(self.mesh, self.vertices, &levels, found, cover.max_parts), reached, meet })
+    }
+}

@@ -1,0 +1,97 @@
+//! The space around a mesh that no ball of a given radius can reach from outside. Filled with it,
+//! the inner walls of an assembly, and what lies behind a narrow opening, cost no parts.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `grid` | cells that the centre of such a ball may enter, found by a flood from outside |
+//! | `distance` | distances between cells |
+//! | `shell` | the surface around cells, as triangles |
+//! | this one | the mesh with the surfaces around its unreachable space |
+//!
+//! # Steps
+//! 1. The centre of a ball that touches the solid at most is at least the radius away from it. A
+//!    cell of a grid is *passable* unless all of its points are certainly closer.
+//! 2. Flood the passable cells from the border of the grid, which lies outside. The centre of a
+//!    ball that comes from outside stays in flooded cells.
+//! 3. Points of the ball are at most the radius away from its centre. A cell is *unreachable* if
+//!    all of its points are farther than that from all flooded cells.
+//! 4. The surface around the unreachable cells that are not deep inside the solid is added to the
+//!    mesh. The solid of the result is that of the mesh, and these cells.
+//!
+//! # Why unreachable space certainly is
+//! Each step errs towards reachable space: by the diagonal of a cell at most in step 1, and by two
+//! in step 3. So a strip up to four cells wide, next to a wall that separates the inside from the
+//! outside, stays reachable. Whoever measures protrusion from the mesh with these surfaces measures
+//! from a solid that contains the mesh's, and otherwise only unreachable points.
+//!
+//! # Complexity
+//! At most 2²² cells and about 100 bytes for each; one search of the nearest triangle for each cell
+//! near the surface.
+
+mod distance;
+mod grid;
+mod shell;
+
+use glam::DVec3;
+
+use super::solid::Solid;
+use crate::PointSet;
+use grid::Grid;
+
+/// Cells along the longest side of the grid, at first. A finer grid distinguishes narrower
+/// openings.
+const CELLS: usize = 160;
+
+/// Cells along the longest side below which no coarser grid is tried.
+const FEWEST_CELLS: usize = 40;
+
+/// Maximum number of triangles of the surfaces.
+const MAX_TRIANGLES: usize = 60_000;
+
+/// The solid of `mesh`, which is `solid`, with the space that no ball of a radius can reach from
+/// outside, as far as that is certain. All lengths are in the unit of the positions.
+///
+/// # Complexity
+/// That of [`Solid::new`], and of the steps of this module.
+pub fn with_unreachable(mesh: &PointSet, solid: Solid, radius: f64) -> Solid {
+    match filled(mesh, &solid, radius) {
+        Some(filled) => Solid::new(&filled),
+        None => solid,
+    }
+}
+
+/// A mesh with the surfaces around its unreachable space; `None` if all space is reachable, as far
+/// as is known.
+fn filled(mesh: &PointSet, solid: &Solid, radius: f64) -> Option<PointSet> {
+    let mut count = CELLS;
+    while count >= FEWEST_CELLS {
+        let grid = Grid::new(solid, radius, count)?;
+        let cells = grid.unreachable(solid);
+        let (corners, triangles) = shell::shell(&cells, grid.size);
+        if triangles.is_empty() {
+            return None;
+        }
+        if triangles.len() <= MAX_TRIANGLES {
+            return Some(with_shell(mesh, corners.iter().map(|corner| grid.position(*corner)), triangles));
+        }
+        count = count * 3 / 4;
+    }
+    None
+}
+
+/// A mesh with further triangles, which face the same way as its own.
+fn with_shell(mesh: &PointSet, corners: impl Iterator<Item = DVec3>, triangles: Vec<[u32; 3]>) -> PointSet {
+    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let volume: f64 = mesh.triangles.iter().map(|t| t.map(at)).map(|[a, b, c]| a.cross(b).dot(c)).sum();
+    let first = mesh.positions.len() as u32;
+    let turned = |[a, b, c]: [u32; 3]| if volume < 0.0 { [a, c, b] } else { [a, b, c] }.map(|v| first + v);
+    let mut filled =
+        PointSet { triangles: mesh.triangles.clone(), positions: mesh.positions.clone(), ..PointSet::default() };
+    filled.positions.extend(corners.map(|p| p.as_vec3().to_array()));
+    filled.source_vertices = (0..filled.positions.len() as u32).collect();
+    filled.triangles.extend(triangles.into_iter().map(turned));
+    filled
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+//! Mirror symmetry: the plane about which a mesh, or a set of parts, is symmetric.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `mirror` | a plane, and reflections about it |
+//! | `search` | the mirror plane of a set of points |
+//! | this one | meshes and parts that are symmetric about a plane |
+//!
+//! Everything is found from coordinates alone, so a pack shows whether its parts are symmetric, and
+//! whoever made them.
+
+mod mirror;
+mod search;
+
+use std::collections::HashSet;
+
+use glam::DVec3;
+
+pub use mirror::Mirror;
+
+use crate::{
+    PointSet,
+    fit::{solid::Solid, triangle},
+};
+
+/// Maximum number of parts that are compared with each other where coordinates are rounded.
+const MAX_ROUNDED: usize = 1024;
+
+/// Maximum number of triangles whose reflections are compared with the surface.
+const MAX_TRIANGLES: usize = 4096;
+
+/// The mirror plane of a mesh, whose solid is `solid`; `None` if there is none.
+///
+/// Each vertex has another within rounding of its reflection, and the reflections of triangles lie
+/// on the surface. Of several planes, a coordinate plane is preferred, and of those the one across
+/// which the mesh is longest.
+///
+/// # Complexity
+/// O(n log n) for n vertices and triangles.
+pub fn mirror_of_mesh(mesh: &PointSet, solid: &Solid) -> Option<Mirror> {
+    let points: Vec<[f32; 3]> = mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect();
+    let is_mirrored = |mirror: &Mirror| {
+        let step = mesh.triangles.len().div_ceil(MAX_TRIANGLES);
+        mesh.triangles.iter().step_by(step.max(1)).all(|corners| {
+            let corners = corners.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)));
+            let image = mirror.image(triangle::centroid(&corners));
+            let within = 2.0 * (search::tolerance(&points) + solid.tolerance());
+            solid
+                .near(image, within)
+                .is_some_and(|near| triangle::nearest(&near.triangle, image).distance(image) <= within)
+        })
+    };
+    search::mirrors(&points).into_iter().find(is_mirrored)
+}
+
+/// The plane about which parts, each given by its vertices, are symmetric: each is the mirror image
+/// of another, or of itself. `None` if there is none, or for a single part.
+///
+/// # Complexity
+/// O(n log n) for n vertices about a plane through the origin that is at right angles to an axis.
+/// About others, parts of equal numbers of vertices are compared pair by pair.
+pub fn mirror_of_parts(parts: &[&[[f32; 3]]]) -> Option<Mirror> {
+    if parts.len() < 2 {
+        return None;
+    }
+    let points: Vec<[f32; 3]> = parts.concat();
+    search::mirrors(&points).into_iter().find(|mirror| are_mirrored(parts, mirror))
+}
+
+/// Whether each of `parts` is the mirror image of another, or of itself.
+pub fn are_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
+    let sorted = |mut points: Vec<[u32; 3]>| {
+        points.sort_unstable();
+        points
+    };
+    let bits = |p: [f32; 3]| p.map(|c| (c + 0.0).to_bits());
+    let own = |part: &&[[f32; 3]]| sorted(part.iter().map(|p| bits(*p)).collect());
+    let all: HashSet<Vec<[u32; 3]>> = parts.iter().map(own).collect();
+    let image = |part: &&[[f32; 3]]| sorted(part.iter().map(|p| bits(mirror.rounded_image(*p))).collect());
+    if parts.iter().all(|part| all.contains(&image(part))) {
+        return true;
+    }
+    !mirror.is_exact() && parts.len() <= MAX_ROUNDED && are_nearly_mirrored(parts, mirror)
+}
+
+/// Whether each part has another, or itself, whose vertices are the reflections of its own within
+/// rounding.
+fn are_nearly_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
+    let points: Vec<[f32; 3]> = parts.concat();
+    let tolerance = search::tolerance(&points);
+    let at = |p: &[f32; 3]| DVec3::from_array(p.map(f64::from));
+    let is_near = |p: &[f32; 3], q: &[f32; 3]| mirror.image(at(p)).distance(at(q)) <= tolerance;
+    let is_image = |part: &[[f32; 3]], other: &[[f32; 3]]| {
+        part.len() == other.len() && part.iter().all(|p| other.iter().any(|q| is_near(p, q)))
+    };
+    parts.iter().all(|part| parts.iter().any(|other| is_image(part, other)))
+}
+
+#[cfg(test)]
+mod tests;
