@@ -102,7 +102,7 @@ fn verify(
             remarks.warnings.push(text.clone());
         }
     }
-    remarks.notes.extend(advice::summarise(results.iter().filter_map(about_fit)).0);
+    remarks.notes.extend(advice::summarise(results.iter().flat_map(about_fit)).0);
     Verification {
         is_against_source: source.is_some(),
         directions: args.directions,
@@ -117,12 +117,14 @@ fn estimates(found: PartsEstimates) -> report::PartsEstimates {
     report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry }
 }
 
-/// Note on how the parts of an object fit together, if this is the first of them.
-fn about_fit(result: &HullVerification) -> Option<Remark> {
-    let estimates = result.parts.filter(|_| result.part_of[0] == 0)?;
-    let hull = result.hull.as_deref()?;
+/// Notes on how the parts of an object fit together, if this is the first of them.
+fn about_fit(result: &HullVerification) -> Vec<Remark> {
+    let first = result.parts.filter(|_| result.part_of[0] == 0);
+    let Some((estimates, hull)) = first.zip(result.hull.as_deref()) else { return Vec::new() };
     let name = hull.rsplit_once("_part_").map_or(hull, |(name, _)| name);
-    Some(advice::estimates(name, &estimates.looseness()?, estimates.voids))
+    let loose = estimates.looseness().map(|found| advice::estimates(name, &found, estimates.voids));
+    let symmetric = estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words()));
+    loose.into_iter().chain(symmetric).collect()
 }
 
 fn verified_hull(result: HullVerification) -> VerifiedHull {
