@@ -30,7 +30,7 @@ pub mod lines;
 pub mod manifolds;
 pub mod meeting;
 pub mod model;
-mod motions;
+pub mod motions;
 pub mod planes;
 pub mod tally;
 
