@@ -96,6 +96,7 @@ use std::ffi::OsString;
 
 #[cfg(feature = "command")]
 use args::export::Target;
+#[cfg(feature = "command")]
 use args::{Cli, Command};
 pub use baker::BakedPack;
 pub use estimates::{DecomposedObject, PartsEstimates};
