@@ -202,19 +202,21 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
         if late.1 > 0.0 {
             return if late.0 == 1.0 { Step::Apart } else { Step::To(late.0) };
         }
-        // Regula falsi. A try that is too late halves the next share.
-        let mut caution = 0.95;
+        // Regula falsi. A try that is too late halves the next share. After one that is much too
+        // early, as for shapes that graze each other, the next share is the geometric mean with 1.
+        let (mut caution, mut is_early) = (0.95, false);
         for _ in 0..MAX_TRIES {
             let share = early.1 / (early.1 - late.1) * caution;
+            let share = if is_early { share.sqrt() } else { share };
             let t = early.0 + (late.0 - early.0) * share.min(0.9);
             let value = above(&self.separation(normal, t, support_calls));
             if value > 0.0 {
-                (early, caution) = ((t, value), 0.95);
+                (early, caution, is_early) = ((t, value), 0.95, true);
                 if value <= ENOUGH * start {
                     break;
                 }
             } else {
-                (late, caution) = ((t, value), 0.5 * caution);
+                (late, caution, is_early) = ((t, value), 0.5 * caution, false);
             }
         }
         if early.0 > from.t { Step::To(early.0) } else { Step::Nowhere }
