@@ -246,11 +246,15 @@ impl Budget {
         exceeded
     }
 
-    /// All limits that a hull exceeds, in words, with what the engine does then.
+    /// All limits that a hull exceeds, in words, with what the engine does then and the remedy.
     pub fn exceeded(&self, of: &Figures) -> Vec<String> {
-        let all = self.exceeded_counts(of).into_iter().chain(self.exceeded_form(of));
-        all.map(|limit| format!("not within the budget of {}: it has {limit} ({})", self.name, self.otherwise))
-            .collect()
+        let (name, otherwise) = (self.name, self.otherwise);
+        let sentence =
+            |limit, remedy| format!("not within the budget of {name}: it has {limit} ({otherwise}); {remedy}");
+        let counts = self.exceeded_counts(of).into_iter();
+        let counts = counts.map(|limit| sentence(limit, format!("bake it with --for-engine {name}")));
+        let form = self.exceeded_form(of).into_iter();
+        counts.chain(form.map(|limit| sentence(limit, "thicken or divide the mesh".to_owned()))).collect()
     }
 }
 
@@ -324,6 +328,8 @@ mod tests {
         let found = box3d.exceeded(&figures(43, 1.0, 0.004));
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].contains("129 edges, and at most 128 fit") && found[1].contains("4.00 mm"), "{found:?}");
+        assert!(found[0].ends_with("; bake it with --for-engine box3d"), "{found:?}");
+        assert!(found[1].ends_with("; thicken or divide the mesh"), "{found:?}");
         let gpu = budget("physx-gpu").unwrap();
         assert!(gpu.exceeded(&figures(32, 1.0, 1.0)).is_empty());
         assert!(gpu.exceeded(&figures(33, 1.0, 1.0)).len() == 2);

@@ -141,10 +141,10 @@ impl Pose {
     /// use hullmap::{Pose, PoseError};
     ///
     /// let turned = DAffine3::from_rotation_x(0.5);
-    /// assert!((Pose::from_affine(turned)?.rotation_matrix() -
-    /// turned.matrix3).to_cols_array().iter().all(|e| e.abs() < 1e-15)); let doubled =
-    /// DAffine3::from_scale(DVec3::splat(2.0)); assert!(matches!(Pose::from_affine(doubled),
-    /// Err(PoseError::NotRigid { .. })));
+    /// let error = Pose::from_affine(turned)?.rotation_matrix() - turned.matrix3;
+    /// assert!(error.to_cols_array().iter().all(|e| e.abs() < 1e-15));
+    /// let doubled = DAffine3::from_scale(DVec3::splat(2.0));
+    /// assert!(matches!(Pose::from_affine(doubled), Err(PoseError::NotRigid { .. })));
     /// # Ok::<(), PoseError>(())
     /// ```
     pub fn from_affine(b_in_a: DAffine3) -> Result<Self, PoseError> {

@@ -244,3 +244,118 @@ fn damaged_files_are_rejected() {
     }
     assert!(!folder.path().join("out.glb").exists());
 }
+
+/// Exports colliders of `model.glb` into a file with this text, and returns the run. The file of a
+/// failed run is not written.
+fn into(folder: &TempDir, text: &str) -> Run {
+    let out = folder.path().join("out.glb");
+    let _ = fs::remove_file(&out);
+    fs::write(folder.path().join("hostile.glb"), gltf::glb(text.as_bytes(), &model().buffer)).unwrap();
+    let run = bake(folder, "export model.hullmap --into hostile.glb --for both --out out.glb");
+    assert!(run.code == 0 || run.stderr.contains("hostile.glb"), "{run:?}");
+    assert!(!run.stderr.contains("panicked") && out.exists() == (run.code == 0), "{run:?}");
+    run
+}
+
+/// Documents that are wrong or unusual: an error that says where, or a file that readers accept.
+#[test]
+fn hostile_documents_are_rejected_or_kept_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = model().glb();
+    fs::write(folder.path().join("model.glb"), &file).unwrap();
+    bake(&folder, "build model.glb --split object --out . --quiet").expect(0);
+    let (text, _) = chunks(&file);
+    let with = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    };
+    let last = r#""scale":[1,3,0.2]}"#;
+    let used = |list: &str| with(r#""scene":0"#, &format!(r#""scene":0,"extensionsUsed":{list}"#));
+
+    // Nodes outside of the scene that are their own ancestors, above a node of the scene.
+    let around = format!(r#"{last},{{"children":[0,5]}},{{"children":[4]}}"#);
+    into(&folder, &with(last, &around)).expect(0);
+    let run = into(&folder, &with(last, &format!(r#"{last},{{"children":[2]}}"#))).expect(1);
+    assert!(run.stderr.contains("node 2 is below node 1 and below node 4; expected a tree"), "{run:?}");
+    let run = into(&folder, &with(r#""extras":{"n""#, r#""children":[0],"extras":{"n""#)).expect(1);
+    assert!(run.stderr.contains("expected a tree"), "{run:?}");
+
+    // Names of extensions with escapes, and one that is there already.
+    into(&folder, &used(r#"["KHR_lights\u005fpunctual","OMI_physics\u005fbody"]"#)).expect(0);
+    let used_after = written(&folder, "out.glb")["extensionsUsed"].clone();
+    assert_eq!(used_after.as_array().unwrap().iter().filter(|name| **name == "OMI_physics_body").count(), 1);
+    into(&folder, &used("7")).expect(1);
+
+    // Members of a wrong type, with the node.
+    for (from, to) in [
+        (r#""name":"arm""#, r#""name":"arm","extensions":[]"#),
+        (r#""extras":{"n""#, r#""extensions":7,"extras":{"n""#),
+        (r#""children":[1,3]"#, r#""children":{"a":1}"#),
+        (r#""nodes":[0]"#, r#""nodes":7"#),
+        (r#""buffers":[{"#, r#""buffers":[{"byteLength":"all"},{"#),
+    ] {
+        into(&folder, &with(from, to)).expect(1);
+    }
+
+    // Deep nesting, in what no reader needs, and huge numbers.
+    let deep = format!(r#""extras":{}1{},"scene":0"#, "[".repeat(100_000), "]".repeat(100_000));
+    into(&folder, &with(r#""scene":0"#, &deep));
+    for (from, to) in [
+        (r#""componentType":5126,"type":"VEC3","count":"#, r#""componentType":5126,"type":"VEC3","count":4000000000"#),
+        (r#""byteOffset":0"#, r#""byteOffset":18446744073709551615"#),
+        (r#""children":[1,3]"#, r#""children":[1,3,99999999999]"#),
+        (r#""scene":0"#, r#""scene":9"#),
+    ] {
+        into(&folder, &with(from, to)).expect(1);
+    }
+
+    // A member twice: readers disagree on its meaning, or the last one counts.
+    let run = into(&folder, &with(r#""scene":0"#, r#""scene":0,"nodes":[]"#));
+    assert!(run.code == 1 || written(&folder, "out.glb")["nodes"].as_array().unwrap().len() > 4, "{run:?}");
+
+    // A buffer in another folder.
+    let out_of_folder = text.replacen(r#""buffers":[{"#, r#""buffers":[{"uri":"../../secret.bin","#, 1);
+    let run = into(&folder, &out_of_folder);
+    assert!(run.code != 0 && run.stderr.contains("secret.bin"), "{run:?}");
+}
+
+/// Names with quotes, line breaks and other characters stay what they are.
+#[test]
+fn names_of_all_kinds_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = r#"a\"b\n\\c\t{é}\u2028"#;
+    let nodes = format!(r#"{{"name":"{name}","mesh":0}},{{"name":"plain","mesh":0,"translation":[9,0,0]}}"#);
+    let file = gltf::parts(&[("ell", &ell())], &nodes, "0,1").glb();
+    fs::write(folder.path().join("m.glb"), &file).unwrap();
+    bake(&folder, "build m.glb --split object --out . --quiet").expect(0);
+    bake(&folder, "export m.hullmap --into m.glb --for both --out out.glb").expect(0);
+    let document = written(&folder, "out.glb");
+    assert_eq!(document["nodes"][0]["name"], "a\"b\n\\c\t{é}\u{2028}");
+    for node in [0, 1] {
+        assert!(document["nodes"][node]["extensions"]["OMI_physics_body"]["motion"]["mass"].as_f64().unwrap() > 0.0);
+    }
+    bake(&folder, "build out.glb --split auto --out . --quiet").expect(0);
+    assert_eq!(hulls(&folder, "m.hullmap").len(), hulls(&folder, "out.hullmap").len());
+}
+
+/// Each length in a GLB file's header and chunks, too small and too large.
+#[test]
+fn wrong_lengths_are_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = model().glb();
+    fs::write(folder.path().join("model.glb"), &file).unwrap();
+    bake(&folder, "build model.glb --split object --out . --quiet").expect(0);
+    let text_length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    for at in [4, 8, 12, 20 + text_length] {
+        let right = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
+        for wrong in [0, 1, right - 1, right + 1, right + 4, u32::MAX, u32::MAX - 3] {
+            let mut damaged = file.clone();
+            damaged[at..at + 4].copy_from_slice(&wrong.to_le_bytes());
+            fs::write(folder.path().join("wrong.glb"), &damaged).unwrap();
+            let run = bake(&folder, "export model.hullmap --into wrong.glb --for both --out out.glb");
+            // A byte less of the buffer may be padding.
+            assert!(run.code == 1 && run.stderr.contains("wrong.glb"), "{at} {wrong}: {run:?}");
+            assert!(!run.stderr.contains("panicked") && !folder.path().join("out.glb").exists(), "{at}: {run:?}");
+        }
+    }
+}

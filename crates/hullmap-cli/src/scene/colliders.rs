@@ -168,10 +168,11 @@ impl<'a> Writer<'a> {
 
     fn check_no_colliders(&self, form: &Form) -> Result<(), String> {
         for (index, node) in self.old[List::Nodes as usize].iter().enumerate() {
-            let Some(extensions) = members(node.get())?.get("extensions").copied() else {
+            let fault = |error: String| format!("node {index}: {error}");
+            let Some(extensions) = members(node.get()).map_err(fault)?.get("extensions").copied() else {
                 continue;
             };
-            let extensions = members(extensions.get())?;
+            let extensions = members(extensions.get()).map_err(|error| fault(format!("extensions: {error}")))?;
             for (name, is_written) in [(KHR_BODY, form.khr.is_some()), (OMI_BODY, form.is_omi)] {
                 if is_written && extensions.contains_key(name) {
                     return Err(format!("node {index} already has {name}; export into the file without colliders"));
@@ -319,12 +320,13 @@ impl<'a> Writer<'a> {
             self.append_or_add(name, &new, &mut new_members)?;
         }
         self.add_to_scene()?;
-        let used: Vec<&str> = match self.root.get("extensionsUsed") {
-            Some(used) => serde_json::from_str::<Vec<&str>>(used.get()).map_err(|error| error.to_string())?,
+        let used: Vec<String> = match self.root.get("extensionsUsed") {
+            Some(used) => serde_json::from_str::<Vec<String>>(used.get())
+                .map_err(|error| format!("extensionsUsed: {error}; expected a list of names"))?,
             None => Vec::new(),
         };
         let written = [(KHR_BODY, form.khr.is_some()), (OMI_BODY, form.is_omi), (OMI_SHAPE, form.is_omi)];
-        let names = written.iter().filter(|(name, is_written)| *is_written && !used.contains(name));
+        let names = written.iter().filter(|(name, is_written)| *is_written && !used.iter().any(|used| used == name));
         let names: Vec<String> = names.map(|(name, _)| format!("\"{name}\"")).collect();
         self.append_or_add("extensionsUsed", &names, &mut new_members)?;
         self.add_shapes(&mut new_members)?;

@@ -47,7 +47,8 @@ pub struct MotionSettings {
     ///
     /// NaN and negative values count as 0: the interval becomes as narrow as rounding error allows.
     pub tolerance: f64,
-    /// Maximum number of distance and contact queries. The default is 200.
+    /// Maximum number of distance and contact queries. The default is 200. One query, at the start,
+    /// is always made.
     ///
     /// A query that reaches it returns [`Status::IterationLimit`](crate::Status::IterationLimit),
     /// and its interval still contains the true value.
@@ -70,7 +71,8 @@ pub struct TimeOfImpact {
     /// How the query ended.
     ///
     /// - [`Separated`](Status::Separated): certainly no hit. All times are infinite.
-    /// - [`Overlapping`](Status::Overlapping): the shapes meet at the start. All times are 0.
+    /// - [`Overlapping`](Status::Overlapping): the shapes meet at the start, in their poses as
+    ///   computed there. All times are 0.
     /// - [`Within`](Status::Within): a hit in the interval. At `t_lower` the shapes are within the
     ///   tolerance of the target distance.
     /// - [`Touching`](Status::Touching): the shapes come as close as rounding error can tell, and
@@ -135,14 +137,18 @@ impl Default for TimeOfImpact {
 /// use hullmap::{Cache, MotionSettings, Pose, RigidMotion, Status, cast_motion};
 /// use std::f64::consts::FRAC_PI_2;
 ///
-/// // A rod of length 2 turns by 90 degrees, towards a wall whose side is at y = 0.6. let rod =
-/// Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?; let wall = Cuboid::new(DVec3::new(5.0, 0.1, 5.0))?;
-/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2,
-/// DVec3::ZERO)?; let still = RigidMotion::still(Pose::from_translation(DVec3::new(0.0, 0.7,
-/// 0.0))?); let settings = MotionSettings::default(); let found = cast_motion(&rod, &turning,
-/// &wall, &still, &settings, &mut Cache::new()); // The corner at (1, 0.01) reaches y = 0.6. let
-/// angle = 0.6_f64.asin() - 0.01; assert_eq!(found.status, Status::Within); assert!((found.t -
-/// angle / FRAC_PI_2).abs() < 1e-3 && found.iterations < 20);
+/// // A rod of length 2 turns by 90 degrees, towards a wall whose side is at y = 0.6.
+/// let rod = Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?;
+/// let wall = Cuboid::new(DVec3::new(5.0, 0.1, 5.0))?;
+/// let quarter = DVec3::Z * FRAC_PI_2;
+/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, quarter, DVec3::ZERO)?;
+/// let still = RigidMotion::still(Pose::from_translation(DVec3::new(0.0, 0.7, 0.0))?);
+/// let settings = MotionSettings::default();
+/// let found = cast_motion(&rod, &turning, &wall, &still, &settings, &mut Cache::new());
+/// // The corner at (1, 0.01) reaches y = 0.6.
+/// let angle = (0.6 / 1.0001_f64.sqrt()).asin() - 0.01_f64.atan();
+/// assert_eq!(found.status, Status::Within);
+/// assert!((found.t - angle / FRAC_PI_2).abs() < 1e-5 && found.iterations < 20);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn cast_motion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -205,10 +211,10 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
             has_tried |= tries;
             let step = self.pair.step(normal, &here, self.target, &mut self.found.support_calls);
             self.found.t_lower = match step {
+                Step::Apart => return self.separated(),
                 _ if is_last => return self.end(Status::Touching),
                 // The distance query has no good direction.
                 Step::Nowhere => return self.end(Status::Stalled),
-                Step::Apart => return self.separated(),
                 Step::To(later) => later,
             };
             gap = self.distance_at(self.found.t_lower);

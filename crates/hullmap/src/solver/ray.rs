@@ -95,11 +95,13 @@ pub struct RayHit {
 /// use hullmap::shapes::Cuboid;
 /// use hullmap::{CastSettings, Ray, Status, ray};
 ///
-/// let cube = Cuboid::new(DVec3::ONE)?; let down = Ray::new(DVec3::new(0.2, 0.3, 5.0),
-/// DVec3::new(0.0, 0.0, -2.0))?; let hit = ray(&cube, &down, &CastSettings::default());
-/// assert!(hit.hit && (hit.t - 2.0).abs() < 1e-9); assert!(hit.t_lower <= 2.0 && 2.0 <=
-/// hit.t_upper); assert!(hit.point.distance(DVec3::new(0.2, 0.3, 1.0)) < 1e-9 &&
-/// hit.normal.distance(DVec3::Z) < 1e-9);
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// let down = Ray::new(DVec3::new(0.2, 0.3, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
+/// let hit = ray(&cube, &down, &CastSettings::default());
+/// assert!(hit.hit && (hit.t - 2.0).abs() < 1e-9);
+/// assert!(hit.t_lower <= 2.0 && 2.0 <= hit.t_upper);
+/// assert!(hit.point.distance(DVec3::new(0.2, 0.3, 1.0)) < 1e-9);
+/// assert!(hit.normal.distance(DVec3::Z) < 1e-9);
 ///
 /// let up = Ray::new(DVec3::new(0.2, 0.3, 5.0), DVec3::Z)?;
 /// assert_eq!(ray(&cube, &up, &CastSettings::default()).status, Status::Separated);

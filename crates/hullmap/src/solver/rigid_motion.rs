@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::motion::{VectorError, checked};
-use crate::pose::{MAX_TRANSLATION, Pose};
+use crate::pose::Pose;
 
 /// Shortest vector part of a relative rotation that has an axis. Shorter ones turn no point of a
 /// shape by more than a rounding error.
@@ -63,15 +63,16 @@ impl RigidMotion {
     /// `center`.
     ///
     /// # Errors
-    /// A component is NaN or infinite, or a position during the motion may be beyond 3.4e38.
+    /// A component is NaN or infinite, or the origin of the shape's frame may be beyond 3.4e38 during
+    /// the motion.
     pub fn screw(start: Pose, linear: DVec3, angular: DVec3, center: DVec3) -> Result<Self, VectorError> {
         checked("angular displacement", angular)?;
         checked("center", center)?;
         let arm = start.translation() - center;
-        // Whatever the rotation is, the shape's origin is within this distance of the origin.
-        let farthest = center.abs() + linear.abs() + DVec3::splat(arm.length());
-        if !(farthest.max_element() <= 0.25 * MAX_TRANSLATION) {
-            return Err(VectorError { what: "position of a motion", found: farthest });
+        // Whatever the rotation is, the origin of the shape's frame is within the arm's length of
+        // the centre, which is between these two. NaN is an error, too.
+        for end in [center, center + linear] {
+            checked("position of a motion", end.abs() + DVec3::splat(arm.length()))?;
         }
         let greatest = angular.abs().max_element();
         let (axis, angle) = if greatest > SMALLEST_TURN {
@@ -97,11 +98,13 @@ impl RigidMotion {
         Self::screw(start, end.translation() - start.translation(), angular, start.translation())
     }
 
-    /// The pose at time `t`.
+    /// The pose at time `t`. Times before 0 and NaN count as 0, times after 1 as 1, so that every
+    /// pose is in range.
     ///
     /// # Complexity
     /// One sine and one cosine, of `libm`, which has the same bits on all platforms.
     pub fn at(&self, t: f64) -> Pose {
+        let t = t.clamp(0.0, 1.0).max(0.0);
         let turn = if self.angle > 0.0 {
             let half = 0.5 * self.angle * t;
             let axis = self.axis * libm::sin(half);
@@ -109,7 +112,7 @@ impl RigidMotion {
         } else {
             DQuat::IDENTITY
         };
-        Pose::from_parts(turn * self.rotation, self.center_at(t) + turn * self.arm)
+        Pose::from_parts((turn * self.rotation).normalize(), self.center_at(t) + turn * self.arm)
     }
 
     /// Where the point about which the shape turns is at time `t`.
@@ -179,18 +182,37 @@ mod tests {
             let place = motion.at(t).translation();
             assert!((place.truncate().distance(glam::DVec2::X) - 2.0).abs() < 1e-14);
             assert!((place.z - 1.0 - 2.0 * t).abs() < 1e-15);
-            let ahead = motion.at(t + 1e-6).translation();
-            assert!((ahead - place).distance(motion.velocity_at(t, place) * 1e-6) < 1e-9);
+            // Difference quotient, towards the middle of the motion.
+            let step = if t < 0.5 { 1e-6 } else { -1e-6 };
+            let beside = motion.at(t + step).translation();
+            assert!((beside - place).distance(motion.velocity_at(t, place) * step) < 1e-9);
         }
     }
 
     #[test]
     fn numbers_out_of_range_are_errors() {
-        let far = pose([1e38, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
-        assert!(RigidMotion::screw(Pose::IDENTITY, DVec3::X, DVec3::splat(f64::NAN), DVec3::ZERO).is_err());
-        assert!(RigidMotion::screw(Pose::IDENTITY, DVec3::splat(f64::INFINITY), DVec3::X, DVec3::ZERO).is_err());
-        assert!(RigidMotion::screw(far, DVec3::ZERO, DVec3::Z, DVec3::ZERO).is_err());
+        let far = pose([3e38, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e39] {
+            for wrong in [DVec3::X, DVec3::Y, DVec3::Z]
+                .map(|axis| DVec3::select(axis.cmpgt(DVec3::ZERO), axis * wrong, DVec3::ZERO))
+            {
+                let screw = |linear, angular, center| RigidMotion::screw(Pose::IDENTITY, linear, angular, center);
+                assert!(screw(wrong, DVec3::X, DVec3::ZERO).is_err(), "{wrong}");
+                assert!(screw(DVec3::X, wrong, DVec3::ZERO).is_err(), "{wrong}");
+                assert!(screw(DVec3::X, DVec3::X, wrong).is_err(), "{wrong}");
+            }
+        }
+        // It turns about a point that is 3e38 away, so it may come to 6e38.
+        assert!(RigidMotion::screw(far, DVec3::ZERO, DVec3::Z, far.translation() * 0.5).is_ok());
+        assert!(RigidMotion::screw(far, DVec3::ZERO, DVec3::Z, -far.translation()).is_err());
+        let across = RigidMotion::between(far, pose([-3e38, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0])).unwrap();
+        assert!((across.at(1.0).translation().x / -3e38 - 1.0).abs() < 1e-15);
         let tiny = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::splat(1e-300), DVec3::ZERO).unwrap();
         assert_eq!(tiny.at(0.7), Pose::IDENTITY);
+        // Times out of range give no pose out of range.
+        assert_eq!(
+            [-1.0, f64::NAN, 2.0, f64::INFINITY].map(|t| across.at(t)),
+            [0.0, 0.0, 1.0, 1.0].map(|t| across.at(t))
+        );
     }
 }

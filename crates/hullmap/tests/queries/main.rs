@@ -10,6 +10,7 @@ mod features;
 mod half_space;
 mod lean;
 mod manifold;
+mod motions;
 mod pairings;
 mod seams;
 mod shared_hull;

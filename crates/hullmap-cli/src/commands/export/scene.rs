@@ -89,7 +89,11 @@ impl Added<'_> {
             let name = &collider.body.name;
             return Err(fault(format!("the node of hull {name} has a scale of 0; correct it, or leave the hull out")));
         }
-        let motions = if self.args.is_static { Vec::new() } else { self.motions(&owners, &document, &options)? };
+        let motions = if self.args.is_static {
+            Vec::new()
+        } else {
+            self.motions(&owners, &document.parents().map_err(fault)?, &options)?
+        };
         colliders::add(&file, &colliders, &motions, &form).map_err(fault)
     }
 
@@ -140,10 +144,9 @@ impl Added<'_> {
     fn motions(
         &self,
         owners: &[Option<&SceneObject>],
-        document: &Document,
+        parents: &[Option<usize>],
         options: &ImportOptions,
     ) -> Result<Vec<Motion>, Failure> {
-        let parents = document.parents();
         let nodes: BTreeMap<usize, &SceneObject> =
             owners.iter().flatten().map(|object| (object.node, *object)).collect();
         let mut hulls: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -151,9 +154,10 @@ impl Added<'_> {
             let Some(owner) = owner else {
                 continue;
             };
-            // The highest node above that has hulls, too. The importer has checked that this is a
-            // tree.
+            // The highest node above that has hulls, too. The importer has checked the nodes of the
+            // scene. Nodes outside of it may still be their own ancestors, so the walk has an end.
             let above = std::iter::successors(Some(owner.node), |&node| parents.get(node).copied().flatten());
+            let above = above.take(parents.len());
             let body = above.filter(|node| nodes.contains_key(node)).last().unwrap_or(owner.node);
             hulls.entry(body).or_default().push(index);
         }
@@ -181,7 +185,8 @@ impl Added<'_> {
             let center = object.node_in_scene.inverse().transform_point3(center);
             let mass = mass.mass * unit.powi(3);
             // NaN takes the failing branch.
-            let is_solid = mass > 0.0 && mass < f64::INFINITY && moments.min_element() > 0.0 && center.is_finite();
+            let is_positive = |x: f64| x > 0.0 && x < f64::INFINITY;
+            let is_solid = is_positive(mass) && moments.to_array().into_iter().all(is_positive) && center.is_finite();
             if is_solid {
                 motions.push(Motion { node, mass, center, moments, orientation });
             } else {
@@ -242,17 +247,24 @@ struct Uri {
 }
 
 impl Document {
-    /// Parent of each node.
-    fn parents(&self) -> Vec<Option<usize>> {
+    /// Parent of each node. Fails if a node has two.
+    fn parents(&self) -> Result<Vec<Option<usize>>, String> {
         let mut parents = vec![None; self.nodes.len()];
         for (index, node) in self.nodes.iter().enumerate() {
             for &child in &node.children {
-                if let Some(parent) = parents.get_mut(child as usize) {
-                    *parent = Some(index);
+                let Some(parent) = parents.get_mut(child as usize) else {
+                    continue;
+                };
+                if let Some(first) = parent.replace(index)
+                    && first != index
+                {
+                    return Err(format!(
+                        "node {child} is below node {first} and below node {index}; expected a tree: export the file again"
+                    ));
                 }
             }
         }
-        parents
+        Ok(parents)
     }
 }
 
