@@ -166,14 +166,16 @@ fn symmetric_meshes_get_mirrored_parts() {
     }
 }
 
-/// Reflections are rounded there, so that parts must contain what rounding moves.
+/// Reflections are rounded there, so that parts must contain what rounding moves. They grow by that,
+/// and parts of the whole surface may then be fewer, so that they win: as for the second mesh.
 #[test]
 fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
-    for (shape, turn, offset) in [
-        (concave::chair(), DMat3::IDENTITY, 7.3),
-        (concave::horseshoe(8), turn, 0.0),
-        (concave::horseshoe(8), turn, 2.7),
+    for (shape, turn, offset, wins) in [
+        (concave::chair(), DMat3::IDENTITY, 7.3, true),
+        (concave::horseshoe(8), turn, 0.0, false),
+        (concave::horseshoe(8), turn, 2.7, true),
+        (concave::horseshoe(8), DMat3::IDENTITY, 2.7, true),
     ] {
         let mut mesh = point_set(&shape);
         let at = |p: &[f32; 3]| DVec3::from_array(p.map(f64::from));
@@ -194,7 +196,7 @@ fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
             };
             parts.iter().all(|part| parts.iter().any(|other| is_image(part, other)))
         };
-        assert!((0..3).any(is_mirrored), "{turn} {offset}");
+        assert_eq!((0..3).any(is_mirrored), wins, "{turn} {offset}");
         let hulls = hulls(&mesh, &Cover::default());
         let limit = 0.02 * solid.diagonal();
         for fit in fits(&mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).unwrap() {
