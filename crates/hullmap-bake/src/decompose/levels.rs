@@ -1,15 +1,19 @@
 //! Levels: the limits for which parts are searched, and which of the results is taken.
 //!
-//! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error is
-//! served by the levels below it: of their results, the one with the fewest parts is taken, and of
-//! equal ones that with the lowest limit. So a larger error never takes more parts, as long as the
-//! search down the levels ends where all lower ones have more.
+//! The limits are a fixed geometric series, relative to the mesh's diagonal. At a level, the surface
+//! is divided, and parts are merged; they are merged further at each level above. So the number of
+//! parts that a division leads to never rises with the level.
+//!
+//! A maximum error is served by the divisions at the levels below it, each with mergers up to it. Of
+//! their results, the one with the fewest parts is taken, and of equal ones that with the lowest
+//! limit. A larger error has the same divisions, and further ones. So it never takes more parts, as
+//! long as the search down the levels reaches all divisions that lead to fewer parts.
 
 use super::{
     parameters::Cover,
-    partition::{self, Deadline, Part, PartitionLimits, field::Field, wrap::Bounds},
+    partition::{self, Found, PartitionLimits, field::Field, wrap::Bounds},
 };
-use crate::{PointSet, fit::solid::Solid, mass, progress::Stage};
+use crate::{PointSet, deadline::Deadline, fit::solid::Solid, mass, progress::Stage};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -27,18 +31,15 @@ const LEAST_ERROR: f64 = 2e-5;
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
 
-/// Number of levels in a row with more parts than the best, after which no lower ones are searched.
-const MISSES: usize = 3;
+/// Number of levels in a row that lead to no fewer parts, after which no lower ones are searched.
+const MISSES: usize = 4;
+
+/// The least share of the time that is left for finishing parts and for proving that they cover the
+/// mesh. It takes about as long as the preparation of the mesh.
+const RESERVE: f64 = 0.1;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
-
-/// Number of levels to the second that is tried for a number of parts. Each further stride upward
-/// is twice as long.
-const STRIDE: i32 = 16;
-
-/// Number of levels between few enough parts and too many at which the search ends.
-const CLOSE_ENOUGH: i32 = 2;
 
 /// Limits for which parts are divided further where there may be more, relative to what they reach.
 const FURTHER: [f64; 3] = [0.5, 0.7, 0.85];
@@ -46,8 +47,14 @@ const FURTHER: [f64; 3] = [0.5, 0.7, 0.85];
 /// The lowest level at which the search for a number of parts starts: 1 % of the diagonal.
 const LOWEST_FIRST: i32 = -PER_OCTAVE;
 
-/// Maximum number of searches for a number of parts.
-const MAX_SEARCHES: usize = 5;
+/// Number of levels between those at which parts are merged for a number of parts.
+const FINE: i32 = 2;
+
+/// Number of levels below the best known one at which the surface is divided for a number of parts.
+const BELOW: [i32; 5] = [2, 6, 10, 14, 20];
+
+/// Maximum number of divisions for a number of parts.
+const MAX_SEARCHES: usize = 6;
 
 /// Smallest limit that is searched only because parts for a smaller limit are tighter, relative to
 /// the diagonal.
@@ -57,28 +64,9 @@ const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
 /// parts only follow the tessellation.
 const LEAST_FOR_COUNTS: f64 = 2e-3;
 
-/// Number of levels down to about `count` parts, if the number is inversely proportional to the
-/// limit.
-fn stride(count: usize, found: usize) -> i32 {
-    let octaves = libm::log2(count as f64 / found.max(1) as f64);
-    ((octaves * f64::from(PER_OCTAVE)) as i32 + 1).clamp(CLOSE_ENOUGH, 2 * STRIDE)
-}
-
-/// Parts, and the limit within which they were searched.
-pub struct Found {
-    /// The parts.
-    pub parts: Vec<Part>,
-    /// Approximate number of parts to which they can be merged.
-    pub fewest: usize,
-    /// Maximum protrusion.
-    pub limit: f64,
-}
-
-impl Found {
-    /// The greatest proven protrusion.
-    fn reached(&self) -> f64 {
-        self.parts.iter().map(|part| part.bound).fold(0.0, f64::max)
-    }
+/// The greatest proven protrusion of parts.
+fn reached(found: &Found) -> f64 {
+    found.parts.iter().map(|part| part.bound).fold(0.0, f64::max)
 }
 
 /// The better of two results, of which the second may be unproven: one that is within the error, or
@@ -86,7 +74,7 @@ impl Found {
 fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found> {
     let volume = |found: &Found| found.parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
     // Infinity is no proof.
-    let is_within = |found: &Found| found.reached() < f64::INFINITY && found.reached() <= error;
+    let is_within = |found: &Found| reached(found) < f64::INFINITY && reached(found) <= error;
     match (best, found) {
         (Some(best), Some(found)) => {
             let is_better = !is_within(&best) && (is_within(&found) || volume(&found) < volume(&best));
@@ -103,7 +91,10 @@ pub struct Levels<'a> {
     pub field: Field<'a>,
     parameters: &'a Cover,
     max_vertices: usize,
+    /// When the search ends.
     deadline: Option<Deadline>,
+    /// When the parts must be finished.
+    last_deadline: Option<Deadline>,
     stage: Stage<'a>,
     /// Number of searches so far.
     searches: i32,
@@ -118,9 +109,11 @@ impl<'a> Levels<'a> {
         parameters: &'a Cover,
         max_vertices: usize,
         stage: Stage<'a>,
+        last_deadline: Option<Deadline>,
     ) -> Self {
-        let deadline = parameters.seconds.map(Deadline::after);
-        Self { mesh, field: Field::new(solid), parameters, max_vertices, deadline, stage, searches: 0 }
+        let field = Field::new(solid);
+        let deadline = last_deadline.map(|deadline| deadline.with_reserve(RESERVE));
+        Self { mesh, field, parameters, max_vertices, deadline, last_deadline, stage, searches: 0 }
     }
 
     fn diagonal(&self) -> f64 {
@@ -136,11 +129,16 @@ impl<'a> Levels<'a> {
         Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 
+    /// The limits of a part when parts are finished, for which there is more time.
+    pub fn last_bounds(&self, limit: f64) -> Bounds<'a> {
+        Bounds { deadline: self.last_deadline, ..self.bounds(limit) }
+    }
+
     /// The limits of thin parts that were found within `limit`, but may be as thick as the maximum
     /// error allows.
     pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
         let is_counted = self.parameters.max_parts.is_some();
-        self.bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
+        self.last_bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
     }
 
     fn is_over(&self) -> bool {
@@ -171,47 +169,55 @@ impl<'a> Levels<'a> {
         }
     }
 
-    /// Parts within the limit of a level; `None` if the time is over, or more than about `enough`
-    /// parts are needed.
-    fn search(&mut self, level: i32, enough: Option<usize>) -> Option<Found> {
+    /// The fewest parts within the limits of some levels: the surface is divided at the first one,
+    /// and parts are merged at all. `None` if the time is over, or far more than `enough` parts are
+    /// needed.
+    fn search(&mut self, levels: impl Iterator<Item = i32>, enough: Option<usize>) -> Option<Found> {
         // Each search is expected to take half of the rest.
         let [from, to] = [self.searches, self.searches + 1].map(|count| 1.0 - libm::exp2(-f64::from(count)));
         self.searches += 1;
-        let (limit, stage) = (self.limit(level), self.stage.from_to(from, to));
+        let stage = self.stage.from_to(from, to);
+        let bounds: Vec<Bounds> = levels.map(|level| Bounds { stage, ..self.bounds(self.limit(level)) }).collect();
+        let (bounds, greater) = bounds.split_first()?;
         let limits = PartitionLimits {
-            bounds: Bounds { stage, ..self.bounds(limit) },
+            bounds: *bounds,
+            greater,
             overlap: self.parameters.overlap,
             enough,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
         };
-        let partition::Found { parts, fewest } = partition::search(self.mesh, &mut self.field, &limits)?;
-        Some(Found { parts, fewest, limit })
+        partition::search(self.mesh, &mut self.field, &limits)
     }
 
     /// The fewest parts within `error`.
     fn fewest(&mut self, error: f64) -> Option<Found> {
         let first = self.level(error, STEP);
         let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP).min(first);
-        let mut best: Option<Found> = self.rough(first);
+        let rough = self.rough(first);
+        let mut best: Option<Found> = None;
         let (mut level, mut misses) = (first, 0);
         while misses < MISSES && level >= last {
-            let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.parts.len());
-            let found = self.search(level, enough);
+            let levels = (level..=first).step_by(STEP as usize);
+            let found = self.search(levels, best.as_ref().map(|best| best.parts.len()));
             if self.is_over() {
-                return better(best, found, error);
+                return better(best.or(rough), found, error);
             }
             level -= STEP;
             misses += 1;
-            if let Some(found) = found.filter(|found| enough.is_none_or(|enough| found.parts.len() <= enough)) {
+            let enough = best.as_ref().map_or(usize::MAX, |best| best.parts.len());
+            let Some(found) = found.filter(|found| best.as_ref().is_none_or(|best| found.size() < best.size())) else {
+                continue;
+            };
+            if found.parts.len() < enough {
                 misses = 0;
-                // The levels between would give the same.
-                if found.reached() < self.limit(last) {
-                    level = level.min(last);
-                }
-                best = Some(found);
             }
+            // The levels between would give the same.
+            if reached(&found) < self.limit(last) {
+                level = level.min(last);
+            }
+            best = Some(found);
         }
-        best
+        best.or(rough)
     }
 
     /// Parts of a larger error, to have some when the time ends; `None` if the time has no limit.
@@ -221,7 +227,7 @@ impl<'a> Levels<'a> {
             if best.is_none() || self.is_over() {
                 break;
             }
-            let found = self.search(first + octaves * PER_OCTAVE, None);
+            let found = self.search(std::iter::once(first + octaves * PER_OCTAVE), None);
             // None of them is within the error.
             best = better(best, found, 0.0);
         }
@@ -233,51 +239,50 @@ impl<'a> Levels<'a> {
         self.deadline?;
         let limit = f64::INFINITY;
         let parts = partition::halved(self.mesh, &self.bounds(limit), count.min(HALVED));
-        let fewest = parts.len();
-        (fewest > 1).then_some(Found { parts, fewest, limit })
+        (parts.len() > 1).then_some(Found { parts, limit })
     }
 
-    /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a
-    /// level from which few searches lead to a small number.
+    /// At most `count` parts, with the least protrusion. The first division is at `error`, or at a
+    /// level from which few of them lead to a small number. Each is merged at one level after the
+    /// other, until there are few enough parts. Further divisions are a little below the level at
+    /// which that was so.
     fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
-        // The lowest level known to have few enough parts, and the highest with too many.
-        let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
-        let (mut level, mut rise) = (self.level(error, 1).max(LOWEST_FIRST), STRIDE / 2);
-        // Strides, until a level with few enough parts and one with too many are known; then
-        // halves.
-        for _ in 0..MAX_SEARCHES {
-            let found = self.search(level, Some(count + (count / 4).max(2)));
+        let lowest = self.level(LEAST_FOR_COUNTS * self.diagonal(), FINE);
+        let (mut best, mut tried) = (None::<Found>, Vec::new());
+        let (mut level, mut stride) = (self.level(error, FINE).max(LOWEST_FIRST), PER_OCTAVE);
+        while tried.len() < MAX_SEARCHES && !tried.contains(&level) {
+            tried.push(level);
+            // Parts may reach less than their limit.
+            let least = |found: &Found| self.level(found.limit.min(reached(found)), FINE);
+            let highest = best.as_ref().map_or(HIGHEST, |best| least(best) - FINE);
+            let found = self.search((level..=highest).step_by(FINE as usize), Some(count));
+            let found = found.filter(|found| found.parts.len() <= count);
             if self.is_over() {
-                let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
-                return better(best, found.filter(|found| found.parts.len() <= count), f64::INFINITY);
+                let best = best.or_else(|| self.halved(count));
+                return better(best, found, f64::INFINITY);
             }
-            match found {
-                Some(found) if found.parts.len() <= count => {
-                    best = Some((self.level(found.reached(), 1).min(level), found));
-                }
-                _ => low = Some(level),
-            }
-            level = match (&best, low) {
-                (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
-                (Some((best, _)), Some(low)) => low + (best - low) / 2,
-                (Some((best, found)), None) => best - stride(count, found.fewest),
-                (None, _) if level == HIGHEST => break,
-                (None, _) => {
-                    rise *= 2;
-                    (level + rise).min(HIGHEST)
-                }
+            let is_at_once = found.as_ref().is_some_and(|found| found.limit <= self.limit(level));
+            best = found.or(best);
+            let is_new = |level: &i32| tried.iter().all(|other| (other - level).abs() >= FINE);
+            let least = best.as_ref().map(|best| self.level(best.limit.min(reached(best)), FINE));
+            level = match least {
+                None => level + stride,
+                Some(least) if is_at_once => least - stride,
+                Some(least) => match BELOW.map(|below| least - below).into_iter().find(is_new) {
+                    Some(next) => next,
+                    None => break,
+                },
             };
-            if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
-                break;
-            }
+            stride *= 2;
+            level = level.clamp(lowest, HIGHEST);
         }
-        best.map(|(_, found)| self.refined(found, count))
+        best.map(|found| self.refined(found, count))
     }
 
     /// The same parts, of which some are divided, where there may be more.
     fn refined(&mut self, found: Found, count: usize) -> Found {
-        let (reached, mut found) = (found.reached(), found);
-        for limit in FURTHER.map(|share| share * reached) {
+        let (worst, mut found) = (reached(&found), found);
+        for limit in FURTHER.map(|share| share * worst) {
             let is_useful = limit.is_finite() && limit >= LEAST_FOR_TIGHTNESS * self.diagonal();
             if found.parts.len() >= count || !is_useful {
                 break;

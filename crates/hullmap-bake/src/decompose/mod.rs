@@ -6,7 +6,8 @@
 //! | `parameters` | parameters of a cover |
 //! | `levels` | the limits for which parts are searched, and which result is taken |
 //! | [`partition`] | the parts for one limit |
-//! | this one | the rest: meshes that need no parts, triangles that are not covered |
+//! | `rest` | triangles that are not covered |
+//! | this one | meshes that need no parts, and finished hulls |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
 //!
@@ -36,26 +37,29 @@ mod parameters;
 mod part;
 pub mod partition;
 mod patch;
+mod rest;
 
 use convex::is_convex;
 use glam::DVec3;
-use levels::{Found, Levels};
+use levels::Levels;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
 use partition::{
-    Part,
+    Found, Part,
     body::Body,
     shape::{large_faces, tightened},
-    wrap::{self, Bounds},
+    wrap,
 };
 use rayon::prelude::*;
+use rest::{Corners, Rest};
 
 use crate::{
     BakeError, PointSet,
+    deadline::Deadline,
     fit::{planes::HalfSpace, solid::Solid, uncovered_triangles},
     hull::{self, Hull},
     progress::Stage,
-    simplify::{self, nearest::Nearest},
+    simplify,
 };
 
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
@@ -90,6 +94,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<Point
 /// # Errors
 /// The errors of [`decompose`].
 pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
+    let deadline = parameters.seconds.map(Deadline::after);
     let hull = hull::build(mesh)?;
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
@@ -97,7 +102,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
     let solid = Solid::new(mesh);
-    let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage);
+    let mut levels = Levels::new(mesh, &solid, parameters, max_vertices, stage, deadline);
     let found = if parameters.max_parts == Some(1) { None } else { levels.parts() };
     let hulls = match found {
         Some(parts) => finished(mesh, &vertices, &levels, parts, parameters.max_parts),
@@ -131,58 +136,31 @@ fn finished(
     found: Found,
     max_parts: Option<u32>,
 ) -> Vec<Hull> {
-    let Found { parts, limit, .. } = found;
+    let Found { parts, limit } = found;
     let diagonal = levels.field.solid().diagonal();
-    let bounds = levels.bounds(limit);
+    let bounds = levels.last_bounds(limit);
     let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
     let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
     let thin = levels.bounds_of_thin_parts(limit);
-    let tight = |part: &Part| wrap::thick(&levels.field, tightened(&levels.field, part, &sides, &bounds), &thin);
+    let search_bounds = levels.bounds(limit);
+    let tight = |part: &Part| wrap::thick(&levels.field, tightened(&levels.field, part, &sides, &search_bounds), &thin);
     let tight = |part: &Part| as_built(vertices, tight(part));
     let mut hulls: Vec<Hull> = parts.par_iter().map(tight).collect();
+    let max_parts = max_parts.map_or(usize::MAX, |count| count as usize);
+    let mut rest = Rest { levels, bounds, thickness: thin.thickness, max_parts, proofs: 0 };
     for _ in 0..UNCOVERED_ROUNDS {
         let missing = uncovered_triangles(mesh, &hulls.iter().collect::<Vec<_>>(), COVERED * diagonal);
+        let missing: Vec<Corners> = missing.into_iter().map(|index| mesh.triangles[index].map(corner)).collect();
         if missing.is_empty() {
             break;
         }
-        for triangle in missing {
-            let corners = mesh.triangles[triangle].map(corner);
-            let may_add = max_parts.is_none_or(|count| hulls.len() < count as usize);
-            if let Some((part, grown)) = absorbed(levels, &hulls, &corners, &bounds, !may_add) {
-                hulls[part] = as_built(vertices, grown);
-            } else if may_add {
-                let own = wrap::of_polygon(&corners, diagonal, thin.thickness, bounds.max_vertices);
-                hulls.extend(own.into_iter().map(|(_, hull)| as_built(vertices, hull)));
-            }
+        rest.add(&mut hulls, &missing, &|hull| as_built(vertices, hull));
+        if bounds.is_over() {
+            break;
         }
     }
     hulls
-}
-
-/// The part nearest to a triangle, by its index, and a hull of both; `None` if that is not proven
-/// to be within the limit. If the triangle `must` be absorbed, a larger protrusion is accepted.
-fn absorbed(
-    levels: &Levels,
-    hulls: &[Hull],
-    corners: &[DVec3; 3],
-    bounds: &Bounds,
-    must: bool,
-) -> Option<(usize, Hull)> {
-    let distance = |hull: &Hull| {
-        let nearest = Nearest::new(hull);
-        corners.iter().map(|p| nearest.certain(*p).point.distance(*p)).fold(0.0, f64::max)
-    };
-    let (part, _) = hulls
-        .iter()
-        .enumerate()
-        .map(|(index, hull)| (index, distance(hull)))
-        .reduce(|best, next| if next.1 < best.1 { next } else { best })?;
-    let points = [hulls[part].positions().as_slice(), corners].concat();
-    let grown = wrap::tight(&points, bounds.diagonal, bounds.thickness)?;
-    let grown = wrap::within_vertices(grown, bounds.max_vertices);
-    let is_proven = || wrap::prove(&levels.field, &grown, bounds, wrap::MEASUREMENTS).is_ok();
-    (must || is_proven()).then_some((part, grown))
 }
 
 #[cfg(test)]

@@ -10,6 +10,11 @@ use std::{cmp::Ordering, collections::BinaryHeap};
 
 use glam::DVec3;
 
+use crate::deadline::Deadline;
+
+/// Number of measurements after which the time is compared with a deadline.
+pub const CLOCK: usize = 256;
+
 /// When a bound is accurate enough.
 ///
 /// Whichever applies first ends the search. The bound holds in each case.
@@ -27,17 +32,26 @@ pub struct Accuracy {
     /// Number of measurements after which no more cells are split. Each cell that is given is
     /// measured at least once.
     pub measurements: usize,
+    /// When no more cells are split.
+    pub deadline: Option<Deadline>,
 }
 
 impl Accuracy {
     /// An accuracy of 0.5 %, or of 1e-5 of `diagonal`.
     pub fn tight(diagonal: f64) -> Self {
-        Self { limit: None, floor: 0.0, relative: 0.005, absolute: 1e-5 * diagonal, measurements: 100_000 }
+        Self {
+            limit: None,
+            floor: 0.0,
+            relative: 0.005,
+            absolute: 1e-5 * diagonal,
+            measurements: 100_000,
+            deadline: None,
+        }
     }
 
     /// Decides whether the maximum is at most `limit`.
     pub fn decide(limit: f64) -> Self {
-        Self { limit: Some(limit), floor: 0.0, relative: 0.0, absolute: 0.0, measurements: 100_000 }
+        Self { limit: Some(limit), floor: 0.0, relative: 0.0, absolute: 0.0, measurements: 100_000, deadline: None }
     }
 
     /// Whether a bound is accurate enough, given the value reached. NaN is accurate enough, so that
@@ -132,7 +146,10 @@ pub fn maximum<C>(
     }
     while let Some(top) = queue.peek() {
         found.bound = top.bound.max(found.reached);
-        if accuracy.is_enough(found.bound, found.reached) || found.measurements >= accuracy.measurements {
+        let is_over = || accuracy.deadline.is_some_and(|deadline| deadline.is_over());
+        let is_spent =
+            found.measurements >= accuracy.measurements || found.measurements.is_multiple_of(CLOCK) && is_over();
+        if accuracy.is_enough(found.bound, found.reached) || is_spent {
             return found;
         }
         let Some(Entry { bound, cell, .. }) = queue.pop() else { break };

@@ -26,12 +26,13 @@
 use glam::DVec3;
 
 use super::{
-    branch::{Accuracy, Maximum, Measured, maximum},
+    branch::{Accuracy, CLOCK, Maximum, Measured, maximum},
     planes::{self, HalfSpace},
     sides::{Polygon, are_sides_inside},
     solid::{Near, Solid},
     triangle::{self, Triangle},
 };
+use crate::deadline::Deadline;
 use crate::hull::Hull;
 
 /// How far a part protrudes from a solid.
@@ -510,7 +511,7 @@ impl Peaks {
     ///
     /// # Complexity
     /// One nearest-triangle search per measurement.
-    pub fn new(solid: &Solid, above: f64, measurements: usize) -> Option<Self> {
+    pub fn new(solid: &Solid, above: f64, measurements: usize, deadline: Option<Deadline>) -> Option<Self> {
         let area: f64 = solid.triangles().iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() * 0.5).sum();
         // Written so that NaN gives up.
         if !(PEAK_BOXES * area <= above * above * measurements as f64) {
@@ -519,7 +520,10 @@ impl Peaks {
         let [low, high] = solid.bounds();
         let mut boxes = Vec::new();
         let mut stack = vec![((low + high) * 0.5, (high - low) * 0.5, f64::INFINITY, None)];
-        for _ in 0..measurements {
+        for count in 0..measurements {
+            if count % CLOCK == 0 && deadline.is_some_and(|deadline| deadline.is_over()) {
+                return None;
+            }
             let Some((centre, half, within, hint)) = stack.pop() else { return Some(Self { above, boxes }) };
             let radius = half.length();
             let near = solid.near_beside(centre, within, hint.as_ref())?;

@@ -261,7 +261,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: PositiveOrNone,
         default: DefaultValue::Value("0.05"),
         value_name: "SHARE",
-        help: "Merge parts only while they overlap by at most this share of their volume; none for any overlap",
+        help: "Merge parts only while their overlap, relative to their union, is at most this share; none for any overlap",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),

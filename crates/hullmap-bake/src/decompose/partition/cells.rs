@@ -296,8 +296,11 @@ pub fn cells(
             return None;
         }
         let budget = cutting.max_cells.saturating_sub(cells.len() + level.len());
-        let next: Vec<Step> =
-            level.into_par_iter().map(|(piece, depth)| step(piece, depth, field, cutting, budget > 0)).collect();
+        let step = |(piece, depth)| {
+            // Then there is no result.
+            if is_over() { Err(Vec::new()) } else { step(piece, depth, field, cutting, budget > 0) }
+        };
+        let next: Vec<Step> = level.into_par_iter().map(step).collect();
         level = Vec::new();
         for outcome in next {
             match outcome {
@@ -306,7 +309,7 @@ pub fn cells(
             }
         }
     }
-    Some(Cells { cells, planes })
+    (!is_over()).then_some(Cells { cells, planes })
 }
 
 /// The pieces that a piece is cut into, each with its number of cuts, or else its cells.

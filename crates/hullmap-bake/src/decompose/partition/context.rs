@@ -27,6 +27,7 @@ const REFUTING: usize = 12;
 const MEASURED: usize = 800;
 
 /// What the steps of a search share.
+#[derive(Clone, Copy)]
 pub struct Search<'a> {
     /// The mesh's solid.
     pub field: &'a Field<'a>,
@@ -36,6 +37,8 @@ pub struct Search<'a> {
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
     pub bounds: Bounds<'a>,
+    /// Whether pieces are also peeled.
+    pub peels: bool,
 }
 
 impl Search<'_> {

@@ -14,7 +14,7 @@
 //! | [`context`] | what all steps share |
 //! | [`shape`] | final hulls of pieces |
 //! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
-//! | [`body`], [`sample`], `deadline` | trial hulls, points on faces, when to stop |
+//! | [`body`], [`sample`] | trial hulls, points on faces |
 //!
 //! # Steps
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
@@ -23,8 +23,10 @@
 //! 3. A piece whose hull contains no forbidden point, and is proven, is a part. Divide any other
 //!    piece by the plane that leaves the fewest conflicts and forbidden points within both sides,
 //!    and go on with the connected components of the sides.
-//! 4. Where that gives a few parts, peel the piece, too, and take what has fewer parts.
-//! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts.
+//! 4. Merge parts as long as the merged hull is proven, and hardly overlaps other parts: first within
+//!    the limit, then within greater ones.
+//! 5. Divide the surface again, and peel pieces that take a few parts. Merge the result in the same
+//!    way, and take what has fewer parts.
 //!
 //! # Why the bounds hold
 //! - The pieces are clipped triangles, and together they are the whole surface. A hull of all
@@ -43,7 +45,6 @@ pub mod cells;
 pub mod conflicts;
 pub mod context;
 pub mod cuts;
-mod deadline;
 pub mod field;
 pub mod join;
 pub mod peel;
@@ -59,9 +60,8 @@ use rayon::prelude::*;
 
 use cells::Cutting;
 use context::Search;
-pub use deadline::Deadline;
 use field::Field;
-pub use join::Found;
+use join::Join;
 use peel::Along;
 use piece::{Atom, Piece, Scale};
 pub use shape::Part;
@@ -89,38 +89,66 @@ const MAX_DEPTH: u32 = 40;
 /// are.
 const PEELED: usize = 12;
 
-/// A search gives up when it has more parts before mergers than the first of these times the number
-/// that is still useful, plus the second.
-const FEWER_LATER: (f64, f64) = (1.35, 8.0);
+/// A surface is divided into at most the first of these times the useful number of parts, plus the
+/// second. More are hardly ever merged to that number.
+const DIVIDED: (f64, f64) = (2.5, 16.0);
 
-/// Share of a search after which its cells are cut, and after which all pieces are divided.
-const STAGES: [f64; 2] = [0.1, 0.95];
+/// The same where pieces are peeled, which leaves fewer mergers.
+const WITH_PEELING: (f64, f64) = (1.1, 2.0);
+
+/// Share of a search after which its cells are cut, the surface is divided, and divided again.
+const STAGES: [f64; 3] = [0.1, 0.5, 0.95];
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct PartitionLimits<'a> {
-    /// Limits of a part.
+    /// Limits of a part while the surface is divided.
     pub bounds: Bounds<'a>,
-    /// Volume that parts may have in common, relative to the volume of all.
+    /// Greater limits, ascending, within which parts are merged.
+    pub greater: &'a [Bounds<'a>],
+    /// Sum of the parts' volumes less that of their union up to which parts are merged, relative to
+    /// the latter.
     pub overlap: f64,
-    /// Number of parts above which the search gives up.
+    /// Number of parts above which the result is of no use.
     pub enough: Option<usize>,
-    /// Number of parts down to which they are merged, where they can be.
+    /// Number of parts at which mergers end.
     pub wanted: usize,
 }
 
-/// Parts that together contain the surface of `mesh`.
+/// Parts that together contain a mesh's surface.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parts.
+    pub parts: Vec<Part>,
+    /// The limit within which they were merged.
+    pub limit: f64,
+}
+
+impl Found {
+    /// The number of parts, the limit, and the number of vertices: less is better.
+    pub fn size(&self) -> (usize, f64, usize) {
+        (self.parts.len(), self.limit, self.parts.iter().map(|part| part.hull.vertices.len()).sum())
+    }
+
+    /// The better of two.
+    fn or_better(self, other: Self) -> Self {
+        if other.size() < self.size() { other } else { self }
+    }
+}
+
+/// Parts that together contain the surface of `mesh`: the fewest that were found within any of the
+/// limits; of equal numbers, those within the smallest limit.
 ///
-/// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
-/// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
-/// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
-/// about `enough` parts are needed.
+/// Without a deadline, the parts and the order of limits depend on the mesh and the limits only. In
+/// the worst case, a part is one thickened polygon of the surface. When the deadline passes, what is
+/// not divided yet becomes parts, whose bounds are infinite. `None` if there are not even cells, or
+/// if far more than `enough` parts are needed.
 pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
     let triangles = triangles(mesh);
-    field.find_peaks(limits.bounds.limit * HARD_SHARE);
+    field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { bounds, overlap, enough, wanted } = *limits;
+    let bounds = limits.bounds;
     let (limit, stage) = (bounds.limit, bounds.stage);
     let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
     let cells::Cells { cells, planes } = cells::cells(&triangles, field, &cutting, &|| bounds.is_over())?;
@@ -128,12 +156,44 @@ pub fn search(mesh: &PointSet, field: &mut Field, limits: &PartitionLimits) -> O
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body(&piece::points(&atoms));
-    let search = Search { field, scale, planes: &planes, bounds };
-    let mut forbidden = search.forbidden(&triangles, &hull);
-    let whole = scale.piece(atoms, Vec::new(), &forbidden);
-    let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
-    let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
-    Some(join::merge(&search, parts, &mut forbidden, overlap, wanted))
+    let search = Search { field, scale, planes: &planes, bounds, peels: false };
+    let mut known = search.forbidden(&triangles, &hull);
+    let whole = scale.piece(atoms, Vec::new(), &known);
+    let most = |(factor, more): (f64, f64), enough: Option<usize>| {
+        enough.map_or(usize::MAX, |enough| (factor * enough as f64 + more) as usize)
+    };
+    let [first, second] = [stage.from_to(STAGES[0], STAGES[1]), stage.from_to(STAGES[1], STAGES[2])];
+    let parts = divided(&search, whole.clone(), most(DIVIDED, limits.enough), 0, &mut known, first);
+    let found = parts.map(|parts| merged(&search, parts, &known, limits));
+    let fewest = found.as_ref().map(|found| found.parts.len());
+    if fewest == Some(1) || search.is_over() {
+        return found;
+    }
+    let enough = fewest.into_iter().chain(limits.enough).min();
+    let search = Search { peels: true, ..search };
+    let peeled = divided(&search, whole, most(WITH_PEELING, enough), 0, &mut known, second);
+    let peeled = peeled.map(|parts| merged(&search, parts, &known, limits));
+    found.into_iter().chain(peeled).reduce(Found::or_better)
+}
+
+/// Merges parts within one limit after the other.
+fn merged(search: &Search, parts: Vec<Part>, known: &[DVec3], limits: &PartitionLimits) -> Found {
+    if search.is_over() {
+        return Found { parts, limit: search.bounds.limit };
+    }
+    let mut join = Join::new(search, parts, known);
+    let mut best: Option<Found> = None;
+    for bounds in [limits.bounds].iter().chain(limits.greater) {
+        let scale = Scale { limit: bounds.limit * RESERVE, ..search.scale };
+        join.merge(&Search { scale, bounds: *bounds, ..*search }, limits.overlap, limits.wanted);
+        if best.as_ref().is_none_or(|best| join.count() < best.parts.len()) {
+            best = Some(Found { parts: join.parts().cloned().collect(), limit: bounds.limit });
+        }
+        if join.count() <= limits.wanted || search.is_over() {
+            break;
+        }
+    }
+    best.unwrap_or_else(|| Found { parts: join.parts().cloned().collect(), limit: search.bounds.limit })
 }
 
 /// Divides parts further, as long as there are at most `count`: those that protrude much from a
@@ -146,10 +206,10 @@ pub fn divided_further(
     parts: Vec<Part>,
     count: usize,
 ) -> Vec<Part> {
-    field.find_peaks(bounds.limit * HARD_SHARE);
+    field.find_peaks(bounds.limit * HARD_SHARE, bounds.deadline);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
     let planes = cells::FacePlanes::new(&triangles(mesh), bounds.diagonal);
-    let search = Search { field, scale, planes: &planes, bounds };
+    let search = Search { field, scale, planes: &planes, bounds, peels: true };
     let mut room = count.saturating_sub(parts.len());
     let mut parts = parts;
     let excess = |part: &Part| part.bound * part.piece.area();
@@ -205,6 +265,24 @@ pub fn halved(mesh: &PointSet, bounds: &Bounds, count: usize) -> Vec<Part> {
     pieces.into_iter().filter_map(part).collect()
 }
 
+/// A piece as one part; `None` if its hull is too far from the solid, or the piece must be divided
+/// for another reason. Points that are found to be too far are added to the piece and to `known`.
+fn single(search: &Search, piece: &mut Piece, known: &mut Vec<DVec3>) -> Option<Part> {
+    if !piece.forbidden.is_empty() {
+        return None;
+    }
+    let mut beyond = search.beyond(piece);
+    if beyond.is_empty() {
+        match search.shaped(piece) {
+            Ok(part) => return Some(part),
+            Err(point) => beyond.extend(point),
+        }
+    }
+    known.extend_from_slice(&beyond);
+    piece.forbidden = beyond;
+    None
+}
+
 /// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
 /// too far from the solid are added to `known`.
 fn divided(
@@ -219,19 +297,9 @@ fn divided(
     if search.is_over() {
         return Some(search.shaped(&piece).into_iter().collect());
     }
-    if piece.forbidden.is_empty() {
-        let mut beyond = search.beyond(&piece);
-        if beyond.is_empty() {
-            match search.shaped(&piece) {
-                Ok(part) => {
-                    stage.reach(1.0);
-                    return Some(vec![part]);
-                }
-                Err(point) => beyond.extend(point),
-            }
-        }
-        known.extend_from_slice(&beyond);
-        piece.forbidden = beyond;
+    if let Some(part) = single(search, &mut piece, known) {
+        stage.reach(1.0);
+        return Some(vec![part]);
     }
     if most < 2 {
         return None;
@@ -250,13 +318,13 @@ fn divided(
     let best = all_divided(search, sides, most, depth + u32::from(is_connected), known, stage);
     let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
     // Without forbidden points there are only too many vertices.
-    if is_connected && is_small && !piece.forbidden.is_empty() {
+    if search.peels && is_connected && is_small && !piece.forbidden.is_empty() {
         return peeled(search, &piece, best, most);
     }
     best
 }
 
-/// The parts of several pieces.
+/// The parts of several pieces, at most `most`; `None` if there are more.
 fn all_divided(
     search: &Search,
     pieces: Vec<Piece>,

@@ -13,9 +13,9 @@
 use glam::DVec3;
 
 use super::body::{Body, farthest};
-use super::deadline::Deadline;
 use super::field::Field;
 use super::sample::face_points;
+use crate::deadline::Deadline;
 use crate::fit::{
     branch::Accuracy,
     planes::{self, HalfSpace},
@@ -94,7 +94,8 @@ impl Bounds<'_> {
 /// A point of the hull that is too far from the solid; `None` if the measurements do not decide.
 pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, Option<DVec3>> {
     let usual = Accuracy::decide(bounds.limit);
-    let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
+    let measurements = measurements.min(usual.measurements);
+    let accuracy = Accuracy { measurements, deadline: bounds.deadline, ..usual };
     let found = protrusion_beside(field.solid(), hull, &accuracy, field.peaks());
     // Written so that NaN fails.
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err((found.reached > bounds.limit).then_some(found.at)) }
@@ -444,7 +445,7 @@ impl Faces<'_> {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.
         let mut at = left.len();
-        while at > 0 && left.len() > 4 && best.len() > enough {
+        while at > 0 && left.len() > 4 && best.len() > enough && !self.bounds.is_over() {
             at -= 1;
             let mut fewer = left.clone();
             fewer.remove(at);
