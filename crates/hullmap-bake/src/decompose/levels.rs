@@ -32,7 +32,7 @@ const LEAST_ERROR: f64 = 2e-5;
 const HALVED: usize = 8;
 
 /// Number of levels in a row that lead to no fewer parts, after which no lower ones are searched.
-const MISSES: usize = 4;
+const MISSES: usize = 3;
 
 /// The least share of the time that is left for finishing parts and for proving that they cover the
 /// mesh. It takes about as long as the preparation of the mesh.

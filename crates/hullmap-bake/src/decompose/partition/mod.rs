@@ -91,10 +91,10 @@ const PEELED: usize = 12;
 
 /// A surface is divided into at most the first of these times the useful number of parts, plus the
 /// second. More are hardly ever merged to that number.
-const DIVIDED: (f64, f64) = (2.5, 16.0);
+const DIVIDED: (f64, f64) = (4.0, 32.0);
 
 /// The same where pieces are peeled, which leaves fewer mergers.
-const WITH_PEELING: (f64, f64) = (1.1, 2.0);
+const WITH_PEELING: (f64, f64) = (1.25, 5.0);
 
 /// Share of a search after which its cells are cut, the surface is divided, and divided again.
 const STAGES: [f64; 3] = [0.1, 0.5, 0.95];
