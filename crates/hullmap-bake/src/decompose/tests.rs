@@ -122,28 +122,3 @@ fn the_number_of_parts_is_never_exceeded() {
         assert!(max_parts.is_some() || worst <= error, "{worst} of {error}");
     }
 }
-
-/// Parts that lost a little everywhere, so that no triangle lies in them.
-#[test]
-fn the_number_of_proofs_depends_on_the_parts_not_on_the_triangles() {
-    for sides in [12, 48] {
-        let mesh = point_set(&concave::horseshoe(sides));
-        let (solid, cover) = (Solid::new(&mesh), Cover::default());
-        let mut levels = Levels::new(&mesh, &solid, &cover, 64, Stage::default(), None);
-        let Found { parts, limit } = levels.parts().unwrap();
-        let smaller = |part: &Part| {
-            let points = part.hull.positions();
-            let middle = points.iter().sum::<DVec3>() / points.len() as f64;
-            wrap::hull_of(points.iter().map(|p| middle.lerp(*p, 0.9999).as_vec3().to_array()).collect()).unwrap()
-        };
-        let mut hulls: Vec<Hull> = parts.iter().map(smaller).collect();
-        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-        let missing: Vec<Corners> = mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
-        // The parts were loosest, so that they are not proven within their own limit.
-        let bounds = levels.last_bounds(1.5 * limit);
-        let mut rest = Rest { levels: &levels, bounds, thickness: bounds.thickness, max_parts: usize::MAX, proofs: 0 };
-        rest.add(&mut hulls, &missing, &|hull| hull);
-        assert_eq!(hulls.len(), parts.len());
-        assert!(rest.proofs <= 2 * parts.len(), "{} proofs for {} triangles", rest.proofs, missing.len());
-    }
-}
