@@ -166,8 +166,9 @@ fn symmetric_meshes_get_mirrored_parts() {
     }
 }
 
-/// Reflections are rounded there, so that parts must contain what rounding moves. They grow by that,
-/// and parts of the whole surface may then be fewer, so that they win: as for the second mesh.
+/// Reflections are rounded there, so that parts must contain what rounding moves. They grow by
+/// that, and parts of the whole surface may then be fewer, so that they win: as for the second
+/// mesh.
 #[test]
 fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);

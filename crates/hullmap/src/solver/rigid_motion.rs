@@ -63,8 +63,8 @@ impl RigidMotion {
     /// `center`.
     ///
     /// # Errors
-    /// A component is NaN or infinite, or the origin of the shape's frame may be beyond 3.4e38 during
-    /// the motion.
+    /// A component is NaN or infinite, or the origin of the shape's frame may be beyond 3.4e38
+    /// during the motion.
     pub fn screw(start: Pose, linear: DVec3, angular: DVec3, center: DVec3) -> Result<Self, VectorError> {
         checked("angular displacement", angular)?;
         checked("center", center)?;
