@@ -2,9 +2,12 @@
 //!
 //! | claim | certificate |
 //! |---|---|
-//! | the shapes do not meet before `t_lower`, or at all | the bounds of distance and contact queries, which have certificates of their own, at many times; and for some pairs at all times, by intervals of time divided until a bound on the speed of all points excludes a meeting |
+//! | the shapes do not meet before `t_lower`, or at all | distances and contacts at many times |
 //! | they meet by `t_upper` | the same queries at that time |
 //! | at `t_lower` they are within the tolerance | the same |
+//!
+//! Distances and contacts have certificates of their own. Some pairs are judged at all times: by
+//! intervals that are divided until a bound on the speed of all points excludes a meeting.
 //!
 //! At one time the pair is in a pose of the soak of pairs, so most motions graze, or lead to a
 //! contact of faces or edges. The judge has the poses from rotations of its own.

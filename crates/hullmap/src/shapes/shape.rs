@@ -106,8 +106,8 @@ pub trait Shape: SupportMap {
     /// changes the time alone. The answer is exact up to 1e-6 of the outer radius. A contact
     /// manifold finds points on surfaces that are not flat with it.
     ///
-    /// The default casts the ray by support queries. A hull walks over its faces, which costs a
-    /// fifth of that, if the vertex is close.
+    /// The default casts the ray by support queries. A hull walks over its faces, which
+    /// is faster if the vertex is close.
     ///
     /// # Examples
     /// ```

@@ -15,7 +15,7 @@
 //! | `line` | where a line enters the difference: rays and shape casts |
 //! | `rounded` | the same for rounded shapes, by Newton's method on the distance of the cores |
 //! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
-//! | `rigid_motion`, `advance`, `cast_motion` | shapes that move and turn: how long they surely stay apart, and when they meet |
+//! | `rigid_motion`, `advance`, `cast_motion` | when shapes that move and turn meet |
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for the largest polytopes, for threads with a small stack |
