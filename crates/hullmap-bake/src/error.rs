@@ -1,6 +1,6 @@
 //! Errors of a bake.
 
-use hullmap_format::walk::IndexError;
+use hullmap_format::{triangle_mesh::MAX_TRIANGLES, walk::IndexError};
 
 use crate::hull::certify::CertificateError;
 use crate::index::certify::proof::Unproven;
@@ -18,6 +18,30 @@ pub enum BakeError {
     TooManyPoints {
         /// Number of points.
         found: usize,
+    },
+    /// There are more triangles than the nodes of a tree can address.
+    #[error("a triangle mesh has at most {MAX_TRIANGLES} triangles (found {found}): split the mesh")]
+    TooManyTriangles {
+        /// Number of triangles.
+        found: usize,
+    },
+    /// A corner of a triangle is not a vertex.
+    #[error("triangle {triangle} has the vertex {found}, but there are {vertex_count}")]
+    Corner {
+        /// The triangle.
+        triangle: usize,
+        /// The corner.
+        found: u32,
+        /// Number of vertices.
+        vertex_count: usize,
+    },
+    /// There are materials, but not one for each triangle.
+    #[error("there are {found} materials for {expected} triangles: name one for each triangle, or none")]
+    Materials {
+        /// Number of materials.
+        found: usize,
+        /// Number of triangles.
+        expected: usize,
     },
     /// A coordinate is NaN or infinite.
     #[error("source vertex {source_vertex} is not finite")]

@@ -13,6 +13,7 @@
 //! | [`index`] | normal cones | proven direction index: cube map or tree, as words and blocks |
 //! | [`bvh`] | bounds of the hulls | bounding volume hierarchy over the hulls |
 //! | [`pack`] | baked hulls | bytes |
+//! | [`triangle_mesh`] | triangles of a level or terrain | bytes of a static triangle mesh |
 //! | [`advice`] | baked hulls | warnings and notes for people |
 //!
 //! The crate reads no files and has no command line: it turns points into bytes. Its output is a
@@ -40,6 +41,7 @@ pub mod progress;
 pub mod simplify;
 mod spread;
 pub mod symmetry;
+pub mod triangle_mesh;
 
 pub use error::BakeError;
 pub use fit::Fit;

@@ -116,7 +116,7 @@ fn write(
 }
 
 /// The section `options`: the options, then each warning on a line of its own.
-fn options_text(source: &SourceRecord) -> String {
+pub(crate) fn options_text(source: &SourceRecord) -> String {
     let mut text = source.options.clone();
     for warning in &source.warnings {
         text.push('\n');

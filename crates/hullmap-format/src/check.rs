@@ -69,6 +69,14 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("edges", pack.edges),
         ("root", size_of::<ArchivedPack>(), align_of::<ArchivedPack>()),
     ];
+    zeros_between(payload, sections)
+}
+
+/// Checks that the bytes between sections, given by name, length and alignment, are zero.
+pub(crate) fn zeros_between(
+    payload: &[u8],
+    sections: impl IntoIterator<Item = (&'static str, usize, usize)>,
+) -> Result<(), CheckError> {
     let mut end = 0_usize;
     for (section, len, alignment) in sections {
         let start = end.next_multiple_of(alignment);

@@ -1,8 +1,8 @@
-//! Header of a pack: the fixed 64 bytes in front of the archive, and their checks.
+//! Header of a file: the fixed 64 bytes in front of the archive, and their checks.
 //!
 //! | offset | bytes | field |
 //! |---|---|---|
-//! | 0 | 8 | magic `hullmap\n` |
+//! | 0 | 8 | magic: `hullmap\n` of a pack, `hullmsh\n` of a triangle mesh |
 //! | 8 | 4 | format version |
 //! | 12 | 4 | header length, 64 |
 //! | 16 | 8 | payload length: the file is exactly 64 bytes longer |
@@ -14,14 +14,47 @@
 //! All numbers are little-endian. All hashes use seed 0. The newline in the magic reveals a
 //! transfer that rewrote line ends.
 
-use std::hash::Hasher;
+use std::{fmt, hash::Hasher};
 
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-use crate::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
+use crate::{FORMAT_VERSION, LEAN_FORMAT_VERSION, triangle_mesh};
 
-/// First bytes of every pack.
-pub const MAGIC: [u8; 8] = *b"hullmap\n";
+/// Kinds of file that start with this header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A pack of convex hulls.
+    Pack,
+    /// A static mesh that keeps its triangles.
+    TriangleMesh,
+}
+
+impl FileKind {
+    /// First bytes of every file of this kind.
+    pub const fn magic(self) -> [u8; 8] {
+        match self {
+            Self::Pack => *b"hullmap\n",
+            Self::TriangleMesh => *b"hullmsh\n",
+        }
+    }
+
+    /// Format versions that this build reads.
+    pub const fn versions(self) -> &'static [u32] {
+        match self {
+            Self::Pack => &[FORMAT_VERSION, LEAN_FORMAT_VERSION],
+            Self::TriangleMesh => &[triangle_mesh::FORMAT_VERSION],
+        }
+    }
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Pack => "hullmap pack",
+            Self::TriangleMesh => "hullmap triangle mesh",
+        })
+    }
+}
 
 /// Length of the header, in bytes: a whole cache line, so that the archive starts on the next one.
 pub const HEADER_LEN: usize = 64;
@@ -34,6 +67,8 @@ const CHECKSUM_AT: usize = 56;
 /// The header, decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
+    /// Kind of the file.
+    pub kind: FileKind,
     /// Format version the file was written in.
     pub format_version: u32,
     /// Length of the archive after the header, in bytes.
@@ -63,26 +98,29 @@ pub enum HeaderError {
         /// Length of the longest pack, in bytes.
         expected: u64,
     },
-    /// The first eight bytes are not [`MAGIC`].
+    /// The first eight bytes are not those of the expected kind of file.
     #[error(
-        "not a hullmap pack: it starts with \"{}\" instead of \"{}\"; pass a file that `bake build` wrote",
+        "not a {expected}: it starts with \"{}\" instead of \"{}\"; pass a file that `bake build` wrote",
         found.escape_ascii(),
-        MAGIC.escape_ascii()
+        expected.magic().escape_ascii()
     )]
     Magic {
         /// First eight bytes.
         found: [u8; 8],
+        /// Kind of file that was expected.
+        expected: FileKind,
     },
     /// The file has another format version.
     #[error(
-        "the file has format version {found}, but this build reads versions {expected} and {LEAN_FORMAT_VERSION}; {}",
-        version_remedy(*found)
+        "the file has format version {found}, but this build reads {}; {}",
+        version_list(kind.versions()),
+        version_remedy(*found, kind.versions())
     )]
     Version {
         /// Version that the file states.
         found: u32,
-        /// Version that this build reads, apart from the lean version.
-        expected: u32,
+        /// Kind of the file.
+        kind: FileKind,
     },
     /// The stated length of the header is not [`HEADER_LEN`].
     #[error("damaged header: it states a length of {found} bytes instead of {HEADER_LEN}; bake the source again")]
@@ -109,24 +147,34 @@ pub enum HeaderError {
     },
 }
 
-fn version_remedy(found: u32) -> &'static str {
-    if found > LEAN_FORMAT_VERSION { "update hullmap" } else { "bake the source again" }
+fn version_list(versions: &[u32]) -> String {
+    let numbers: Vec<String> = versions.iter().map(u32::to_string).collect();
+    format!("version{} {}", if numbers.len() > 1 { "s" } else { "" }, numbers.join(" and "))
+}
+
+fn version_remedy(found: u32, versions: &[u32]) -> &'static str {
+    if versions.iter().all(|version| found > *version) { "update hullmap" } else { "bake the source again" }
 }
 
 impl Header {
     /// A header for `payload`, with its checksum.
     pub fn for_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of_version(FORMAT_VERSION, source_hash, options_hash, payload)
+        Self::of(FileKind::Pack, FORMAT_VERSION, source_hash, options_hash, payload)
     }
 
     /// A header for the `payload` of a lean pack, with its checksum.
     pub fn for_lean_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of_version(LEAN_FORMAT_VERSION, source_hash, options_hash, payload)
+        Self::of(FileKind::Pack, LEAN_FORMAT_VERSION, source_hash, options_hash, payload)
     }
 
-    fn of_version(format_version: u32, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        let mut header =
-            Self { format_version, payload_len: payload.len() as u64, source_hash, options_hash, checksum: 0 };
+    /// A header for the `payload` of a triangle mesh, with its checksum.
+    pub fn for_triangle_mesh(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        Self::of(FileKind::TriangleMesh, triangle_mesh::FORMAT_VERSION, source_hash, options_hash, payload)
+    }
+
+    fn of(kind: FileKind, format_version: u32, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        let payload_len = payload.len() as u64;
+        let mut header = Self { kind, format_version, payload_len, source_hash, options_hash, checksum: 0 };
         header.checksum = checksum(&header.to_bytes(), payload);
         header
     }
@@ -140,7 +188,7 @@ impl Header {
             bytes[at..at + field.len()].copy_from_slice(field);
             at += field.len();
         };
-        put(&MAGIC);
+        put(&self.kind.magic());
         put(&self.format_version.to_le_bytes());
         put(&(HEADER_LEN as u32).to_le_bytes());
         put(&self.payload_len.to_le_bytes());
@@ -151,7 +199,7 @@ impl Header {
         bytes
     }
 
-    /// Reads the header at the start of `file`.
+    /// Reads the header at the start of a pack.
     ///
     /// Only the header itself is checked. [`check_length`](Self::check_length) and
     /// [`matches_checksum`](Self::matches_checksum) check the payload after it.
@@ -160,14 +208,22 @@ impl Header {
     /// The file is too short, has another magic or another version, or a field has a value that
     /// this version never writes.
     pub fn read(file: &[u8]) -> Result<Self, HeaderError> {
+        Self::read_kind(file, FileKind::Pack)
+    }
+
+    /// Reads the header at the start of a file of this kind, as [`read`](Self::read) does.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_kind(file: &[u8], kind: FileKind) -> Result<Self, HeaderError> {
         let bytes: &[u8; HEADER_LEN] = file.first_chunk().ok_or(HeaderError::TooShort { found: file.len() })?;
         let magic: [u8; 8] = field(bytes, 0);
-        if magic != MAGIC {
-            return Err(HeaderError::Magic { found: magic });
+        if magic != kind.magic() {
+            return Err(HeaderError::Magic { found: magic, expected: kind });
         }
         let format_version = u32::from_le_bytes(field(bytes, 8));
-        if ![FORMAT_VERSION, LEAN_FORMAT_VERSION].contains(&format_version) {
-            return Err(HeaderError::Version { found: format_version, expected: FORMAT_VERSION });
+        if !kind.versions().contains(&format_version) {
+            return Err(HeaderError::Version { found: format_version, kind });
         }
         let header_len = u32::from_le_bytes(field(bytes, 12));
         if header_len != HEADER_LEN as u32 {
@@ -178,6 +234,7 @@ impl Header {
             return Err(HeaderError::Reserved { found: reserved });
         }
         Ok(Self {
+            kind,
             format_version,
             payload_len: u64::from_le_bytes(field(bytes, 16)),
             source_hash: u128::from_le_bytes(field(bytes, 24)),
@@ -265,6 +322,19 @@ mod tests {
         assert_eq!(of(longest).check_length(longest), Ok(()));
         let too_long = HeaderError::TooLong { found: longest + 1, expected: longest };
         assert_eq!(of(longest + 1).check_length(longest + 1), Err(too_long));
+    }
+
+    #[test]
+    fn each_kind_of_file_is_told_from_the_other() {
+        let mesh = Header::for_triangle_mesh(7, 42, b"payload");
+        assert_eq!(Header::read_kind(&mesh.to_bytes(), FileKind::TriangleMesh), Ok(mesh));
+        let error = Header::read(&mesh.to_bytes()).unwrap_err().to_string();
+        assert!(error.starts_with("not a hullmap pack: it starts with \"hullmsh\\n\""), "{error}");
+        let pack = Header::for_payload(7, 42, b"payload");
+        assert!(Header::read_kind(&pack.to_bytes(), FileKind::TriangleMesh).is_err());
+        let later = Header { format_version: 2, ..mesh };
+        let error = Header::read_kind(&later.to_bytes(), FileKind::TriangleMesh).unwrap_err().to_string();
+        assert_eq!(error, "the file has format version 2, but this build reads version 1; update hullmap");
     }
 
     #[test]

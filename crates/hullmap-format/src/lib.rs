@@ -17,6 +17,7 @@
 //! | [`sections`] | the archive as slices, each bounds-checked |
 //! | [`check`] | whether a file meets the requirements that the runtime relies on |
 //! | [`repeats`] | whether redundant values of a file agree |
+//! | [`triangle_mesh`] | the other kind of file: a static mesh that keeps its triangles |
 //!
 //! `docs/FORMAT.md` describes the format byte by byte.
 #![forbid(unsafe_code)]
@@ -29,6 +30,7 @@ pub mod bvh;
 pub mod check;
 mod check_error;
 pub mod cube;
+mod cutter;
 pub mod descent;
 pub mod edge;
 pub mod fan;
@@ -42,6 +44,7 @@ pub mod repeats;
 pub mod sections;
 pub mod slot;
 pub mod solid_kind;
+pub mod triangle_mesh;
 pub mod walk;
 
 pub use index_kind::IndexKind;

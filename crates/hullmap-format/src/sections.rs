@@ -15,7 +15,6 @@
 
 use std::mem::offset_of;
 
-use bytemuck::Pod;
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
@@ -24,13 +23,13 @@ use crate::{
         ArchivedSpan,
     },
     check_error::CheckError,
+    cutter::Cutter,
 };
+
+pub use crate::cutter::PAYLOAD_ALIGNMENT;
 
 /// Length of the root in bytes: an offset and a count, four bytes each, for each of 19 sections.
 const ROOT_LEN: usize = size_of::<ArchivedPack>();
-
-/// The first section starts on a multiple of this many bytes in memory: a cache line.
-pub const PAYLOAD_ALIGNMENT: usize = 64;
 
 /// All sections of a pack, in the order of the file. See [`Pack`](crate::archive::Pack) for what
 /// each holds.
@@ -71,7 +70,7 @@ impl<'a> Sections<'a> {
     /// # Complexity
     /// O(1).
     pub fn read(payload: &'a [u8]) -> Result<Self, CheckError> {
-        let mut cutter = Cutter::new(payload)?;
+        let mut cutter = Cutter::<ROOT_LEN>::new(payload)?;
         let sections = Self {
             blocks: cutter.cut("blocks", offset_of!(ArchivedPack, blocks))?,
             source_path: cutter.cut("source_path", offset_of!(ArchivedPack, source_path))?,
@@ -107,66 +106,6 @@ impl<'a> Sections<'a> {
     /// The options that shaped the bake, then a line for each warning; empty if they are not UTF-8.
     pub fn options_text(&self) -> &'a str {
         std::str::from_utf8(self.options).unwrap_or_default()
-    }
-}
-
-/// Cuts sections off the payload's front, one after the other.
-struct Cutter<'a> {
-    payload: &'a [u8],
-    root: [u8; ROOT_LEN],
-    /// Position of the root in the payload.
-    root_at: usize,
-    /// End of the last section.
-    end: usize,
-}
-
-impl<'a> Cutter<'a> {
-    fn new(payload: &'a [u8]) -> Result<Self, CheckError> {
-        if !payload.as_ptr().addr().is_multiple_of(PAYLOAD_ALIGNMENT) {
-            return Err(CheckError::Misaligned);
-        }
-        let Some(root) = payload.last_chunk::<ROOT_LEN>() else {
-            return Err(CheckError::TooShort { found: payload.len(), expected: ROOT_LEN });
-        };
-        // The copy is opaque to the compiler: what is checked is what is used, even if another
-        // process writes to the file in between.
-        let root = std::hint::black_box(*root);
-        Ok(Self { payload, root, root_at: payload.len() - ROOT_LEN, end: 0 })
-    }
-
-    /// The four bytes of the root at `at`.
-    fn word(&self, at: usize) -> [u8; 4] {
-        self.root.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
-    }
-
-    /// The section whose offset and count are at `field` in the root.
-    fn cut<T: Pod>(&mut self, section: &'static str, field: usize) -> Result<&'a [T], CheckError> {
-        let offset = i32::from_le_bytes(self.word(field));
-        let count = u32::from_le_bytes(self.word(field + 4)) as usize;
-        let expected = self.end.next_multiple_of(align_of::<T>());
-        let found = (self.root_at + field) as i64 + i64::from(offset);
-        if found != expected as i64 {
-            return Err(CheckError::Section { section, found, expected });
-        }
-        let bytes = count
-            .checked_mul(size_of::<T>())
-            .and_then(|len| expected.checked_add(len))
-            .filter(|end| *end <= self.root_at)
-            .and_then(|end| Some((end, self.payload.get(expected..end)?)));
-        // Never misaligned: `expected` is a multiple of the alignment, as the payload's start is.
-        let slice = bytes.and_then(|(end, bytes)| Some((end, bytemuck::try_cast_slice(bytes).ok()?)));
-        let Some((end, slice)) = slice else {
-            return Err(CheckError::SectionLength { section, count, available: self.root_at.saturating_sub(expected) });
-        };
-        self.end = end;
-        Ok(slice)
-    }
-
-    /// Checks that the root follows the last section.
-    fn finish(&self) -> Result<(), CheckError> {
-        let expected = self.end.next_multiple_of(align_of::<ArchivedPack>());
-        let found = self.root_at as i64;
-        if found == expected as i64 { Ok(()) } else { Err(CheckError::Section { section: "root", found, expected }) }
     }
 }
 

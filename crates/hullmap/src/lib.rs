@@ -245,6 +245,7 @@ pub mod batch;
 pub mod cascade;
 pub mod compound;
 mod facets;
+mod file;
 mod hull;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod manifold;
@@ -254,6 +255,7 @@ pub mod shapes;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod solver;
 mod support;
+pub mod triangle_mesh;
 mod vector;
 
 pub use compound::{Compound, CompoundCache, CompoundManifolds};
@@ -261,6 +263,7 @@ pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use facets::Facets;
 pub use glam;
 pub use hull::{Hull, HullArrays, MassProperties, MassSource, SharedHull, SupportVertex};
+pub use hullmap_format::triangle_mesh::class::{EdgeClass, VertexClass};
 pub use hullmap_format::{FORMAT_VERSION, IndexKind, LEAN_FORMAT_VERSION, SolidKind, header::Header, walk::Cost};
 pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
@@ -276,6 +279,7 @@ pub use solver::{
     RayHit, RigidMotion, Scratch, Settings, SignedDistance, Status, TimeOfImpact, VectorError, Vertex,
 };
 pub use support::{Bounds, Instructions, SupportMap, SupportPoint};
+pub use triangle_mesh::TriangleMesh;
 
 /// The examples of the README.
 #[cfg(doctest)]

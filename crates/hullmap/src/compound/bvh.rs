@@ -2,8 +2,10 @@
 
 use glam::{DMat3, DVec3};
 use hullmap_format::archive::ArchivedBvhNode;
+use hullmap_format::triangle_mesh::tree;
 
 use crate::pose::Pose;
+use crate::triangle_mesh::TriangleMesh;
 
 /// Rounding error of a distance between boxes, relative to the largest length, in units of
 /// [`f64::EPSILON`]. Two products with a matrix and sums of six terms have an error of about 20
@@ -21,7 +23,7 @@ pub(super) struct Node {
 /// Contents of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Child {
-    /// A leaf: the hull with this index.
+    /// A leaf: the part with this index.
     Hull(usize),
     /// An inner node: the nodes at this index and the next.
     Nodes(u32),
@@ -39,6 +41,13 @@ impl Node {
         let target = node.target.to_native();
         let child = if node.hull_count == 1 { Child::Hull(target as usize) } else { Child::Nodes(target) };
         Self::new(low, high, child)
+    }
+
+    /// A node of the tree of a triangle mesh.
+    fn of_mesh(mesh: &TriangleMesh, index: u32) -> Option<Self> {
+        let ([low, high], [start, end]) = mesh.node(index)?;
+        let child = if end - start == 1 { Child::Hull(start) } else { Child::Nodes(tree::first_child(index)) };
+        Some(Self::new(low, high, child))
     }
 
     /// Minimum and maximum of the dot product of `dir` with a point of the box.
@@ -72,12 +81,17 @@ pub struct Nodes<'n> {
 #[derive(Clone, Copy, Debug)]
 enum Tree<'n> {
     Pack(&'n [ArchivedBvhNode]),
+    Mesh(&'n TriangleMesh),
     One(Node),
 }
 
 impl<'n> Nodes<'n> {
     pub(super) fn of_pack(nodes: &'n [ArchivedBvhNode]) -> Self {
         Self { tree: Tree::Pack(nodes) }
+    }
+
+    pub(super) fn of_mesh(mesh: &'n TriangleMesh) -> Self {
+        Self { tree: Tree::Mesh(mesh) }
     }
 
     /// The BVH of one part with this bounding box.
@@ -89,13 +103,15 @@ impl<'n> Nodes<'n> {
     pub(super) fn get(&self, index: u32) -> Option<Node> {
         match self.tree {
             Tree::Pack(nodes) => nodes.get(index as usize).map(Node::archived),
+            Tree::Mesh(mesh) => Node::of_mesh(mesh, index),
             Tree::One(node) => (index == 0).then_some(node),
         }
     }
 
-    /// Number of nodes.
+    /// Number of nodes, or more.
     pub(super) fn count(&self) -> usize {
         match self.tree {
+            Tree::Mesh(mesh) => mesh.node_bound(),
             Tree::Pack(nodes) => nodes.len(),
             Tree::One(_) => 1,
         }

@@ -1,12 +1,16 @@
-//! Arguments of compound queries: a compound, or a single shape.
+//! Arguments of compound queries: a compound, a triangle mesh, or a single shape.
 
 use super::bvh::Nodes;
 use super::members::Compound;
 use crate::hull::Hull;
 use crate::pose::Pose;
-use crate::shapes::Shape;
+use crate::shapes::{Shape, Triangle};
+use crate::triangle_mesh::TriangleMesh;
+use crate::vector::unit;
+use glam::DVec3;
 
-/// One side of a query: a [`Compound`], or any [`Shape`], which counts as a compound of one part.
+/// One side of a query: a [`Compound`], a [`TriangleMesh`], whose parts are its triangles, or any
+/// [`Shape`], which counts as a compound of one part.
 ///
 /// # Examples
 /// ```
@@ -48,6 +52,12 @@ pub trait Tree {
     /// for hulls.
     fn part_as_hull(&self, index: usize) -> Option<Hull<'_>>;
 
+    /// A unit normal of the part with this index, if it is a piece of a sheet, which has two faces.
+    fn sheet_normal(&self, index: usize) -> Option<DVec3> {
+        let _ = index;
+        None
+    }
+
     /// The BVH of the parts.
     fn nodes(&self) -> Nodes<'_>;
 }
@@ -72,6 +82,34 @@ impl Tree for Compound<'_> {
 
     fn nodes(&self) -> Nodes<'_> {
         Compound::nodes(self)
+    }
+}
+
+impl Tree for TriangleMesh {
+    type Part<'p>
+        = Triangle
+    where
+        Self: 'p;
+
+    fn part_count(&self) -> usize {
+        self.triangle_count()
+    }
+
+    fn part(&self, index: usize) -> Option<Triangle> {
+        self.triangle(index)
+    }
+
+    fn part_as_hull(&self, _: usize) -> Option<Hull<'_>> {
+        None
+    }
+
+    fn sheet_normal(&self, index: usize) -> Option<DVec3> {
+        let [a, b, c] = self.triangle(index)?.corners();
+        unit((b - a).cross(c - a))
+    }
+
+    fn nodes(&self) -> Nodes<'_> {
+        Nodes::of_mesh(self)
     }
 }
 

@@ -44,6 +44,7 @@ use crate::manifold::{Manifold, ManifoldPoint, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::{Feature, Shape, Sphere};
 use crate::solver::{Cache, queries};
+use crate::support::SupportMap;
 use crate::vector::unit;
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
@@ -246,16 +247,25 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
-        match self.0.part_as_hull(part) {
-            Some(hull) => hull.face_normal(hull.face_towards(dir)?),
-            None => face_of(&self.0.part(part)?, dir).map(|(normal, _)| normal),
+        if let Some(hull) = self.0.part_as_hull(part) {
+            hull.face_normal(hull.face_towards(dir)?)
+        } else if let Some(normal) = self.0.sheet_normal(part) {
+            Some(if normal.dot(dir) < 0.0 { -normal } else { normal })
+        } else {
+            face_of(&self.0.part(part)?, dir).map(|(normal, _)| normal)
         }
     }
 
     fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
         if let Some(hull) = self.0.part_as_hull(part) {
-            faces_of_hull(&hull, vertex, visit);
-        } else if let Some(shape) = self.0.part(part) {
+            return faces_of_hull(&hull, vertex, visit);
+        }
+        let Some(shape) = self.0.part(part) else { return };
+        if let Some(normal) = self.0.sheet_normal(part) {
+            for side in [normal, -normal] {
+                visit(side, shape.support_point(side).point);
+            }
+        } else {
             faces_of_shape(&shape, visit);
         }
     }
@@ -602,8 +612,12 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
     }
 
     /// Whether the other body may have come through this face: it is not below the middle of the
-    /// part, nor below the face by more than the prediction if the part is only near it.
+    /// part, nor below the face by more than the prediction if the part is only near it. A flat part
+    /// has no middle: the faces are tried in the order of their depths.
     fn is_plausible(&self, face: &Face, depth: f64) -> bool {
+        if depth > 0.0 && self.own.shape.inner_radius() == 0.0 {
+            return true;
+        }
         let thickness = face.height - self.own.shape.support_point(-face.normal).point.dot(face.normal);
         // NaN takes the failing branch.
         face.depth <= if depth > 0.0 { 0.5 * thickness } else { self.prediction }

@@ -2,9 +2,9 @@
 
 use std::{io, path::PathBuf};
 
-use hullmap_format::{check::CheckError, header::HeaderError};
+use hullmap_format::{check::CheckError, header::HeaderError, triangle_mesh::check::MeshError};
 
-/// Why a pack could not be opened.
+/// Why a pack, or a triangle mesh, could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The file could not be read.
@@ -15,7 +15,7 @@ pub enum OpenError {
         /// The system's error.
         source: io::Error,
     },
-    /// The file is not a pack that this version reads.
+    /// The file is not one that this version reads.
     #[error("{path}: {source}")]
     Invalid {
         /// The file.
@@ -35,7 +35,7 @@ fn remedy(error: &io::Error) -> &'static str {
     }
 }
 
-/// Fault in the bytes of a pack.
+/// Fault in the bytes of a pack, or of a triangle mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidPack {
     /// The header, or the file's length.
@@ -63,9 +63,12 @@ pub enum InvalidPack {
         /// Hash of the recorded options.
         found: u64,
     },
-    /// The archive after the header.
+    /// The archive after the header of a pack.
     #[error(transparent)]
     Content(#[from] CheckError),
+    /// The archive after the header of a triangle mesh.
+    #[error(transparent)]
+    TriangleMesh(#[from] MeshError),
 }
 
 /// A pack has no hull of this index.

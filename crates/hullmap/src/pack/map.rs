@@ -12,7 +12,8 @@ use std::{fs::File, path::Path};
 
 use hullmap_format::header::{Header, HeaderError};
 
-use super::{Checks, OpenError, Pack, storage::Bytes};
+use super::{Checks, OpenError, Pack};
+use crate::file::Bytes;
 
 impl Pack {
     /// Maps the file and checks all of it.

@@ -49,21 +49,21 @@ mod map;
 mod mass;
 mod storage;
 
-use std::{fs::File, io::Read, path::Path};
+use std::path::Path;
 
 use hullmap_format::{
     archive::ArchivedBvhNode,
-    check::{self, MAX_PACK_LEN},
-    header::{HEADER_LEN, Header, options_hash},
+    check,
+    header::{FileKind, Header, options_hash},
     repeats,
     sections::Sections,
 };
-use rkyv::util::AlignedVec;
 
 use crate::facets::table::FacetTable;
+use crate::file::{self, Bytes, check_checksum};
 use crate::hull::Hull;
 pub use error::{InvalidPack, NoSuchHull, OpenError};
-use storage::{Bytes, Storage};
+use storage::Storage;
 
 /// An opened pack.
 ///
@@ -126,12 +126,6 @@ enum Checks {
     Structure,
     /// Also the checksum and all numbers.
     All,
-}
-
-/// Compares the checksum in the header with the payload's.
-fn check_checksum(header: &Header, payload: &[u8]) -> Result<(), InvalidPack> {
-    let (expected, found) = (header.checksum, header.checksum_of(payload));
-    if found == expected { Ok(()) } else { Err(InvalidPack::Checksum { expected, found }) }
 }
 
 fn check_contents(header: &Header, storage: &Storage) -> Result<(), InvalidPack> {
@@ -255,25 +249,8 @@ impl Pack {
 
     /// Reads a file into memory of this process and checks it.
     fn copy(path: &Path, checks: Checks) -> Result<Self, OpenError> {
-        let io_error = |source| OpenError::Io { path: path.to_owned(), source };
         let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
-        let mut file = File::open(path).map_err(io_error)?;
-        let mut head = Vec::with_capacity(HEADER_LEN);
-        (&mut file).take(HEADER_LEN as u64).read_to_end(&mut head).map_err(io_error)?;
-        let header = Header::read(&head).map_err(|error| invalid(error.into()))?;
-        let metadata = file.metadata().map_err(io_error)?;
-        let bytes = if metadata.is_file() {
-            // Checked before memory is allocated, in case the length is wrong.
-            header.check_length(metadata.len()).map_err(|error| invalid(error.into()))?;
-            storage::copy(&mut file, &head, metadata.len()).map_err(io_error)?
-        } else {
-            // A pipe has no length. The length of the longest pack is read in addition to the
-            // header, so an excess is detected.
-            let mut buffer = AlignedVec::new();
-            buffer.extend_from_slice(&head);
-            buffer.extend_from_reader(&mut file.take(MAX_PACK_LEN as u64)).map_err(io_error)?;
-            Bytes::Owned(buffer)
-        };
+        let (header, bytes) = file::read(path, FileKind::Pack)?;
         Self::from_storage_bytes(header, bytes, checks).map_err(invalid)
     }
 
@@ -329,7 +306,7 @@ impl Pack {
 
     fn copy_bytes(bytes: &[u8], checks: Checks) -> Result<Self, InvalidPack> {
         let header = Header::read(bytes)?;
-        Self::from_storage_bytes(header, storage::copy_of(bytes), checks)
+        Self::from_storage_bytes(header, file::copy_of(bytes), checks)
     }
 
     /// Uses the bytes of a whole file in place, and checks all of them. No copy is made.

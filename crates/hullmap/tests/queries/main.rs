@@ -16,3 +16,4 @@ mod seams;
 mod shared_hull;
 mod solver;
 mod stack;
+mod triangle_mesh;

@@ -1,0 +1,121 @@
+use hullmap_format::triangle_mesh::{check, class::VertexClass, sections::Sections};
+use rkyv::util::AlignedVec;
+use shapes::rng::SplitMix64;
+
+use super::*;
+
+fn bake(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> BakedTriangleMesh {
+    bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).unwrap()
+}
+
+/// Checks the file as a reader does.
+fn checked(baked: &BakedTriangleMesh) {
+    let file = write_triangle_mesh(baked.clone(), &SourceRecord::default()).unwrap();
+    let mut payload = AlignedVec::<HEADER_LEN>::new();
+    payload.extend_from_slice(&file[HEADER_LEN..]);
+    let sections = Sections::read(&payload).unwrap();
+    check::check(&sections, &payload).unwrap();
+}
+
+/// Corners of a cube: ridges only, apart from the flat diagonals of its faces.
+fn cube() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let corners = (0..8).map(|i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    (corners, quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect())
+}
+
+#[test]
+fn a_cube_has_ridges_and_its_inside_has_valleys() {
+    let (positions, corners) = cube();
+    let outside = bake(&positions, &corners);
+    assert_eq!(outside.counts().edges, [0, 12, 24, 0, 0, 0]);
+    assert!(outside.mesh.vertex_classes.iter().all(|class| *class == VertexClass::Convex.code()));
+    checked(&outside);
+    let turned: Vec<[u32; 3]> = corners.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+    let inside = bake(&positions, &turned);
+    assert_eq!(inside.counts().edges, [0, 12, 0, 24, 0, 0]);
+    assert!(inside.mesh.vertex_classes.iter().all(|class| *class == VertexClass::Concave.code()));
+    checked(&inside);
+}
+
+#[test]
+fn vertices_that_files_repeat_are_merged() {
+    let (positions, corners) = cube();
+    let unshared: Vec<[f32; 3]> = corners.as_flattened().iter().map(|corner| positions[*corner as usize]).collect();
+    let own: Vec<[u32; 3]> = (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let baked = bake(&unshared, &own);
+    let counts = baked.counts();
+    assert_eq!((counts.vertices, counts.merged), (8, 28));
+    assert_eq!(counts, MeshCounts { merged: 28, ..bake(&positions, &corners).counts() });
+    // -0 equals 0.
+    let baked = bake(&[[0.0; 3], [-0.0, 0.0, -0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 2, 3], [1, 3, 2]]);
+    assert_eq!((baked.counts().vertices, baked.counts().duplicate), (3, 1));
+}
+
+#[test]
+fn flaws_are_kept_and_counted() {
+    let (mut positions, mut corners) = cube();
+    // Twice the same triangle, one with a corner twice, one on a line, and one reversed.
+    corners.push(corners[3]);
+    corners.push([0, 0, 7]);
+    positions.extend([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [7.0, 0.0, 0.0], [5.0, 1.0, 0.0], [5.0, -1.0, 0.0]]);
+    corners.push([8, 9, 10]);
+    corners.extend([[8, 9, 11], [8, 9, 12]]);
+    let baked = bake(&positions, &corners);
+    let counts = baked.counts();
+    assert_eq!((counts.triangles, counts.duplicate, counts.degenerate), (17, 1, 2));
+    // The edge from 8 to 9 has three triangles.
+    assert_eq!(counts.edges[usize::from(EdgeClass::NonManifold.code())], 3);
+    checked(&baked);
+    let baked = bake(&positions, &[[8, 9, 11], [8, 9, 12]]);
+    assert_eq!(baked.counts().edges, [4, 0, 0, 0, 0, 2]);
+    checked(&baked);
+}
+
+#[test]
+fn errors_name_what_is_wrong() {
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0]];
+    let of = |corners: &[[u32; 3]], materials: &[u16]| {
+        bake_triangle_mesh(&Triangles { positions: &positions, corners, materials }).unwrap_err()
+    };
+    assert_eq!(of(&[], &[]), BakeError::Empty);
+    assert_eq!(of(&[[0, 1, 1], [0, 1, 3]], &[]), BakeError::Corner { triangle: 1, found: 3, vertex_count: 3 });
+    assert_eq!(of(&[[0, 1, 2]], &[]), BakeError::NotFinite { source_vertex: 2 });
+    assert_eq!(of(&[[0, 1, 1]], &[1, 2]), BakeError::Materials { found: 2, expected: 1 });
+}
+
+/// Random soups, flat and far, from one triangle on: every file passes the check, every triangle is
+/// there once, and neither threads nor the order of equal keys change a byte.
+#[test]
+fn random_soups_pass_the_check() {
+    const SEED: u64 = 39;
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    for count in (1..40).chain([1000, 9000]) {
+        let scale = [1e-3_f32, 1.0, 1e6][count % 3];
+        let offset = [0.0, 1e4, -3e7][count / 3 % 3];
+        let is_flat = count % 5 == 0;
+        let vertex_count = count + 2;
+        let positions: Vec<[f32; 3]> = (0..vertex_count)
+            .map(|_| {
+                let [x, y, z] = [(); 3].map(|()| rng.unit() as f32 * scale + offset);
+                [x, y, if is_flat { offset } else { z }]
+            })
+            .collect();
+        let corner = |rng: &mut SplitMix64| (rng.next_u64() % vertex_count as u64) as u32;
+        let corners: Vec<[u32; 3]> = (0..count).map(|_| [(); 3].map(|()| corner(&mut rng))).collect();
+        let baked = bake(&positions, &corners);
+        checked(&baked);
+        let mut sources = baked.mesh.source_triangles.clone();
+        sources.sort_unstable();
+        assert!(sources.into_iter().eq(0..count as u32));
+        for (at, source) in baked.mesh.source_triangles.iter().enumerate() {
+            let own = baked.mesh.triangles[at].map(|corner| baked.mesh.vertices[corner as usize]);
+            assert_eq!(own, corners[*source as usize].map(|corner| positions[corner as usize].map(|c| c + 0.0)));
+        }
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let again = alone.install(|| bake(&positions, &corners));
+        let bytes = |baked: BakedTriangleMesh| write_triangle_mesh(baked, &SourceRecord::default()).unwrap();
+        assert_eq!(bytes(again), bytes(baked));
+    }
+}

@@ -1,0 +1,220 @@
+//! The tree of boxes over a triangle mesh, without pointers.
+//!
+//! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Of n triangles, node p
+//! of the level d, counted from the left, has those from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋. A node with
+//! one triangle is a leaf. So the numbers of a node follow from its index, and every level holds
+//! all triangles.
+//!
+//! Boxes are stored for the levels whose nodes have at least two triangles each. Below, a box is
+//! read off the three corners of at most four triangles.
+//!
+//! A stored box has six numbers of 16 bits, low x, y, z, then high x, y, z: positions between the
+//! bounds of the mesh ([`Grid`]). A low number is the greatest one that is not above the vertices
+//! below the node, a high number the smallest one that is not below them. Along an axis in which
+//! the mesh has no extent, both are 0.
+
+/// First triangle of a node, and the triangle after its last, among `count` triangles. Empty for a
+/// node beyond the tree.
+///
+/// # Examples
+/// ```
+/// use hullmap_format::triangle_mesh::tree::triangles;
+///
+/// // Five triangles: two and three, then one and one, one and two, then one and one.
+/// let leaves: Vec<_> = (0..13).map(|node| triangles(node, 5)).collect();
+/// assert_eq!(leaves[..7], [[0, 5], [0, 2], [2, 5], [0, 1], [1, 2], [2, 3], [3, 5]]);
+/// ```
+#[inline]
+pub fn triangles(node: u32, count: usize) -> [usize; 2] {
+    let at = u64::from(node) + 1;
+    let level = at.ilog2();
+    let position = at - (1 << level);
+    // At most 2³² nodes and 2²⁸ triangles: no overflow.
+    [position, position + 1].map(|p| ((p * count as u64) >> level) as usize)
+}
+
+/// The first of two children of a node; the second is the next node.
+#[inline]
+pub fn first_child(node: u32) -> u32 {
+    node.saturating_mul(2).saturating_add(1)
+}
+
+/// Number of nodes with a stored box, those before the others, of a mesh of `count` triangles.
+///
+/// # Examples
+/// ```
+/// use hullmap_format::triangle_mesh::tree::stored_boxes;
+///
+/// assert_eq!([1, 2, 3, 4, 7, 8, 9].map(stored_boxes), [0, 1, 1, 3, 3, 7, 7]);
+/// ```
+pub fn stored_boxes(count: usize) -> usize {
+    // The last level whose nodes all have at least two triangles.
+    (count / 2).checked_ilog2().map_or(0, |level| (2 << level) - 1)
+}
+
+/// Upper bound of the node numbers of a mesh of `count` triangles.
+///
+/// # Examples
+/// ```
+/// use hullmap_format::triangle_mesh::tree::{node_bound, triangles};
+///
+/// // The leaves of five triangles.
+/// let is_leaf = |node: &u32| triangles(*node, 5)[0] + 1 == triangles(*node, 5)[1];
+/// assert_eq!(node_bound(5), 15);
+/// assert!((0..15).filter(is_leaf).count() >= 5);
+/// ```
+pub fn node_bound(count: usize) -> usize {
+    2 * count.next_power_of_two() - 1
+}
+
+/// Positions between the bounds of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    low: [f64; 3],
+    high: [f64; 3],
+    step: [f64; 3],
+}
+
+impl Grid {
+    /// The positions between these bounds.
+    pub fn new(low: [f32; 3], high: [f32; 3]) -> Self {
+        let (low, high) = (low.map(f64::from), high.map(f64::from));
+        let mut step = [0.0; 3];
+        for ((step, low), high) in step.iter_mut().zip(low).zip(high) {
+            *step = (high - low) / f64::from(u16::MAX);
+        }
+        Self { low, high, step }
+    }
+
+    /// The corners of a box.
+    #[inline]
+    pub fn corners(&self, [x, y, z, x1, y1, z1]: [u16; 6]) -> [[f64; 3]; 2] {
+        let at = |axis: usize, number: u16| self.position(axis, number);
+        [[at(0, x), at(1, y), at(2, z)], [at(0, x1), at(1, y1), at(2, z1)]]
+    }
+
+    /// The coordinate of a number along an axis. It does not fall where the number rises.
+    #[inline]
+    fn position(&self, axis: usize, number: u16) -> f64 {
+        let pick = |of: &[f64; 3]| of.get(axis).copied().unwrap_or_default();
+        match number {
+            0 => pick(&self.low),
+            u16::MAX => pick(&self.high),
+            _ => (pick(&self.low) + f64::from(number) * pick(&self.step)).min(pick(&self.high)),
+        }
+    }
+
+    /// The box of a vertex: its low and its high numbers.
+    pub fn of_vertex(&self, vertex: [f32; 3]) -> [u16; 6] {
+        let [x, y, z] = vertex.map(f64::from);
+        let [(x, x1), (y, y1), (z, z1)] = [self.numbers(0, x), self.numbers(1, y), self.numbers(2, z)];
+        [x, y, z, x1, y1, z1]
+    }
+
+    /// The greatest number at or below a coordinate, and the smallest at or above it.
+    fn numbers(&self, axis: usize, coordinate: f64) -> (u16, u16) {
+        let pick = |of: &[f64; 3]| of.get(axis).copied().unwrap_or_default();
+        let step = pick(&self.step);
+        // NaN takes the failing branch. Along an axis without extent all numbers are alike.
+        if !(step > 0.0) {
+            return (0, 0);
+        }
+        // A cast saturates. The guess is off by one at most: a step is at least 2⁻⁴⁰ of a
+        // coordinate, since the bounds are of f32.
+        let mut low = ((coordinate - pick(&self.low)) / step) as u16;
+        while low > 0 && self.position(axis, low) > coordinate {
+            low -= 1;
+        }
+        while low < u16::MAX && self.position(axis, low + 1) <= coordinate {
+            low += 1;
+        }
+        let high = if self.position(axis, low) < coordinate { low.saturating_add(1) } else { low };
+        (low, high)
+    }
+}
+
+/// The box around two boxes.
+pub fn around(a: [u16; 6], b: [u16; 6]) -> [u16; 6] {
+    let ([a0, a1, a2, a3, a4, a5], [b0, b1, b2, b3, b4, b5]) = (a, b);
+    [a0.min(b0), a1.min(b1), a2.min(b2), a3.max(b3), a4.max(b4), a5.max(b5)]
+}
+
+/// The boxes of all nodes that have one stored, of a mesh whose triangles have the boxes
+/// `of_triangle`.
+///
+/// # Complexity
+/// O(`count`).
+pub fn boxes(count: usize, of_triangle: impl Fn(usize) -> [u16; 6]) -> Vec<[u16; 6]> {
+    let stored = stored_boxes(count);
+    let mut boxes = vec![[u16::MAX, u16::MAX, u16::MAX, 0, 0, 0]; stored];
+    for node in (0..stored).rev() {
+        let child = first_child(node as u32) as usize;
+        let own = match (boxes.get(child), boxes.get(child + 1)) {
+            (Some(first), Some(second)) => around(*first, *second),
+            _ => {
+                let [start, end] = triangles(node as u32, count);
+                (start..end).map(&of_triangle).reduce(around).unwrap_or_default()
+            }
+        };
+        if let Some(node) = boxes.get_mut(node) {
+            *node = own;
+        }
+    }
+    boxes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_inner_node_has_two_children_with_triangles() {
+        for count in (1..300).chain([1023, 1024, 1025, 4099]) {
+            let (mut leaves, mut open) = (vec![], vec![0_u32]);
+            while let Some(node) = open.pop() {
+                assert!((node as usize) < node_bound(count));
+                let [start, end] = triangles(node, count);
+                assert!(start < end && end <= count, "{count} triangles, node {node}");
+                if end - start == 1 {
+                    leaves.push(start);
+                    assert!(node as usize >= stored_boxes(count));
+                    continue;
+                }
+                let child = first_child(node);
+                let ([a, middle], [again, b]) = (triangles(child, count), triangles(child + 1, count));
+                assert_eq!((a, middle, b), (start, again, end));
+                if node as usize >= stored_boxes(count) {
+                    assert!(end - start <= 4);
+                }
+                open.extend([child + 1, child]);
+            }
+            assert_eq!(leaves, (0..count).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn numbers_are_the_tightest_around_a_coordinate() {
+        let bounds = [
+            ([0.0, -3.0, 1e30], [1.0, 4e4, 1.000_001e30]),
+            ([-1e-40, 5.0, f32::MIN], [1e-40, 5.0, f32::MAX]),
+            ([1.0, 1.0, 1.0], [1.0 + f32::EPSILON, 1.0 + 3.0 * f32::EPSILON, 1e9]),
+        ];
+        for (low, high) in bounds {
+            let grid = Grid::new(low, high);
+            let between = |axis: usize, t: f32| (low[axis] + t * (high[axis] - low[axis])).clamp(low[axis], high[axis]);
+            for step in 0..=1000_u16 {
+                let t = f32::from(step) / 1000.0;
+                let vertex = [between(0, t), between(1, t), between(2, t)].map(|c| if c.is_finite() { c } else { 0.0 });
+                let numbers = grid.of_vertex(vertex);
+                let [below, above] = grid.corners(numbers);
+                for axis in (0..3).filter(|axis| low[*axis] < high[*axis]) {
+                    let c = f64::from(vertex[axis]);
+                    assert!(below[axis] <= c && c <= above[axis], "{vertex:?} {numbers:?}");
+                    let (down, up) = (numbers[axis], numbers[axis + 3]);
+                    assert!(down == u16::MAX || grid.position(axis, down + 1) > c, "{vertex:?}");
+                    assert!(up == 0 || grid.position(axis, up - 1) < c, "{vertex:?}");
+                }
+            }
+        }
+    }
+}

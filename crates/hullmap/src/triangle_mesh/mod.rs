@@ -1,0 +1,220 @@
+//! Static triangle meshes: levels and terrains, which keep their triangles.
+//!
+//! `bake build --triangle-mesh` writes the file. A [`TriangleMesh`] is one side of the queries in
+//! [`compound`](crate::compound()): its parts are its triangles, found by a tree of boxes in the
+//! file. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that
+//! touches, with normals of the surface: a body does not stumble over edges inside it.
+//!
+//! # What an answer means
+//! Triangles are thin, and collide on both sides. `distance` is that to the nearest triangle.
+//! `contact` is that of the deepest triangle: the interval of its depth is proven for this triangle
+//! alone. The depth in a sheet is a convention: the shorter way out of the triangle, on either
+//! side.
+//!
+//! # Examples
+//! A ramp of two triangles, and a ball above it:
+//! ```
+//! # let positions = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 4.0], [0.0, 4.0, 4.0]];
+//! # let corners = [[0, 1, 2], [0, 2, 3]];
+//! # let source = hullmap_bake::triangle_mesh::Triangles { positions: &positions, corners: &corners, materials: &[] };
+//! # let baked = hullmap_bake::triangle_mesh::bake_triangle_mesh(&source)?;
+//! # let file = hullmap_bake::triangle_mesh::write_triangle_mesh(baked, &Default::default())?;
+//! use hullmap::glam::DVec3;
+//! use hullmap::shapes::Sphere;
+//! use hullmap::{CompoundCache, Pose, Settings, TriangleMesh, compound};
+//!
+//! let ramp = TriangleMesh::from_bytes(&file)?;
+//! let (ball, settings) = (Sphere::new(0.5)?, Settings::default());
+//! let b_in_a = Pose::from_translation(DVec3::new(2.5, 2.0, 3.0))?;
+//! let gap = compound::distance(&ramp, &ball, b_in_a, &settings, &mut CompoundCache::default());
+//! assert!((gap.answer.distance - (0.5_f64.sqrt() - 0.5)).abs() < 1e-9);
+//! assert_eq!(ramp.source_triangle(gap.hulls[0]), Some(0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod storage;
+
+use std::path::Path;
+
+use glam::DVec3;
+use hullmap_format::{
+    header::{FileKind, Header, options_hash},
+    triangle_mesh::{
+        archive::{ArchivedRecord, NO_NEIGHBOUR},
+        check,
+        class::{EdgeClass, VertexClass},
+        sections::Sections,
+        tree::{self, Grid},
+    },
+};
+use rkyv::rend::{f32_le, u16_le, u32_le};
+
+use crate::file::{self, Bytes, check_checksum};
+use crate::pack::{InvalidPack, OpenError};
+use crate::shapes::Triangle;
+use storage::Storage;
+
+/// A static triangle mesh, opened. See the [module](self).
+///
+/// # Examples
+/// ```
+/// use hullmap::TriangleMesh;
+///
+/// let error = TriangleMesh::open("missing.hullmesh").unwrap_err();
+/// assert!(error.to_string().starts_with("missing.hullmesh: cannot read the file"));
+/// ```
+#[derive(Debug)]
+pub struct TriangleMesh {
+    storage: Storage,
+    header: Header,
+    grid: Grid,
+}
+
+impl TriangleMesh {
+    /// Reads the file into memory of this process and checks all of it.
+    ///
+    /// # Errors
+    /// [`OpenError`] names the file, what is wrong with it, and what to do.
+    ///
+    /// # Complexity
+    /// One read and a few passes over the file.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        let path = path.as_ref();
+        let (header, bytes) = file::read(path, FileKind::TriangleMesh)?;
+        Self::from_checked(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    }
+
+    /// Copies the bytes of a whole file and checks all of them.
+    ///
+    /// # Errors
+    /// What is wrong with the bytes.
+    ///
+    /// # Complexity
+    /// One copy, and a few passes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
+        let header = Header::read_kind(bytes, FileKind::TriangleMesh)?;
+        Self::from_checked(header, file::copy_of(bytes))
+    }
+
+    fn from_checked(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
+        header.check_length(bytes.as_slice().len() as u64)?;
+        // A damaged file is reported as damaged even if the damage is in the root.
+        check_checksum(&header, bytes.payload())?;
+        let storage = Storage::new(bytes).map_err(check::MeshError::from)?;
+        let sections = storage.sections();
+        check::check(sections, storage.bytes().payload())?;
+        let (expected, found) = (header.options_hash, options_hash(sections.options_text()));
+        if found != expected {
+            return Err(InvalidPack::Options { expected, found });
+        }
+        let [low, high] = bounds(sections);
+        let grid = Grid::new(low, high);
+        Ok(Self { storage, header, grid })
+    }
+
+    /// Number of triangles, at least 1.
+    pub fn triangle_count(&self) -> usize {
+        self.sections().triangle_count()
+    }
+
+    /// Number of vertices. Each is there once.
+    pub fn vertex_count(&self) -> usize {
+        self.sections().vertices.len()
+    }
+
+    /// The triangle with this index, in the frame of the mesh; `None` if the index is not below
+    /// [`triangle_count`](Self::triangle_count). Its corners are counter-clockwise seen from the
+    /// front.
+    ///
+    /// # Complexity
+    /// O(1).
+    pub fn triangle(&self, index: usize) -> Option<Triangle> {
+        let corners = self.sections().corners(index)?;
+        Triangle::new(corners.map(|corner| DVec3::from_array(corner.map(f64::from)))).ok()
+    }
+
+    /// Indices of the corners of a triangle among the vertices.
+    pub fn corners(&self, triangle: usize) -> Option<[u32; 3]> {
+        Some(self.sections().triangles.get(triangle)?.map(u32_le::to_native))
+    }
+
+    /// The triangles beyond the edges of a triangle, from corner i to the next one; `None` at
+    /// borders, and where more than two triangles meet.
+    pub fn neighbours(&self, triangle: usize) -> Option<[Option<u32>; 3]> {
+        let named = |neighbour: u32_le| Some(neighbour.to_native()).filter(|n| *n != NO_NEIGHBOUR);
+        Some(self.sections().neighbours.get(triangle)?.map(named))
+    }
+
+    /// Classes of the edges of a triangle, from corner i to the next one.
+    pub fn edge_classes(&self, triangle: usize) -> Option<[EdgeClass; 3]> {
+        let classes = self.sections().edge_classes.get(triangle)?.to_native();
+        let of = |edge: usize| EdgeClass::of(classes, edge);
+        Some([of(0)?, of(1)?, of(2)?])
+    }
+
+    /// Class of a vertex.
+    pub fn vertex_class(&self, vertex: usize) -> Option<VertexClass> {
+        VertexClass::from_code(*self.sections().vertex_classes.get(vertex)?)
+    }
+
+    /// Index of a triangle in the source, in the order of the file, each polygon as a fan of
+    /// triangles.
+    pub fn source_triangle(&self, triangle: usize) -> Option<u32> {
+        self.sections().source_triangles.get(triangle).map(|source| source.to_native())
+    }
+
+    /// Material of a triangle: a number that the bake was given; 0 without one.
+    pub fn material(&self, triangle: usize) -> Option<u16> {
+        self.sections().materials.get(triangle).copied().map(u16_le::to_native)
+    }
+
+    /// Minimum and maximum coordinates of the vertices.
+    pub fn bounds(&self) -> [glam::Vec3; 2] {
+        bounds(self.sections()).map(glam::Vec3::from_array)
+    }
+
+    /// Header of the file.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Bytes of the whole file.
+    pub fn bytes(&self) -> &[u8] {
+        self.storage.bytes().as_slice()
+    }
+
+    #[inline]
+    fn sections(&self) -> &Sections<'_> {
+        self.storage.sections()
+    }
+
+    /// Corners of the box of a node of the tree, and its triangles: the first, and the one after
+    /// the last. `None` for a node beyond the tree.
+    #[inline]
+    pub(crate) fn node(&self, node: u32) -> Option<([DVec3; 2], [usize; 2])> {
+        let sections = self.sections();
+        let [start, end] = tree::triangles(node, sections.triangle_count());
+        if let Some(stored) = sections.boxes.get(node as usize) {
+            let corners = self.grid.corners(stored.map(u16_le::to_native));
+            return Some((corners.map(DVec3::from_array), [start, end]));
+        }
+        let mut bounds: Option<[DVec3; 2]> = None;
+        for triangle in start..end.min(start.saturating_add(4)) {
+            for corner in sections.corners(triangle)? {
+                let corner = DVec3::from_array(corner.map(f64::from));
+                bounds = Some(bounds.map_or([corner; 2], |[low, high]| [low.min(corner), high.max(corner)]));
+            }
+        }
+        Some((bounds?, [start, end]))
+    }
+
+    /// Upper bound of the node numbers.
+    pub(crate) fn node_bound(&self) -> usize {
+        tree::node_bound(self.triangle_count())
+    }
+}
+
+fn bounds(sections: &Sections<'_>) -> [[f32; 3]; 2] {
+    let stated = |record: &ArchivedRecord| [record.bounds_min, record.bounds_max].map(|c| c.map(f32_le::to_native));
+    sections.records.first().map_or([[0.0; 3]; 2], stated)
+}

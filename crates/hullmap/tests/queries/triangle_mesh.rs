@@ -1,0 +1,300 @@
+//! Queries of triangle meshes, compared with brute force over all triangles in f64.
+
+use glam::{DQuat, DVec3};
+use hullmap::shapes::{Cuboid, Sphere, Triangle};
+use hullmap::{
+    Cache, CastSettings, CompoundCache, CompoundManifolds, ManifoldSettings, Motion, Pack, Pose, Ray, Settings, Status,
+    TriangleMesh, compound,
+};
+use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, packs};
+use shapes::rng::SplitMix64;
+
+const SEED: u64 = 0x39;
+
+fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> TriangleMesh {
+    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
+    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners, materials: &[] }).unwrap();
+    TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap()
+}
+
+/// A grid of `cells` by `cells` squares of size 1, centred, each of two triangles, with these
+/// heights. The front is upwards.
+fn grid(cells: usize, mut height: impl FnMut(usize, usize) -> f64) -> TriangleMesh {
+    let middle = 0.5 * cells as f64;
+    let mut positions = Vec::new();
+    for y in 0..=cells {
+        for x in 0..=cells {
+            positions.push(DVec3::new(x as f64 - middle, y as f64 - middle, height(x, y)));
+        }
+    }
+    let mut corners = Vec::new();
+    for y in 0..cells {
+        for x in 0..cells {
+            let at = |dx: usize, dy: usize| ((y + dy) * (cells + 1) + x + dx) as u32;
+            corners.extend([[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]);
+        }
+    }
+    mesh(&positions, &corners)
+}
+
+fn soup(count: usize, size: f64, rng: &mut SplitMix64) -> TriangleMesh {
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let middle = 3.0 * DVec3::from_array(rng.direction()) * rng.unit();
+        positions.extend((0..3).map(|_| middle + size * DVec3::from_array(rng.direction())));
+    }
+    let corners: Vec<[u32; 3]> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    mesh(&positions, &corners)
+}
+
+fn triangles(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
+    (0..mesh.triangle_count()).map(|index| mesh.triangle(index).unwrap().corners()).collect()
+}
+
+/// A few meshes of different kinds.
+fn meshes(rng: &mut SplitMix64) -> Vec<TriangleMesh> {
+    let rough = grid(8, |_, _| rng.unit());
+    let flat = grid(5, |_, _| 0.25);
+    vec![rough, flat, soup(60, 0.5, rng), soup(20, 1e-3, rng), soup(1, 1.0, rng), soup(5, 2.0, rng)]
+}
+
+/// A body of four to eight vertices, and where it is.
+fn body(rng: &mut SplitMix64) -> (Pack, Pose) {
+    let count = 4 + rng.below(5);
+    let points: Vec<[f32; 3]> = (0..count).map(|_| rng.direction().map(|c| 0.4 * c as f32)).collect();
+    let rotation = DQuat::from_xyzw(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
+    let position = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.5);
+    (packs::tree_pack(&points), Pose::new(position, rotation.normalize()).unwrap())
+}
+
+#[test]
+fn distances_and_overlaps_are_those_of_the_nearest_triangle() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let (meshes, settings) = (meshes(&mut rng), Settings::default());
+    let (mut apart, mut overlapping, mut unsure) = (0, 0, 0);
+    for round in 0..900 {
+        let mesh = &meshes[round % meshes.len()];
+        let (pack, pose) = body(&mut rng);
+        let hull = pack.hull(0).unwrap();
+        let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
+        let mut cache = CompoundCache::default();
+        let found = compound::distance(mesh, &hull, pose, &settings, &mut cache).answer;
+        let hit = compound::intersects(mesh, &hull, pose, &mut cache).answer;
+        // The way out of each triangle, and the distance from each that is not overlapped.
+        let (mut deepest, mut nearest) = (f64::NEG_INFINITY, f64::INFINITY);
+        for corners in triangles(mesh) {
+            let depth = signed_depth_by_points(&corners, &points);
+            deepest = deepest.max(depth);
+            if depth < 0.0 {
+                nearest = nearest.min(distance_by_features(&corners, &points));
+            }
+        }
+        if deepest > 1e-9 {
+            overlapping += 1;
+            assert!(hit.is_hit() && found.lower <= 0.0 && found.distance == 0.0, "round {round}: {found:?}");
+        } else if deepest < -1e-9 {
+            apart += 1;
+            assert!(!hit.is_hit(), "round {round}: {hit:?}");
+            let slack = 1e-12 * (1.0 + nearest);
+            assert!(found.lower <= nearest + slack && nearest <= found.upper + slack, "{round}: {found:?} {nearest}");
+            let width = settings.tolerance * found.distance + 1e-9;
+            assert!(found.upper - found.lower <= width, "round {round}: {found:?}");
+        } else {
+            unsure += 1;
+        }
+    }
+    println!("{apart} apart, {overlapping} overlapping, {unsure} unsure");
+    assert!(apart > 150 && overlapping > 100 && unsure < 20);
+}
+
+/// Every triangle that touches is visited once, with the contact of the triangle alone; its
+/// interval holds the depth by brute force.
+#[test]
+fn contacts_are_those_of_each_triangle() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let (meshes, settings) = (meshes(&mut rng), Settings::default());
+    let (mut touching, mut surely_deep) = (0, 0);
+    for round in 0..900 {
+        let mesh = &meshes[round % meshes.len()];
+        let (pack, pose) = body(&mut rng);
+        let hull = pack.hull(0).unwrap();
+        let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
+        let mut seen = Vec::new();
+        let mut cache = CompoundCache::default();
+        compound::contacts(mesh, &hull, pose, &settings, &mut cache, |[triangle, body], contact| {
+            assert_eq!(body, 0);
+            seen.push((triangle, *contact));
+        });
+        seen.sort_by_key(|(triangle, _)| *triangle);
+        let mut expected = Vec::new();
+        for (index, corners) in triangles(mesh).into_iter().enumerate() {
+            let shape = Triangle::new(corners).unwrap();
+            let alone = hullmap::contact(&shape, &hull, pose, &settings, &mut Cache::new());
+            let depth = signed_depth_by_points(&corners, &points);
+            if depth > 1e-9 {
+                surely_deep += 1;
+                assert!(alone.hit, "round {round}, triangle {index}");
+                let slack = 1e-12;
+                let holds = alone.depth_lower <= depth + slack && depth <= alone.depth_upper + slack;
+                assert!(holds, "round {round}, triangle {index}: {alone:?}, by brute force {depth}");
+            } else if depth < -1e-9 {
+                assert!(!alone.hit, "round {round}, triangle {index}");
+            }
+            if alone.hit {
+                expected.push((index, alone));
+            }
+        }
+        touching += usize::from(!seen.is_empty());
+        let triangles_of = |list: &[(usize, hullmap::Contact)]| list.iter().map(|(t, _)| *t).collect::<Vec<_>>();
+        assert_eq!(triangles_of(&seen), triangles_of(&expected), "round {round}");
+        for ((_, found), (_, alone)) in seen.iter().zip(&expected) {
+            assert!((found.depth - alone.depth).abs() <= 1e-9, "round {round}");
+        }
+        let deepest = compound::contact(mesh, &hull, pose, &settings, &mut CompoundCache::default());
+        let expected = seen.iter().map(|(_, contact)| contact.depth).fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(deepest.is_some(), !seen.is_empty());
+        assert!(deepest.is_none_or(|found| (found.answer.depth - expected).abs() <= 1e-9), "round {round}");
+    }
+    println!("{touching} touching, {surely_deep} triangles deep");
+    assert!(touching > 100 && surely_deep > 300);
+}
+
+/// Parameter at which a ray crosses a triangle; `None` if it is too near an edge or too flat to
+/// tell.
+fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
+    const MARGIN: f64 = 1e-9;
+    let (normal, dir) = ((b - a).cross(c - a), ray.direction());
+    let slope = normal.dot(dir);
+    if slope.abs() <= MARGIN * normal.length() * dir.length() {
+        return None;
+    }
+    let t = normal.dot(a - ray.origin()) / slope;
+    let point = ray.origin() + t * dir;
+    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (q - p).cross(point - p).dot(normal) / normal.length_squared());
+    if sides.iter().all(|side| *side > MARGIN) && t > MARGIN {
+        Some(Some(t))
+    } else if sides.iter().any(|side| *side < -MARGIN) || t < -MARGIN {
+        Some(None)
+    } else {
+        None
+    }
+}
+
+#[test]
+fn rays_hit_the_first_triangle() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let meshes = meshes(&mut rng);
+    let (mut hits, mut misses) = (0, 0);
+    for round in 0..3000 {
+        let mesh = &meshes[round % meshes.len()];
+        let origin = 6.0 * DVec3::from_array(rng.direction());
+        let target = 2.0 * DVec3::from_array(rng.direction());
+        let ray = Ray::new(origin, (target - origin) * rng.between(0.1, 2.0)).unwrap();
+        let found = compound::ray(mesh, &ray, &CastSettings::default());
+        let crossings: Vec<_> = triangles(mesh).into_iter().map(|corners| crossing(&ray, corners)).collect();
+        let first = crossings.iter().copied().flatten().flatten().fold(f64::INFINITY, f64::min);
+        if crossings.iter().any(Option::is_none) {
+            continue;
+        }
+        if first == f64::INFINITY {
+            misses += 1;
+            assert!(!found.answer.hit, "round {round}: {found:?}");
+        } else {
+            hits += 1;
+            let (lower, upper) = (found.answer.t_lower, found.answer.t_upper);
+            let slack = 1e-12 * (1.0 + first);
+            assert!(found.answer.hit, "round {round}: {found:?} {first}");
+            assert!(lower <= first + slack && first <= upper + slack, "round {round}: {found:?} {first}");
+            assert!(upper - lower <= 1e-6 * (1.0 + first), "round {round}: {found:?}");
+            assert!(matches!(found.answer.status, Status::Exact | Status::Within), "round {round}: {found:?}");
+        }
+    }
+    println!("{hits} hits, {misses} misses");
+    assert!(hits > 500 && misses > 500);
+}
+
+/// A ball that falls onto a triangle meets it when its centre is a radius above.
+#[test]
+fn casts_meet_the_surface() {
+    let (floor, ball) = (grid(6, |_, _| 0.0), Sphere::new(0.5).unwrap());
+    let start = Pose::from_translation(DVec3::new(0.3, 0.2, 3.0)).unwrap();
+    let fall = Motion::new(DVec3::new(0.1, 0.0, -1.0)).unwrap();
+    let settings = CastSettings { max_t: 10.0, ..CastSettings::default() };
+    let found = compound::cast(&floor, &ball, start, fall, &settings, &mut CompoundCache::default());
+    assert!(found.answer.hit && found.answer.t_lower <= 2.5 && 2.5 <= found.answer.t_upper, "{found:?}");
+    assert!(found.answer.normal.distance(DVec3::Z) < 1e-6);
+}
+
+/// A box that slides over triangles, a little below their surface, over every kind of edge inside
+/// it: all normals are those of the faces.
+#[test]
+fn a_box_does_not_stumble_over_edges_inside_a_surface() {
+    let flat = grid(10, |_, _| 0.0);
+    // A valley and a ridge: edges where normals differ, along y.
+    let folded = grid(10, |x, _| [0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0][x]);
+    let settings = ManifoldSettings::default();
+    let mut replaced = 0;
+    for (mesh, half) in
+        [(&flat, DVec3::new(0.3, 0.3, 0.2)), (&flat, DVec3::new(0.01, 0.02, 0.01)), (&folded, DVec3::splat(0.1))]
+    {
+        let die = Cuboid::new(half).unwrap();
+        let sunk = 1e-3 * half.z;
+        for step in 0..1000 {
+            // Along x, not parallel to the diagonals, on the flat part in front of the valley.
+            let x = -4.5 + 0.004 * f64::from(step) * if std::ptr::eq(mesh, &folded) { 0.3 } else { 2.0 };
+            let at = DVec3::new(x, 0.137 + 0.1 * x, half.z - sunk);
+            let turn = DQuat::from_rotation_z(0.3 * x);
+            let pose = Pose::new(at, turn).unwrap();
+            let mut manifolds = CompoundManifolds::new(64);
+            let mut alone = CompoundManifolds::new(64);
+            alone.set_welding(false);
+            manifolds.update(mesh, &die, pose, &settings);
+            alone.update(mesh, &die, pose, &settings);
+            let is_steep = |normal: DVec3| normal.distance(DVec3::Z) > 1e-3;
+            replaced += usize::from(alone.iter().any(|(_, manifold)| is_steep(manifold.normal())));
+            assert!(!manifolds.is_empty(), "x = {x}");
+            for ([triangle, _], manifold) in manifolds.iter() {
+                let normal = manifold.normal();
+                assert!(!is_steep(normal), "x = {x}, half {half}: triangle {triangle} has the normal {normal}");
+                assert!(manifold.points().iter().all(|p| p.depth <= sunk * 1.001), "x = {x}");
+            }
+        }
+    }
+    println!("{replaced} poses stumble without welding");
+    assert!(replaced > 50, "the poses are too easy: {replaced}");
+}
+
+/// Long triangles: a body 5 cm deep in one of 1 cm to 10 km has its contact point where it is.
+#[test]
+fn contact_points_of_long_triangles_are_exact() {
+    let settings = Settings::default();
+    for length in [0.01, 1.0, 84.0, 1e3, 1e4] {
+        let corners = [[0, 1, 2]];
+        let floor = mesh(
+            &[DVec3::new(-length, -length, 0.0), DVec3::new(length, -length, 0.0), DVec3::new(0.0, length, 0.0)],
+            &corners,
+        );
+        for (share, turn) in [(0.0, 0.0), (0.1, 0.7), (-0.4, 2.0)] {
+            let size = 0.2;
+            let die = Cuboid::new(DVec3::splat(size)).unwrap();
+            // One corner down.
+            let rotation =
+                DQuat::from_rotation_z(turn) * DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_Z);
+            let lowest = size * 3.0_f64.sqrt();
+            let depth = 0.05_f64.min(0.2 * length);
+            let at = DVec3::new(share * length * 0.5, -0.3 * length, lowest - depth);
+            let pose = Pose::new(at, rotation).unwrap();
+            let found = compound::contact(&floor, &die, pose, &settings, &mut CompoundCache::default()).unwrap().answer;
+            assert!(found.depth_lower <= depth + 1e-12 && depth <= found.depth_upper + 1e-12, "{length}: {found:?}");
+            if length >= 1.0 {
+                let expected = DVec3::new(at.x, at.y, 0.0);
+                assert!(found.point_a.distance(expected) < 1e-6, "{length}: {found:?}, expected {expected}");
+                assert!(found.normal.distance(DVec3::Z) < 1e-6, "{length}: {found:?}");
+            }
+        }
+    }
+}
