@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use hullmap_format::archive::ArchivedBvhNode;
 
 use crate::pose::Pose;
+use crate::support::{SupportMap, SupportPoint};
 
 /// Rounding error of a distance between boxes, relative to the largest length, in units of
 /// [`f64::EPSILON`]. Two products with a matrix and sums of six terms have an error of about 20
@@ -60,6 +61,32 @@ impl Node {
     /// Square of half the diagonal of the box.
     pub(super) fn size_sq(&self) -> f64 {
         self.half.length_squared()
+    }
+}
+
+/// The box of a node as a shape, in the frame of its compound.
+pub(super) struct BoxShape(pub(super) Node);
+
+/// Rounding error of the centre and of the half lengths of a box, relative to both.
+const BOX_ERROR: f64 = 4.0 * f64::EPSILON;
+
+impl SupportMap for BoxShape {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        let half = self.0.half;
+        let [x, y, z] = [(half.x, dir.x), (half.y, dir.y), (half.z, dir.z)].map(|(half, dir)| half.copysign(dir));
+        SupportPoint { point: self.0.center + DVec3::new(x, y, z), feature: 0 }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.center
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.half.min_element()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.half.length()
+    }
+    fn support_error(&self) -> f64 {
+        BOX_ERROR * (self.0.center.length() + self.0.half.length())
     }
 }
 

@@ -162,7 +162,7 @@ pub(super) struct First {
     /// Minimum lower bound of all hits, and the status of that hit.
     lower: (f64, Status),
     /// Minimum upper bound of the certain hits.
-    certain_upper: f64,
+    pub(super) certain_upper: f64,
     /// Maximum upper bound of the grazing hits: it is unknown which of them meet.
     grazing_upper: f64,
     pub(super) pairs: u32,
@@ -196,7 +196,8 @@ impl First {
         if found.t_lower < self.lower.0 {
             self.lower = (found.t_lower, found.status);
         }
-        let slot = if found.status == Status::Touching {
+        let is_certain = found.status != Status::Touching && found.t_upper < f64::INFINITY;
+        let slot = if !is_certain {
             self.grazing_upper = self.grazing_upper.max(found.t_upper);
             &mut self.grazing
         } else {
