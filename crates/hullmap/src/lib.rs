@@ -244,6 +244,7 @@
 pub mod batch;
 pub mod cascade;
 pub mod compound;
+mod continuous;
 mod facets;
 mod file;
 mod hull;
@@ -259,6 +260,9 @@ pub mod triangle_mesh;
 mod vector;
 
 pub use compound::{Compound, CompoundCache, CompoundManifolds};
+pub use continuous::cast_motion::cast_motion;
+pub use continuous::clear::clear;
+pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact, Verdict};
 #[doc(hidden)]
 pub use facets::Facets;
 pub use glam;
@@ -270,13 +274,12 @@ pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
 pub use shapes::{Corner, Feature, Shape, ShapeError};
 pub use solver::cast::cast;
-pub use solver::cast_motion::cast_motion;
 pub use solver::queries::{contact, distance, intersects};
 pub use solver::ray::ray;
 pub use solver::signed_distance::signed_distance;
 pub use solver::{
-    Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, MotionSettings, Overlap, Ray,
-    RayHit, RigidMotion, Scratch, Settings, SignedDistance, Status, TimeOfImpact, VectorError, Vertex,
+    Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
+    Settings, SignedDistance, Status, VectorError, Vertex,
 };
 pub use support::{Bounds, Instructions, SupportMap, SupportPoint};
 pub use triangle_mesh::TriangleMesh;

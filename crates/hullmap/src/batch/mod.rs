@@ -20,12 +20,14 @@
 #![forbid(unsafe_code)]
 
 mod ahead;
+mod edges;
 mod in_flight;
 mod pair;
 mod plan;
 #[cfg(test)]
 mod tests;
 
+pub use self::edges::{Edge, clear, clear_compounds};
 pub use self::pair::{Pair, SupportQuery};
 use self::plan::Plan;
 use crate::manifold::{Manifold, ManifoldSettings};
@@ -321,12 +323,12 @@ fn check_lengths(pairs: usize, caches: usize, answers: usize) -> Result<(), Batc
 }
 
 /// Calls `solve` with each pair, its cache and its answer. The slices have equal lengths.
-fn each<A, B, T, F>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [T], solve: F)
+fn each<P, C, T, F>(pairs: &[P], caches: &mut [C], out: &mut [T], solve: F)
 where
-    A: Sync + ?Sized,
-    B: Sync + ?Sized,
+    P: Sync,
+    C: Send,
     T: Send,
-    F: Fn(&Pair<'_, A, B>, &mut Cache, &mut T) + Sync,
+    F: Fn(&P, &mut C, &mut T) + Sync,
 {
     #[cfg(feature = "parallel")]
     {

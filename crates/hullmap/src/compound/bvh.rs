@@ -5,12 +5,16 @@ use hullmap_format::archive::ArchivedBvhNode;
 use hullmap_format::triangle_mesh::tree;
 
 use crate::pose::Pose;
+use crate::support::{SupportMap, SupportPoint};
 use crate::triangle_mesh::TriangleMesh;
 
 /// Rounding error of a distance between boxes, relative to the largest length, in units of
 /// [`f64::EPSILON`]. Two products with a matrix and sums of six terms have an error of about 20
 /// units.
 const ROUNDING_UNITS: f64 = 64.0;
+
+/// Relative rounding error of a length along a path: a sum and a quotient.
+const TRAVEL_ERROR: f64 = 4.0 * f64::EPSILON;
 
 /// A BVH node: its box, in the frame of its compound, and its child.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +73,32 @@ impl Node {
     /// Square of half the diagonal of the box.
     pub(super) fn size_sq(&self) -> f64 {
         self.half.length_squared()
+    }
+}
+
+/// The box of a node as a shape, in the frame of its compound.
+pub(super) struct BoxShape(pub(super) Node);
+
+/// Rounding error of the centre and of the half lengths of a box, relative to both.
+const BOX_ERROR: f64 = 4.0 * f64::EPSILON;
+
+impl SupportMap for BoxShape {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        let half = self.0.half;
+        let [x, y, z] = [(half.x, dir.x), (half.y, dir.y), (half.z, dir.z)].map(|(half, dir)| half.copysign(dir));
+        SupportPoint { point: self.0.center + DVec3::new(x, y, z), feature: 0 }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.center
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.half.min_element()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.half.length()
+    }
+    fn support_error(&self) -> f64 {
+        BOX_ERROR * (self.0.center.length() + self.0.half.length())
     }
 }
 
@@ -159,6 +189,33 @@ impl<'q> Placement<'q> {
         let in_b = (self.rotation.transpose() * between).abs() - b.half - self.abs_rotation.transpose() * a.half;
         let length = |gap: DVec3| gap.max(DVec3::ZERO).length();
         (length(in_a).max(length(in_b)) - self.rounding_error).max(0.0)
+    }
+
+    /// Lower bound on the length that B's box moves along the unit vector `direction` until it meets
+    /// A's: infinite if it never does.
+    ///
+    /// The box around B's box along A's axes moves through A's box, grown by half of that box.
+    pub(super) fn travel_lower_bound(&self, a: &Node, b: &Node, direction: DVec3) -> f64 {
+        let between = self.b_in_a.transform_point(b.center) - a.center;
+        let reach = a.half + self.abs_rotation * b.half + DVec3::splat(self.rounding_error);
+        let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+        let axes = between.to_array().into_iter().zip(reach.to_array()).zip(direction.to_array());
+        for ((c, reach), speed) in axes {
+            if speed == 0.0 {
+                if c.abs() > reach {
+                    return f64::INFINITY;
+                }
+                continue;
+            }
+            let [first, last] = [(-c - reach.copysign(speed)) / speed, (-c + reach.copysign(speed)) / speed];
+            (enter, leave) = (enter.max(first), leave.min(last));
+        }
+        // Written so that a NaN does not rule the pair out.
+        if enter * (1.0 - TRAVEL_ERROR) > leave * (1.0 + TRAVEL_ERROR) {
+            f64::INFINITY
+        } else {
+            enter * (1.0 - TRAVEL_ERROR)
+        }
     }
 
     /// Squared distance between the centres of two boxes, which orders pairs with equal lower

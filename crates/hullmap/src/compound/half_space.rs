@@ -1,11 +1,14 @@
 //! Queries of a half-space and a compound, by descent of one BVH.
 //!
-//! The lowest part of a compound decides all queries except the cast, which tries each part.
+//! The lowest part of a compound decides all queries except casts: that of a translation tries each
+//! part, and that of a shape that turns searches them as two compounds are searched.
 
 use super::CompoundAnswer;
 use super::bvh::{Child, Nodes};
+use super::cast_motion::{PlaneAndParts, first_meeting};
 use super::motion::First;
 use super::parts::Parts;
+use crate::continuous::{MotionSettings, RigidMotion, TimeOfImpact};
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
 use crate::shapes::half_space::Lowest;
@@ -244,4 +247,49 @@ pub fn cast<B: Parts + ?Sized>(
     let (answer, hulls) = first.answer();
     let answer = if is_known { answer } else { Impact::default() };
     CompoundAnswer { answer, hulls, pairs: first.pairs, boxes: 0 }
+}
+
+/// When `b`, which moves by `motion_b`, first meets the half-space, which moves by `motion_a`.
+///
+/// As [`compound::cast_motion`](super::cast_motion()). The normal is always the plane's, and points
+/// and normal are in the common frame of the motions.
+///
+/// # Complexity
+/// Branch and bound: a search for each part that may reach the plane first. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::half_space;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::HalfSpace;
+/// use hullmap::{Compound, MotionSettings, Pose, RigidMotion};
+/// use std::f64::consts::FRAC_PI_2;
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. They turn towards the wall at y = 3.
+/// let (wall, cubes) = (HalfSpace::new(DVec3::NEG_Y, -3.0)?, Compound::new(&pack));
+/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2, DVec3::ZERO)?;
+/// let resting = RigidMotion::still(Pose::IDENTITY);
+/// let found = half_space::cast_motion(&wall, &resting, &cubes, &turning, &MotionSettings::default());
+/// // The corner at (4, 1).
+/// let angle = (3.0 / 17.0_f64.sqrt()).asin() - 0.25_f64.atan();
+/// assert_eq!(found.hulls, [0, 1]);
+/// assert!(found.answer.hit && (found.answer.t - angle / FRAC_PI_2).abs() < 1e-5);
+/// # Ok(())
+/// # }
+/// ```
+pub fn cast_motion<B: Parts + ?Sized>(
+    a: &HalfSpace,
+    motion_a: &RigidMotion,
+    b: &B,
+    motion_b: &RigidMotion,
+    settings: &MotionSettings,
+) -> CompoundAnswer<TimeOfImpact> {
+    let origin = motion_b.start();
+    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    let mut bodies = PlaneAndParts { plane: a, b, motions, tolerance: settings.tolerance };
+    let found = first_meeting(&mut bodies, &mut settings.goal());
+    CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
 }

@@ -47,6 +47,8 @@
 
 mod bvh;
 mod cache;
+mod cast_motion;
+mod clear;
 pub mod half_space;
 mod manifolds;
 mod members;
@@ -61,6 +63,8 @@ use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
 use bvh::Placement;
 pub use cache::CompoundCache;
+pub use cast_motion::cast_motion;
+pub use clear::clear;
 pub use manifolds::{CompoundManifolds, ManifoldCounts};
 pub use members::Compound;
 pub use motion::{cast, ray};
@@ -82,7 +86,7 @@ const NOTHING_KNOWN: Distance = Distance {
 };
 
 /// Answer of a query of compounds. See the [module's example](self).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompoundAnswer<T> {
     /// Answer for the pair of hulls that decided the query. Its iterations and support calls are
     /// the sums over all pairs.

@@ -1,8 +1,8 @@
 //! Rays and linear shape casts of compounds: the first hit over all pairs of parts.
 //!
 //! # Steps
-//! 1. Visit the pairs of parts, nearest boxes first. Parts whose boxes are a distance apart cannot
-//!    meet before they have moved that far, so pairs beyond the first certain hit are skipped.
+//! 1. Visit the pairs of boxes that meet on the path, the first ones first. Parts cannot meet before
+//!    their boxes do, so pairs beyond the first certain hit are skipped.
 //! 2. Cast each pair by itself.
 //! 3. The first of all hits has the minimum of their lower bounds and the minimum of their upper
 //!    bounds. A pair that only grazes may miss, so its upper bound does not count.
@@ -10,9 +10,9 @@
 //! # Reference
 //! Branch and bound, as for [`distance`](super::distance()).
 
-use super::bvh::{Nodes, Placement};
+use super::bvh::{Node, Nodes, Placement};
 use super::parts::Parts;
-use super::traversal::Traversal;
+use super::traversal::{BoxPairs, Traversal};
 use super::{CompoundAnswer, CompoundCache};
 use crate::pose::Pose;
 use crate::solver::cast::cast as cast_pair;
@@ -129,6 +129,26 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
     CompoundAnswer { answer, hulls, pairs, boxes }
 }
 
+/// Two compounds, B of which translates. The bound is the length that it moves until boxes meet;
+/// the distance of their centres at the start orders equal ones.
+struct Swept<'q> {
+    placement: Placement<'q>,
+    /// Of unit length; `None` without motion.
+    direction: Option<DVec3>,
+}
+
+impl BoxPairs for Swept<'_> {
+    fn nodes(&self) -> [Nodes<'_>; 2] {
+        self.placement.nodes()
+    }
+
+    fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2] {
+        let [apart, centers] = self.placement.bound(a, b, outer);
+        let travel = self.direction.map_or(0.0, |direction| self.placement.travel_lower_bound(a, b, direction));
+        [apart.max(travel), centers]
+    }
+}
+
 /// The first hit of the pairs of a placement. `query` casts a pair.
 fn first_hit(
     placement: Placement<'_>,
@@ -137,8 +157,8 @@ fn first_hit(
     mut query: impl FnMut([usize; 2]) -> Option<Impact>,
 ) -> CompoundAnswer<Impact> {
     let mut first = First::default();
-    let mut traversal = Traversal::new(placement);
     let path = motion.path();
+    let mut traversal = Traversal::new(Swept { placement, direction: path.map(|path| path.direction) });
     loop {
         // How far B moves until the first certain hit. Without motion this is 0, even for an
         // infinite time.
@@ -162,7 +182,7 @@ pub(super) struct First {
     /// Minimum lower bound of all hits, and the status of that hit.
     lower: (f64, Status),
     /// Minimum upper bound of the certain hits.
-    certain_upper: f64,
+    pub(super) certain_upper: f64,
     /// Maximum upper bound of the grazing hits: it is unknown which of them meet.
     grazing_upper: f64,
     pub(super) pairs: u32,
@@ -196,7 +216,8 @@ impl First {
         if found.t_lower < self.lower.0 {
             self.lower = (found.t_lower, found.status);
         }
-        let slot = if found.status == Status::Touching {
+        let is_certain = found.status != Status::Touching && found.t_upper < f64::INFINITY;
+        let slot = if !is_certain {
             self.grazing_upper = self.grazing_upper.max(found.t_upper);
             &mut self.grazing
         } else {

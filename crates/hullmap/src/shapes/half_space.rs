@@ -65,7 +65,7 @@ const SPEED_UNITS: f64 = 8.0;
 
 /// A point as a shape. In the direction of the normal, a half-space is one point of its plane.
 #[derive(Debug)]
-struct Foot(DVec3);
+pub(crate) struct Foot(DVec3);
 
 impl SupportMap for Foot {
     fn support_point(&self, _: DVec3) -> SupportPoint {
@@ -263,9 +263,14 @@ impl HalfSpace {
         self.offset
     }
 
+    /// The point of the plane that is closest to the origin.
+    pub(crate) fn foot(&self) -> Foot {
+        Foot(self.normal * self.offset)
+    }
+
     /// The lowest point of `b`, placed at `b_in_a`: one support query.
     pub(crate) fn lowest<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Lowest {
-        let foot = Foot(self.normal * self.offset);
+        let foot = self.foot();
         let mut m = Minkowski::new(&foot, b, b_in_a);
         let vertex = m.point(self.normal);
         let depth = vertex.w.dot(self.normal);

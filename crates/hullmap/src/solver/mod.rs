@@ -15,14 +15,13 @@
 //! | `line` | where a line enters the difference: rays and shape casts |
 //! | `rounded` | the same for rounded shapes, by Newton's method on the distance of the cores |
 //! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
-//! | `rigid_motion`, `advance`, `cast_motion` | when shapes that move and turn meet |
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for the largest polytopes, for threads with a small stack |
 //! | `steps` | how a query is driven: to its end, or in turns with others |
 //!
-//! All arithmetic is in f64. There is no allocation and no random number, and angles occur in
-//! `rigid_motion` alone, with the sines of `libm`. So the same input always gives the same bits.
+//! All arithmetic is in f64. There is no allocation, no random number and no angle. So the same
+//! input always gives the same bits.
 //! Lengths are compared only with other lengths of the query, so nothing changes with the scale of
 //! the scene.
 //!
@@ -30,13 +29,11 @@
 
 #![forbid(unsafe_code)]
 
-mod advance;
 mod answer;
 mod barycentric;
 mod bound;
 mod cache;
 pub(crate) mod cast;
-pub(crate) mod cast_motion;
 mod contact;
 mod distance;
 mod epa;
@@ -48,7 +45,6 @@ pub(crate) mod motion;
 mod mpr;
 pub(crate) mod queries;
 pub(crate) mod ray;
-mod rigid_motion;
 mod rounded;
 mod sat;
 mod scratch;
@@ -60,7 +56,6 @@ mod steps;
 pub use answer::Contact;
 pub use cache::Cache;
 pub use cast::Impact;
-pub use cast_motion::{MotionSettings, TimeOfImpact};
 pub(crate) use contact::ContactQuery;
 #[doc(hidden)]
 pub use contact::contact_by_facets;
@@ -71,7 +66,6 @@ pub(crate) use intersection::IntersectionQuery;
 pub use minkowski::{Minkowski, Vertex};
 pub use motion::{CastSettings, Motion, Ray, VectorError};
 pub use ray::RayHit;
-pub use rigid_motion::RigidMotion;
 pub use scratch::Scratch;
 pub use settings::Settings;
 pub use signed_distance::SignedDistance;

@@ -17,7 +17,7 @@ const SEED: u64 = 0xc0_11de;
 
 /// A pack of `count` rocks, boxes, lenses and cones in a ball of radius `radius`: a concave shape
 /// with holes.
-fn pack(count: usize, radius: f64, seed: u64) -> Pack {
+pub(crate) fn pack(count: usize, radius: f64, seed: u64) -> Pack {
     let mut rng = SplitMix64::new(seed);
     let hulls: Vec<_> = (0..count)
         .map(|number| {
@@ -47,7 +47,7 @@ fn poses(count: usize, reach: f64, seed: u64) -> Vec<Pose> {
 }
 
 /// Pairs of packs with few and with many parts, one of them with a single hull.
-fn pairings() -> Vec<(&'static str, Pack, Pack)> {
+pub(crate) fn pairings() -> Vec<(&'static str, Pack, Pack)> {
     vec![
         ("three and five", pack(3, 1.0, 1), pack(5, 1.0, 2)),
         ("twenty and twelve", pack(20, 1.2, 3), pack(12, 1.2, 4)),
@@ -55,7 +55,10 @@ fn pairings() -> Vec<(&'static str, Pack, Pack)> {
     ]
 }
 
-fn pairs<'a>(a: &'a Pack, b: &'a Pack) -> impl Iterator<Item = ([usize; 2], hullmap::Hull<'a>, hullmap::Hull<'a>)> {
+pub(crate) fn pairs<'a>(
+    a: &'a Pack,
+    b: &'a Pack,
+) -> impl Iterator<Item = ([usize; 2], hullmap::Hull<'a>, hullmap::Hull<'a>)> {
     a.hulls().enumerate().flat_map(|(i, hull_a)| b.hulls().enumerate().map(move |(j, hull_b)| ([i, j], hull_a, hull_b)))
 }
 

@@ -3,6 +3,7 @@
 
 mod any_shape;
 mod cascade;
+mod clear;
 mod compound;
 mod defaults;
 mod entry;
@@ -11,6 +12,7 @@ mod half_space;
 mod lean;
 mod manifold;
 mod motions;
+mod motions_of_parts;
 mod pairings;
 mod seams;
 mod shared_hull;

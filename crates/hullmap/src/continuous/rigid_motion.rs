@@ -2,8 +2,9 @@
 
 use glam::{DQuat, DVec3};
 
-use super::motion::{VectorError, checked};
 use crate::pose::Pose;
+use crate::solver::VectorError;
+use crate::solver::motion::checked;
 
 /// Shortest vector part of a relative rotation that has an axis. Shorter ones turn no point of a
 /// shape by more than a rounding error.
@@ -115,9 +116,19 @@ impl RigidMotion {
         Pose::from_parts((turn * self.rotation).normalize(), self.center_at(t) + turn * self.arm)
     }
 
+    /// Where the origin of the shape's frame is at the start.
+    pub(crate) fn start(&self) -> DVec3 {
+        self.center + self.arm
+    }
+
     /// Where the point about which the shape turns is at time `t`.
     pub(super) fn center_at(&self, t: f64) -> DVec3 {
         self.center + self.velocity * t
+    }
+
+    /// The velocity of that point.
+    pub(super) fn velocity(&self) -> DVec3 {
+        self.velocity
     }
 
     /// The unit axis of rotation.
@@ -136,7 +147,7 @@ impl RigidMotion {
     }
 
     /// The motion in a frame whose origin is at `origin`.
-    pub(super) fn relative_to(&self, origin: DVec3) -> Self {
+    pub(crate) fn relative_to(&self, origin: DVec3) -> Self {
         Self { center: self.center - origin, ..*self }
     }
 

@@ -1,0 +1,146 @@
+//! Many motions at once: the edges of a motion planner.
+//!
+//! They are searched one after the other on each thread: a search makes several queries of the same
+//! two shapes, so there is no memory to wait for after the first.
+
+use super::{BatchError, check_lengths, each};
+use crate::compound::{self, CompoundAnswer, CompoundCache, Parts};
+use crate::continuous::clear::clear as clear_pair;
+use crate::continuous::{ClearSettings, Clearance, RigidMotion};
+use crate::shapes::Shape;
+use crate::solver::Cache;
+
+/// Two bodies and their motions in a common frame, over the times 0 to 1. For a batch of shapes of
+/// several types, use `dyn Shape + Sync`.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::Edge;
+/// use hullmap::shapes::{Cuboid, Sphere};
+/// use hullmap::{Pose, RigidMotion, Shape, glam::DVec3};
+///
+/// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
+/// let still = RigidMotion::still(Pose::IDENTITY);
+/// type AnyEdge<'s> = Edge<'s, dyn Shape + Sync, dyn Shape + Sync>;
+/// let edge: AnyEdge = Edge { a: &ball, motion_a: still, b: &cube, motion_b: still };
+/// assert_eq!(edge.motion_a.at(0.5), Pose::IDENTITY);
+/// # Ok::<(), hullmap::ShapeError>(())
+/// ```
+#[derive(Debug)]
+pub struct Edge<'s, A: ?Sized, B: ?Sized> {
+    /// The first body.
+    pub a: &'s A,
+    /// Its motion.
+    pub motion_a: RigidMotion,
+    /// The second body.
+    pub b: &'s B,
+    /// Its motion.
+    pub motion_b: RigidMotion,
+}
+
+impl<A: ?Sized, B: ?Sized> Clone for Edge<'_, A, B> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<A: ?Sized, B: ?Sized> Copy for Edge<'_, A, B> {}
+
+/// Writes whether each `edges[i]` is [`clear`](crate::clear()) to `out[i]`, using `caches[i]`.
+///
+/// # Errors
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
+///
+/// # Complexity
+/// The sum over the single queries, divided among the threads. No allocation per edge.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::{self, Edge};
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Cache, ClearSettings, Clearance, Pose, RigidMotion, Verdict};
+///
+/// let ball = Sphere::new(1.0)?;
+/// let at = |x, y| Pose::from_translation(DVec3::new(x, y, 0.0));
+/// let still = RigidMotion::still(Pose::IDENTITY);
+/// let mut edges = Vec::new();
+/// for end in [-5.0, 5.0] {
+///     let motion_b = RigidMotion::between(at(-5.0, 3.0)?, at(5.0, end)?)?;
+///     edges.push(Edge { a: &ball, motion_a: still, b: &ball, motion_b });
+/// }
+/// let (mut caches, mut found) = (vec![Cache::new(); 2], vec![Clearance::default(); 2]);
+/// batch::clear(&edges, &ClearSettings::default(), &mut caches, &mut found)?;
+/// assert_eq!([found[0].verdict, found[1].verdict], [Verdict::Hit, Verdict::Free]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn clear<A, B>(
+    edges: &[Edge<'_, A, B>],
+    settings: &ClearSettings,
+    caches: &mut [Cache],
+    out: &mut [Clearance],
+) -> Result<(), BatchError>
+where
+    A: Shape + Sync + ?Sized,
+    B: Shape + Sync + ?Sized,
+{
+    check_lengths(edges.len(), caches.len(), out.len())?;
+    each(edges, caches, out, |edge, cache, out| {
+        *out = clear_pair(edge.a, &edge.motion_a, edge.b, &edge.motion_b, settings, cache);
+    });
+    Ok(())
+}
+
+/// Writes whether each `edges[i]` of compounds is [`clear`](compound::clear()) to `out[i]`, using
+/// `caches[i]`, which may be small: `CompoundCache::new(1)`.
+///
+/// # Errors
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
+///
+/// # Complexity
+/// The sum over the single queries, divided among the threads. No allocation per edge.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::batch::{self, Edge};
+/// use hullmap::compound::CompoundAnswer;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{ClearSettings, Clearance, Compound, CompoundCache, Pose, RigidMotion, Verdict};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and a ball that falls.
+/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
+/// let motion_a = RigidMotion::still(Pose::IDENTITY);
+/// let at = |x, z| Pose::from_translation(DVec3::new(x, 0.5, z));
+/// let mut edges = Vec::new();
+/// for x in [0.5, 2.0] {
+///     let motion_b = RigidMotion::between(at(x, 5.0)?, at(x, -5.0)?)?;
+///     edges.push(Edge { a: &cubes, motion_a, b: &ball, motion_b });
+/// }
+/// let mut caches = vec![CompoundCache::new(1); edges.len()];
+/// let mut found = vec![CompoundAnswer::<Clearance>::default(); edges.len()];
+/// batch::clear_compounds(&edges, &ClearSettings::default(), &mut caches, &mut found)?;
+/// assert_eq!(found[0].answer.verdict, Verdict::Hit);
+/// assert_eq!(found[1].answer.verdict, Verdict::Free);
+/// # Ok(())
+/// # }
+/// ```
+pub fn clear_compounds<A, B>(
+    edges: &[Edge<'_, A, B>],
+    settings: &ClearSettings,
+    caches: &mut [CompoundCache],
+    out: &mut [CompoundAnswer<Clearance>],
+) -> Result<(), BatchError>
+where
+    A: Parts + Sync + ?Sized,
+    B: Parts + Sync + ?Sized,
+{
+    check_lengths(edges.len(), caches.len(), out.len())?;
+    each(edges, caches, out, |edge, cache, out| {
+        *out = compound::clear(edge.a, &edge.motion_a, edge.b, &edge.motion_b, settings, cache);
+    });
+    Ok(())
+}

@@ -1,0 +1,221 @@
+//! Time of impact of compounds that move and turn: the first meeting over all pairs of parts.
+//!
+//! # Steps
+//! 1. Visit the pairs of boxes of both trees, those that may meet first before the others. A search
+//!    of few queries on the moving boxes shows until when they surely do not meet. The boxes inside
+//!    start there, and pairs that cannot meet before the first certain meeting are skipped.
+//! 2. Search each pair of parts by itself, from the time of its boxes up to the first certain
+//!    meeting so far.
+//! 3. The first meeting has the minimum of all lower bounds and the minimum of all upper bounds.
+//!
+//! # Reference
+//! Branch and bound, as for [`distance`](super::distance()).
+
+use super::bvh::{BoxShape, Node, Nodes};
+use super::motion::First;
+use super::parts::Parts;
+use super::traversal::{BoxPairs, Traversal};
+use super::{CompoundAnswer, CompoundCache};
+use crate::continuous::cast_motion::search_pair;
+use crate::continuous::search::{DIRECTIONS, Goal};
+use crate::continuous::{MotionSettings, RigidMotion, TimeOfImpact};
+use crate::shapes::HalfSpace;
+use crate::solver::{Cache, Impact, Settings, Status};
+
+/// Maximum number of distance queries of a pair of boxes. Boxes that take more are opened.
+const BOX_QUERIES: u32 = 3;
+
+/// Settings of these queries.
+const ROUGH: Settings = Settings { tolerance: 1e-2, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
+
+/// When `a`, which moves by `motion_a`, and `b`, which moves by `motion_b`, first meet.
+///
+/// As [`cast_motion`](crate::cast_motion()). The answer comes from the pair of parts that meet
+/// first, and its interval contains the time at which the compounds first meet. If the upper bound
+/// is finite, they surely do, whatever the status.
+///
+/// The limit [`max_iterations`](MotionSettings::max_iterations) is one of all queries of parts and
+/// of boxes together. Compounds of many parts need more than the default. If it is reached, the
+/// lower bound is the earliest time at which a pair that is not decided may meet.
+///
+/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
+///
+/// # Complexity
+/// Branch and bound: at most 2 G and 2 H boxes and G H searches for compounds of G and H, and
+/// usually those of the few pairs that may meet first. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Compound, CompoundCache, MotionSettings, Pose, RigidMotion, compound};
+/// use std::f64::consts::FRAC_PI_2;
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, turn about the origin, towards a ball.
+/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
+/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2, DVec3::ZERO)?;
+/// let resting = RigidMotion::still(Pose::from_translation(DVec3::new(0.5, 3.5, 0.5))?);
+/// let (settings, mut cache) = (MotionSettings::default(), CompoundCache::default());
+/// let found = compound::cast_motion(&cubes, &turning, &ball, &resting, &settings, &mut cache);
+/// assert_eq!((found.answer.hit, found.hulls), (true, [1, 0]));
+/// assert!(found.answer.t_lower <= found.answer.t && found.answer.t <= found.answer.t_upper);
+/// # Ok(())
+/// # }
+/// ```
+pub fn cast_motion<A: Parts + ?Sized, B: Parts + ?Sized>(
+    a: &A,
+    motion_a: &RigidMotion,
+    b: &B,
+    motion_b: &RigidMotion,
+    settings: &MotionSettings,
+    cache: &mut CompoundCache,
+) -> CompoundAnswer<TimeOfImpact> {
+    let origin = motion_a.start();
+    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    let mut bodies = Compounds { a, b, motions, tolerance: settings.tolerance, cache, boxes: Cache::new() };
+    let found = first_meeting(&mut bodies, &mut settings.goal());
+    CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
+}
+
+/// Two bodies made of parts.
+pub(super) trait Bodies {
+    /// Their trees of boxes.
+    fn nodes(&self) -> [Nodes<'_>; 2];
+
+    /// When two boxes first meet in a window of time.
+    fn search_boxes(&mut self, boxes: [&Node; 2], goal: &mut Goal, window: [f64; 2]) -> TimeOfImpact;
+
+    /// When two parts first meet in a window of time; `None` if there is no such pair.
+    fn search_parts(&mut self, pair: [usize; 2], goal: &mut Goal, window: [f64; 2]) -> Option<TimeOfImpact>;
+}
+
+/// Two compounds.
+pub(super) struct Compounds<'q, A: ?Sized, B: ?Sized> {
+    pub(super) a: &'q A,
+    pub(super) b: &'q B,
+    /// Relative to A's start.
+    pub(super) motions: [RigidMotion; 2],
+    pub(super) tolerance: f64,
+    pub(super) cache: &'q mut CompoundCache,
+    pub(super) boxes: Cache,
+}
+
+impl<A: Parts + ?Sized, B: Parts + ?Sized> Bodies for Compounds<'_, A, B> {
+    fn nodes(&self) -> [Nodes<'_>; 2] {
+        [self.a.nodes(), self.b.nodes()]
+    }
+
+    fn search_boxes(&mut self, [a, b]: [&Node; 2], goal: &mut Goal, window: [f64; 2]) -> TimeOfImpact {
+        let boxes = (&BoxShape(*a), &BoxShape(*b));
+        search_pair(boxes, self.motions, &ROUGH, ROUGH.tolerance, goal, window, &mut self.boxes)
+    }
+
+    fn search_parts(&mut self, pair: [usize; 2], goal: &mut Goal, window: [f64; 2]) -> Option<TimeOfImpact> {
+        let parts = (&self.a.part(pair[0])?, &self.b.part(pair[1])?);
+        let cache = self.cache.pair(pair);
+        Some(search_pair(parts, self.motions, &DIRECTIONS, self.tolerance, goal, window, cache))
+    }
+}
+
+/// A half-space and a compound.
+pub(super) struct PlaneAndParts<'q, B: ?Sized> {
+    pub(super) plane: &'q HalfSpace,
+    pub(super) b: &'q B,
+    /// Relative to B's start.
+    pub(super) motions: [RigidMotion; 2],
+    pub(super) tolerance: f64,
+}
+
+impl<B: Parts + ?Sized> Bodies for PlaneAndParts<'_, B> {
+    fn nodes(&self) -> [Nodes<'_>; 2] {
+        [Nodes::one(glam::DVec3::ZERO, glam::DVec3::ZERO), self.b.nodes()]
+    }
+
+    fn search_boxes(&mut self, [_, b]: [&Node; 2], goal: &mut Goal, window: [f64; 2]) -> TimeOfImpact {
+        self.plane.search(&BoxShape(*b), self.motions, ROUGH.tolerance, goal, window)
+    }
+
+    fn search_parts(&mut self, pair: [usize; 2], goal: &mut Goal, window: [f64; 2]) -> Option<TimeOfImpact> {
+        Some(self.plane.search(&self.b.part(pair[1])?, self.motions, self.tolerance, goal, window))
+    }
+}
+
+/// Pairs of boxes, with the time until which they surely do not meet as their bound.
+struct MovingBoxes<'q, T> {
+    bodies: &'q mut T,
+    goal: &'q mut Goal,
+    /// The first certain meeting so far, or the end.
+    until: f64,
+    /// Whether both bodies are single parts, whose boxes need no search.
+    is_single: bool,
+    iterations: u32,
+    support_calls: u32,
+}
+
+impl<T: Bodies> BoxPairs for MovingBoxes<'_, T> {
+    fn nodes(&self) -> [Nodes<'_>; 2] {
+        self.bodies.nodes()
+    }
+
+    fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2] {
+        if self.goal.budget == 0 || self.is_single || outer > self.until {
+            return [outer, 0.0];
+        }
+        let mut goal = self.goal.rough(BOX_QUERIES);
+        let found = self.bodies.search_boxes([a, b], &mut goal, [outer, self.until]);
+        self.goal.add_rough(&goal, BOX_QUERIES);
+        self.iterations += found.iterations;
+        self.support_calls += found.support_calls;
+        // Boxes that overlap at the same time are ordered by how near they are.
+        [found.t_lower.max(outer), found.point_a.distance_squared(found.point_b)]
+    }
+}
+
+/// The first meeting of the parts of two bodies.
+pub(super) fn first_meeting<T: Bodies>(bodies: &mut T, goal: &mut Goal) -> CompoundAnswer<TimeOfImpact> {
+    let is_single = bodies.nodes().iter().all(|nodes| nodes.count() == 1);
+    let boxes = MovingBoxes { bodies, goal, until: 1.0, is_single, iterations: 0, support_calls: 0 };
+    let (mut first, mut traversal) = (First::default(), Traversal::new(boxes));
+    loop {
+        let until = first.certain_upper.min(1.0);
+        traversal.pairs().until = until;
+        // Nothing is earlier than the start.
+        let Some(pair) = (if until > 0.0 { traversal.next(until) } else { None }) else { break };
+        let (start, least) = (traversal.lower_bound(), traversal.least_bound());
+        let MovingBoxes { bodies, goal, .. } = traversal.pairs();
+        if goal.budget == 0 && first.pairs > 0 {
+            // Whatever is left may meet from here on.
+            let t_lower = start.min(least);
+            first.add(&impact(TimeOfImpact { t: t_lower, t_lower, ..TimeOfImpact::default() }), pair);
+            first.pairs -= 1;
+            break;
+        }
+        if let Some(found) = bodies.search_parts(pair, goal, [start, until]) {
+            first.add(&impact(found), pair);
+        }
+    }
+    let (pairs, (answer, hulls)) = (first.pairs, first.answer());
+    let boxes = traversal.boxes();
+    let MovingBoxes { iterations, support_calls, .. } = *traversal.pairs();
+    let mut answer = time_of_impact(answer);
+    if pairs == 0 && answer.status == Status::Separated && boxes == 0 {
+        // Only in a pack that was opened without checks: nothing is known.
+        answer = TimeOfImpact::default();
+    }
+    answer.iterations = answer.iterations.saturating_add(iterations);
+    answer.support_calls = answer.support_calls.saturating_add(support_calls);
+    CompoundAnswer { answer, hulls, pairs, boxes }
+}
+
+fn impact(found: TimeOfImpact) -> Impact {
+    let TimeOfImpact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls } = found;
+    Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls }
+}
+
+fn time_of_impact(found: Impact) -> TimeOfImpact {
+    let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls } = found;
+    TimeOfImpact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls }
+}

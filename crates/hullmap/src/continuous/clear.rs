@@ -1,0 +1,190 @@
+//! Whether two bodies stay clear of each other during a motion: the edge of a motion planner.
+//!
+//! # Steps
+//! 1. Search for the first time at which they are within the margin, as
+//!    [`cast_motion`](crate::cast_motion()) does.
+//! 2. If there is none, and the distance proven is less than a share of the least distance found,
+//!    search once more, and stay above that share.
+
+use super::cast_motion::{MotionSettings, search_pair};
+use super::rigid_motion::RigidMotion;
+use super::search::{DIRECTIONS, Goal};
+use super::time_of_impact::TimeOfImpact;
+use crate::solver::{Cache, Status};
+use crate::support::SupportMap;
+
+/// What [`clear`](crate::clear()) proves, and at what cost.
+///
+/// ```
+/// use hullmap::{ClearSettings, MotionSettings};
+///
+/// // A margin of a centimetre, and whatever clearance the proof happens to have.
+/// let motion = MotionSettings { target_distance: 0.01, ..MotionSettings::default() };
+/// let quick = ClearSettings { motion, share: 0.0 };
+/// assert_eq!(ClearSettings::default().share, 0.5);
+/// # assert_ne!(quick, ClearSettings::default());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearSettings {
+    /// Settings of the search. Bodies that come within the target distance, the margin, hit each
+    /// other.
+    pub motion: MotionSettings,
+    /// The clearance of a free motion is at least this share of the least distance at any of the
+    /// times that were tried, unless the limit of queries is reached. The default is 0.5. The more,
+    /// the more steps. 0 saves the second search. NaN and negative values count as 0, values above
+    /// 0.95 as 0.95.
+    pub share: f64,
+}
+
+impl Default for ClearSettings {
+    fn default() -> Self {
+        Self { motion: MotionSettings::default(), share: 0.5 }
+    }
+}
+
+/// What is known about a motion.
+///
+/// ```
+/// assert_eq!(hullmap::Verdict::Free.as_str(), "free");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// The bodies surely are farther apart than the margin at all times.
+    Free,
+    /// They surely are within the margin at some time.
+    Hit,
+    /// Neither is known: they graze the margin within rounding error, or the limit of queries was
+    /// reached.
+    Open,
+}
+
+impl Verdict {
+    /// The verdict as one lower-case word, for JSON and tables. The names are stable.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Hit => "hit",
+            Self::Open => "open",
+        }
+    }
+}
+
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// Answer of [`clear`](crate::clear()): whether a motion is free, and with which clearance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// Whether the motion is free.
+    pub verdict: Verdict,
+    /// Lower bound of the least distance during a free motion, with allowance for rounding error. 0
+    /// if it is not known to be free.
+    pub clearance: f64,
+    /// Upper bound of the least distance: the bodies are this near at some time that was tried. It
+    /// is infinite if no parts were near enough to be tried.
+    pub nearest: f64,
+    /// Until this time, the bodies surely are farther apart than the margin. Infinite if they are
+    /// at all times.
+    pub t_lower: f64,
+    /// At this time, the bodies surely are within the margin. Infinite if no such time is known.
+    pub t_upper: f64,
+    /// Number of distance and contact queries.
+    pub iterations: u32,
+    /// Number of support calls. One call queries both shapes once.
+    pub support_calls: u32,
+}
+
+impl Default for Clearance {
+    /// An answer that claims nothing. It initialises the slices of a batch.
+    fn default() -> Self {
+        Self {
+            verdict: Verdict::Open,
+            clearance: 0.0,
+            nearest: f64::INFINITY,
+            t_lower: 0.0,
+            t_upper: f64::INFINITY,
+            iterations: 0,
+            support_calls: 0,
+        }
+    }
+}
+
+/// Whether `a`, which moves by `motion_a`, and `b`, which moves by `motion_b`, stay farther apart
+/// than a margin, and the least distance that is proven.
+///
+/// Motions are in a common frame, over the times 0 to 1. `cache` belongs to this ordered pair; the
+/// query reads and updates it.
+///
+/// # Complexity
+/// That of [`cast_motion`](crate::cast_motion()), and for a free motion once more if
+/// [`share`](ClearSettings::share) is not 0. No allocation.
+///
+/// # Reference
+/// Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
+/// articulated robots in complex environments", 2005, for edges that are proven instead of sampled.
+/// docs/intervals.md, section 15, proves the bounds.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::{DQuat, DVec3};
+/// use hullmap::shapes::{Cuboid, Sphere};
+/// use hullmap::{Cache, ClearSettings, Pose, RigidMotion, Verdict, clear};
+/// use std::f64::consts::FRAC_PI_2;
+///
+/// // A rod of length 2 turns by 90 degrees, past a ball that its end does not reach.
+/// let (rod, ball) = (Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?, Sphere::new(0.25)?);
+/// let end = Pose::new(DVec3::ZERO, DQuat::from_rotation_z(FRAC_PI_2))?;
+/// let edge = RigidMotion::between(Pose::IDENTITY, end)?;
+/// let at = |x: f64| Pose::from_translation(DVec3::new(x, x, 0.0)).map(RigidMotion::still);
+/// let settings = ClearSettings::default();
+/// let found = clear(&rod, &edge, &ball, &at(1.0)?, &settings, &mut Cache::new());
+/// assert_eq!(found.verdict, Verdict::Free);
+/// // The centre is √2 from the axis.
+/// let least = 2.0_f64.sqrt() - 0.25 - 1.0001_f64.sqrt();
+/// assert!(0.5 * least < found.clearance && found.clearance <= least);
+///
+/// let found = clear(&rod, &edge, &ball, &at(0.7)?, &settings, &mut Cache::new());
+/// assert_eq!(found.verdict, Verdict::Hit);
+/// assert!(found.t_lower < found.t_upper && found.t_upper < 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn clear<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    motion_a: &RigidMotion,
+    b: &B,
+    motion_b: &RigidMotion,
+    settings: &ClearSettings,
+    cache: &mut Cache,
+) -> Clearance {
+    let origin = motion_a.start();
+    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    let tolerance = settings.motion.tolerance;
+    judge(settings, |goal| search_pair((a, b), motions, &DIRECTIONS, tolerance, goal, [0.0, 1.0], cache))
+}
+
+/// The answer by a search of the first meeting, which is made once or twice.
+pub(crate) fn judge(settings: &ClearSettings, mut search: impl FnMut(&mut Goal) -> TimeOfImpact) -> Clearance {
+    let mut goal = settings.motion.goal();
+    let found = search(&mut goal);
+    let TimeOfImpact { t_lower, t_upper, iterations, support_calls, .. } = found;
+    let nearest = goal.nearest;
+    let answer = Clearance { nearest, t_lower, t_upper, iterations, support_calls, ..Clearance::default() };
+    if found.hit {
+        let is_met = t_upper < f64::INFINITY;
+        return Clearance { verdict: if is_met { Verdict::Hit } else { Verdict::Open }, ..answer };
+    }
+    let mut answer = Clearance { verdict: Verdict::Free, clearance: goal.clearance, ..answer };
+    if let Some(mut better) = goal.better(settings.share) {
+        let again = search(&mut better);
+        answer.iterations += again.iterations;
+        answer.support_calls += again.support_calls;
+        answer.nearest = better.nearest;
+        if again.status == Status::Separated {
+            answer.clearance = answer.clearance.max(better.clearance);
+        }
+    }
+    answer
+}

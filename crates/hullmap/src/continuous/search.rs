@@ -1,0 +1,246 @@
+//! The first time at which two moving bodies come within a distance of each other.
+//!
+//! # Steps
+//! 1. The distance of the bodies at a time up to which they surely are farther apart, and its
+//!    direction.
+//! 2. The longest step in which they surely stay so along that direction (`advance`).
+//! 3. Repeat from the end of the step, until they are surely apart until the end, or near each
+//!    other. Then look for a time at which they surely are within the distance.
+//!
+//! # Reference
+//! Mirtich 1996 (conservative advancement); Catto, "Continuous collision", GDC 2013, for steps
+//! along a separating direction.
+
+use glam::DVec3;
+
+use super::advance::{Direction, MovingPair, Step};
+use super::time_of_impact::TimeOfImpact;
+use crate::pose::Pose;
+use crate::solver::{Contact, Distance, Settings, Status};
+use crate::support::SupportMap;
+
+/// Settings of the queries at one time.
+pub(crate) const DIRECTIONS: Settings = Settings { tolerance: 1e-6, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
+
+/// Multiples of the estimated time to the impact at which the shapes may surely have met.
+const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
+
+/// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
+/// room for a step.
+const MAX_SHARE: f64 = 0.95;
+
+/// What searches are to prove, and what they found: of one pair, or of many that share a budget.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// Bodies meet when their distance is at most this.
+    margin: f64,
+    /// Bodies that surely do not meet are to be farther apart than this share of `nearest`.
+    share: f64,
+    /// Whether a time is wanted at which the bodies surely meet.
+    seeks_meeting: bool,
+    /// The least upper bound of a distance at any time that was tried.
+    pub(crate) nearest: f64,
+    /// The distance surely exceeds this wherever the searches have passed.
+    pub(crate) clearance: f64,
+    /// Number of distance and contact queries that are left.
+    pub(crate) budget: u32,
+}
+
+impl Goal {
+    /// To find when bodies meet. NaN and negative margins count as 0.
+    pub(crate) fn meeting(margin: f64, budget: u32) -> Self {
+        let never = f64::INFINITY;
+        Self { margin: margin.max(0.0), share: 0.0, seeks_meeting: true, nearest: never, clearance: never, budget }
+    }
+
+    /// To find until when bodies that contain the given ones surely do not meet, by few queries.
+    pub(crate) fn rough(&self, budget: u32) -> Self {
+        Self { margin: self.target(), share: 0.0, seeks_meeting: false, budget: budget.min(self.budget), ..*self }
+    }
+
+    /// Takes over what a [`rough`](Self::rough) goal has found.
+    pub(crate) fn add_rough(&mut self, rough: &Self, limit: u32) {
+        self.budget = self.budget.saturating_sub(limit.min(self.budget) - rough.budget);
+        self.clearance = rough.clearance;
+    }
+
+    /// To prove a better clearance of bodies that do not meet, with what is left of the budget.
+    /// `None` if that of the first searches is good enough. NaN and negative shares count as 0.
+    pub(crate) fn better(&self, share: f64) -> Option<Self> {
+        let share = share.max(0.0).min(MAX_SHARE);
+        let is_open = self.clearance < share * self.nearest && self.margin < share * self.nearest;
+        (is_open && self.budget > 0).then_some(Self { share, seeks_meeting: false, clearance: f64::INFINITY, ..*self })
+    }
+
+    /// The distance that a step is to stay above. It never rises.
+    pub(crate) fn target(&self) -> f64 {
+        if self.share > 0.0 { self.margin.max(self.share * self.nearest) } else { self.margin }
+    }
+}
+
+/// Distance and contact of two bodies at a pose of B in A's frame.
+pub(crate) trait Queries {
+    fn distance(&mut self, b_in_a: Pose) -> Distance;
+    fn contact(&mut self, b_in_a: Pose) -> Contact;
+}
+
+/// A search in a window of time.
+pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
+    pair: MovingPair<'s, A, B>,
+    queries: Q,
+    noise: f64,
+    /// The separation may exceed the margin by this length.
+    enough: f64,
+    goal: &'g mut Goal,
+    /// The answer so far: until `t_lower`, the bodies surely are farther apart than the target.
+    found: TimeOfImpact,
+}
+
+impl<'s, 'g, A, B, Q> Search<'s, 'g, A, B, Q>
+where
+    A: SupportMap + ?Sized,
+    B: SupportMap + ?Sized,
+    Q: Queries,
+{
+    /// The first time in the `window` at which the distance is at most the goal's target. Before
+    /// the window, the distance surely is above it. A miss is one until the end of the window.
+    pub(super) fn run(
+        pair: MovingPair<'s, A, B>,
+        queries: Q,
+        tolerance: f64,
+        goal: &'g mut Goal,
+        window: [f64; 2],
+    ) -> TimeOfImpact {
+        let enough = tolerance.max(0.0) * (pair.a.shape.outer_radius() + pair.b.shape.outer_radius());
+        let found = TimeOfImpact { t_lower: window[0], ..TimeOfImpact::default() };
+        let mut search = Self { noise: pair.noise(), pair, queries, enough, goal, found };
+        search.advance(window);
+        search.found
+    }
+
+    fn advance(&mut self, [start, until]: [f64; 2]) {
+        let mut gap = self.distance_at(start);
+        if self.meet(&gap) {
+            let status = if start == 0.0 { Status::Overlapping } else { Status::Within };
+            self.found = TimeOfImpact { status, t: start, t_upper: start, ..self.found };
+            return;
+        }
+        let mut has_tried = false;
+        while self.goal.budget > 0 {
+            let (t, normal, target) = (self.found.t_lower, self.found.normal, self.goal.target());
+            let excess = gap.upper - target;
+            let is_last = excess <= 4.0 * self.noise;
+            if !self.goal.seeks_meeting && excess <= self.enough {
+                return self.end(Status::Stalled);
+            }
+            // Flat shapes have no depth, so it is never sure that they meet.
+            let is_near = is_last || (excess <= self.enough + self.noise && !has_tried);
+            let tries = is_near && self.goal.seeks_meeting;
+            if tries && self.find_meeting(until) {
+                return self.found.status = Status::Within;
+            }
+            has_tried |= tries;
+            let speed = self.speed(t);
+            let meeting = if speed > 0.0 { t + excess / speed } else { f64::INFINITY };
+            let step = self.pair.step(normal, [t, until], meeting, target, &mut self.found.support_calls);
+            let (later, least) = match step {
+                Step::Apart(least) => {
+                    self.goal.clearance = self.goal.clearance.min(least);
+                    return self.separated();
+                }
+                _ if is_last => return self.end(Status::Touching),
+                // The distance query has no good direction.
+                Step::Nowhere => return self.end(Status::Stalled),
+                Step::To(later, least) => (later, least),
+            };
+            self.found.t_lower = later;
+            self.goal.clearance = self.goal.clearance.min(least);
+            gap = self.distance_at(later);
+        }
+        self.end(Status::IterationLimit);
+    }
+
+    /// Ends the search where it is.
+    fn end(&mut self, status: Status) {
+        (self.found.status, self.found.t) = (status, self.found.t_lower);
+    }
+
+    /// Speed at which the closest points approach each other at time `t`.
+    fn speed(&self, t: f64) -> f64 {
+        let TimeOfImpact { normal, point_a, point_b, .. } = self.found;
+        let MovingPair { a, b, .. } = &self.pair;
+        (a.motion.velocity_at(t, point_a) - b.motion.velocity_at(t, point_b)).dot(normal)
+    }
+
+    /// The distance of the bodies at time `t`. Its direction and points become those of the answer.
+    fn distance_at(&mut self, t: f64) -> Distance {
+        let poses = self.pair.poses(t);
+        let gap = self.queries.distance(relative(poses));
+        let place = |point: DVec3| poses[0].transform_point(point);
+        self.found.normal = poses[0].transform_vector(gap.normal);
+        (self.found.point_a, self.found.point_b) = (place(gap.point_a), place(gap.point_b));
+        self.count(gap.support_calls);
+        self.goal.nearest = self.goal.nearest.min(gap.upper + self.noise);
+        gap
+    }
+
+    fn count(&mut self, support_calls: u32) {
+        self.found.iterations += 1;
+        self.found.support_calls += support_calls;
+        self.goal.budget = self.goal.budget.saturating_sub(1);
+    }
+
+    /// Whether bodies with this distance surely are within the margin.
+    fn meet(&self, gap: &Distance) -> bool {
+        gap.status == Status::Overlapping || gap.upper + self.noise <= self.goal.margin
+    }
+
+    /// Looks for a time after the lower bound at which the bodies surely meet. Sets the answer and
+    /// returns true if there is one.
+    fn find_meeting(&mut self, until: f64) -> bool {
+        let TimeOfImpact { t_lower: t, normal, .. } = self.found;
+        let speed = self.speed(t);
+        // NaN takes the failing branch.
+        if !(speed > 0.0) {
+            return false;
+        }
+        let here = self.pair.separation(&Direction::fixed(normal), t, &mut self.found.support_calls);
+        let excess = (here.gap - self.goal.margin).max(0.0);
+        for attempt in ATTEMPTS {
+            let later = (t + (excess + 4.0 * self.noise) / speed * attempt).min(until);
+            if self.goal.budget > 0 && self.surely_meet_at(later) {
+                self.found.t = (t + excess / speed).min(later);
+                self.found.t_upper = later;
+                return true;
+            }
+            if later == until {
+                return false;
+            }
+        }
+        false
+    }
+
+    fn surely_meet_at(&mut self, t: f64) -> bool {
+        let b_in_a = relative(self.pair.poses(t));
+        if self.goal.margin == 0.0 {
+            // The poses have rounding errors, too.
+            let found = self.queries.contact(b_in_a);
+            self.count(found.support_calls);
+            return found.hit && found.depth_lower > self.noise;
+        }
+        let gap = self.queries.distance(b_in_a);
+        self.count(gap.support_calls);
+        self.meet(&gap)
+    }
+
+    fn separated(&mut self) {
+        let TimeOfImpact { iterations, support_calls, normal, .. } = self.found;
+        self.found = TimeOfImpact { iterations, support_calls, normal, ..TimeOfImpact::NEVER };
+    }
+}
+
+/// The pose of B in A's frame, from those of both in a common frame, whose lengths are in range.
+fn relative([a, b]: [Pose; 2]) -> Pose {
+    let back = a.rotation().conjugate();
+    Pose::from_parts((back * b.rotation()).normalize(), back * (b.translation() - a.translation()))
+}

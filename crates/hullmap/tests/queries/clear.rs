@@ -1,0 +1,167 @@
+//! Edges of a motion planner: free ones are free at every time, with the clearance that they claim.
+
+use crate::compound::pack;
+use crate::motions_of_parts::motion;
+use glam::DVec3;
+use hullmap::batch::{self, Edge};
+use hullmap::compound::CompoundAnswer;
+use hullmap::shapes::{Cuboid, Sphere};
+use hullmap::{
+    Cache, ClearSettings, Clearance, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings,
+    Verdict, cast_motion, clear, compound, distance,
+};
+use shapes::rng::SplitMix64;
+
+const SEED: u64 = 0xed6e;
+
+/// Number of times at which an edge is sampled.
+const SAMPLES: u32 = 200;
+
+fn settings(margin: f64, share: f64, max_iterations: u32) -> ClearSettings {
+    let motion = MotionSettings { target_distance: margin, max_iterations, ..MotionSettings::default() };
+    ClearSettings { motion, share }
+}
+
+/// What an answer claims, against distances at many times.
+fn judge(found: &Clearance, margin: f64, mut gap: impl FnMut(f64) -> hullmap::Distance, what: &str) {
+    let samples = (0..=SAMPLES).map(|i| f64::from(i) / f64::from(SAMPLES));
+    match found.verdict {
+        Verdict::Free => {
+            assert_eq!([found.t_lower, found.t_upper], [f64::INFINITY; 2], "{what}");
+            assert!(found.clearance >= margin && found.clearance <= found.nearest, "{what}");
+            for t in samples {
+                let gap = gap(t);
+                assert!(gap.upper >= found.clearance, "at {t}: {gap:?}; {what}");
+            }
+        }
+        Verdict::Hit => {
+            assert!(found.t_lower <= found.t_upper && found.t_upper <= 1.0 && found.clearance == 0.0, "{what}");
+            for t in samples.filter(|t| *t < found.t_lower) {
+                assert!(gap(t).upper > margin, "at {t}: {what}");
+            }
+            assert!(gap(found.t_upper).lower <= margin, "{what}");
+        }
+        Verdict::Open => {
+            assert!(found.t_lower <= 1.0 && found.t_upper == f64::INFINITY && found.clearance == 0.0, "{what}");
+        }
+    }
+}
+
+#[test]
+fn free_edges_are_free_and_hits_hit() {
+    let (mut rng, pack) = (SplitMix64::new(SEED), pack(8, 1.0, 41));
+    let hulls: Vec<Hull<'_>> = pack.hulls().collect();
+    let (mut counts, mut queries) = ([0; 3], [0; 2]);
+    for number in 0..600 {
+        let (a, b) = (&hulls[rng.below(8)], &hulls[rng.below(8)]);
+        let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
+        let margin = [0.0, 0.01, 0.3][number % 3];
+        let gap = |t: f64| {
+            let b_in_a = Pose::relative(motion_a.at(t), motion_b.at(t)).unwrap();
+            distance(a, b, b_in_a, &Settings::default(), &mut Cache::new())
+        };
+        for (way, share) in [0.0, 0.5, 0.9].into_iter().enumerate() {
+            let settings = settings(margin, share, 1_000);
+            let found = clear(a, &motion_a, b, &motion_b, &settings, &mut Cache::new());
+            let what = format!("{number}, share {share}, seed {SEED:#x}: {found:?} {motion_a:?} {motion_b:?}");
+            judge(&found, margin, gap, &what);
+            let cast = cast_motion(a, &motion_a, b, &motion_b, &settings.motion, &mut Cache::new());
+            assert_eq!(
+                (found.verdict == Verdict::Free, found.verdict == Verdict::Hit),
+                (!cast.hit, cast.t_upper <= 1.0)
+            );
+            if found.verdict == Verdict::Free && found.nearest > 1e-3 {
+                assert!(found.clearance >= share * found.nearest || margin >= share * found.nearest, "{what}");
+            }
+            if way < 2 {
+                queries[way] += found.iterations;
+            }
+            counts[found.verdict as usize] += 1;
+        }
+    }
+    println!("free, hit, open: {counts:?}; queries with a share of 0 and 0.5: {queries:?}");
+    assert!(counts[0] > 400 && counts[1] > 300 && counts[2] < 30, "{counts:?}");
+}
+
+#[test]
+fn compounds_are_clear_if_all_their_parts_are() {
+    let (mut rng, a, b) = (SplitMix64::new(SEED + 1), pack(6, 1.0, 42), pack(7, 1.0, 43));
+    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+    let mut counts = [0; 3];
+    let mut edges = Vec::new();
+    for number in 0..150 {
+        let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 4.0));
+        edges.push(Edge { a: &whole_a, motion_a, b: &whole_b, motion_b });
+        let margin = [0.0, 0.02][number % 2];
+        let settings = settings(margin, 0.5, 5_000);
+        let found = compound::clear(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut CompoundCache::new(4));
+        let what = format!("{number}, seed {SEED:#x}: {found:?} {motion_a:?} {motion_b:?}");
+        let mut cache = CompoundCache::default();
+        let gap = |t: f64| {
+            let b_in_a = Pose::relative(motion_a.at(t), motion_b.at(t)).unwrap();
+            compound::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache).answer
+        };
+        judge(&found.answer, margin, gap, &what);
+        if found.answer.verdict == Verdict::Free {
+            assert!(found.answer.clearance >= 0.5 * found.answer.nearest, "{what}");
+        }
+        counts[found.answer.verdict as usize] += 1;
+        for limit in [0, 3, 20] {
+            let cut = ClearSettings { motion: MotionSettings { max_iterations: limit, ..settings.motion }, share: 0.5 };
+            let cut =
+                compound::clear(&whole_a, &motion_a, &whole_b, &motion_b, &cut, &mut CompoundCache::new(4)).answer;
+            assert!(cut.iterations <= limit + 1, "{limit}: {cut:?}");
+            let is_open = cut.verdict == Verdict::Open;
+            assert!(is_open || cut.verdict == found.answer.verdict, "{limit}: {cut:?}; {what}");
+        }
+    }
+    println!("free, hit, open: {counts:?}");
+    assert!(counts[0] > 30 && counts[1] > 30 && counts[2] < 5, "{counts:?}");
+
+    // A batch has the bits of single queries.
+    let settings = settings(0.0, 0.5, 5_000);
+    let mut caches = vec![CompoundCache::new(1); edges.len()];
+    let mut found = vec![CompoundAnswer::<Clearance>::default(); edges.len()];
+    batch::clear_compounds(&edges, &settings, &mut caches, &mut found).unwrap();
+    for (edge, found) in edges.iter().zip(&found) {
+        let mut cache = CompoundCache::new(1);
+        let single = compound::clear(edge.a, &edge.motion_a, edge.b, &edge.motion_b, &settings, &mut cache);
+        assert_eq!(*found, single);
+    }
+    assert!(batch::clear_compounds(&edges, &settings, &mut caches[1..], &mut found).is_err());
+}
+
+#[test]
+fn batches_of_edges_have_the_bits_of_single_queries() {
+    let (ball, cube) = (Sphere::new(0.4).unwrap(), Cuboid::new(DVec3::new(0.2, 0.5, 1.0)).unwrap());
+    let mut rng = SplitMix64::new(SEED + 2);
+    let edges: Vec<_> = (0..300)
+        .map(|_| Edge { a: &cube, motion_a: motion(&mut rng, 0.5), b: &ball, motion_b: motion(&mut rng, 2.0) })
+        .collect();
+    let settings = ClearSettings::default();
+    let (mut caches, mut found) = (vec![Cache::new(); edges.len()], vec![Clearance::default(); edges.len()]);
+    batch::clear(&edges, &settings, &mut caches, &mut found).unwrap();
+    for (edge, found) in edges.iter().zip(&found) {
+        let single = clear(edge.a, &edge.motion_a, edge.b, &edge.motion_b, &settings, &mut Cache::new());
+        assert_eq!(*found, single);
+    }
+    let error = batch::clear(&edges, &settings, &mut caches, &mut found[1..]).unwrap_err();
+    assert_eq!((error.pairs, error.caches, error.answers), (300, 300, 299));
+}
+
+#[test]
+fn shares_out_of_range_are_harmless() {
+    let ball = Sphere::new(1.0).unwrap();
+    let at = |x: f64, y: f64| Pose::from_translation(DVec3::new(x, y, 0.0)).unwrap();
+    let still = RigidMotion::still(Pose::IDENTITY);
+    let passing = RigidMotion::between(at(-5.0, 2.5), at(5.0, 2.5)).unwrap();
+    for share in [f64::NAN, -1.0, 0.0, 0.5, 0.95, 1.0, f64::INFINITY] {
+        let found = clear(&ball, &still, &ball, &passing, &settings(0.0, share, 200), &mut Cache::new());
+        assert_eq!(found.verdict, Verdict::Free, "{share}: {found:?}");
+        assert!(found.clearance > 0.0 && found.clearance <= 0.5, "{share}: {found:?}");
+        assert!(found.clearance >= 0.5 * share.clamp(0.0, 0.94) || share.is_nan(), "{share}: {found:?}");
+    }
+    // The same margin as the distance: rounding errors decide, and nothing is claimed.
+    let found = clear(&ball, &still, &ball, &passing, &settings(0.5, 0.5, 200), &mut Cache::new());
+    assert!(found.verdict != Verdict::Free && found.t_lower <= 0.5, "{found:?}");
+}

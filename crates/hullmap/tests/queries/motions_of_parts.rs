@@ -1,0 +1,275 @@
+//! Times of impact of compounds and half-spaces that move and turn, compared with slow twins: all
+//! pairs of parts, and the lowest vertex at many times.
+
+use std::f64::consts::PI;
+
+use crate::compound::{pack, pairings, pairs};
+use glam::{DQuat, DVec3};
+use hullmap::compound::half_space;
+use hullmap::shapes::{Capsule, Cuboid, HalfSpace, Sphere};
+use hullmap::{
+    Cache, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Status, SupportMap,
+    TimeOfImpact, cast_motion, compound,
+};
+use shapes::rng::SplitMix64;
+
+const SEED: u64 = 0x7075;
+
+/// A random motion from a place within `reach` of the origin, by a screw or between poses.
+pub(crate) fn motion(rng: &mut SplitMix64, reach: f64) -> RigidMotion {
+    let mut direction = || DVec3::from_array(rng.direction());
+    let (place, other, axis) = (direction() * reach, direction() * (0.3 * reach), direction());
+    let start = Pose::new(place, DQuat::from_axis_angle(direction(), 2.0)).unwrap();
+    let center = place + direction() * 0.5;
+    let angle = [0.0, 0.3, 0.5 * PI, PI, 7.0, 30.0][rng.below(6)];
+    match rng.below(4) {
+        0 => RigidMotion::still(start),
+        1 => RigidMotion::between(start, Pose::new(other, DQuat::from_axis_angle(axis, 1.0)).unwrap()).unwrap(),
+        2 => RigidMotion::screw(start, DVec3::ZERO, axis * angle, center).unwrap(),
+        _ => RigidMotion::screw(start, other - place, axis * angle, center).unwrap(),
+    }
+}
+
+fn settings(max_iterations: u32) -> MotionSettings {
+    MotionSettings { max_iterations, ..MotionSettings::default() }
+}
+
+/// Minimum of the bounds, and whether all intervals are as narrow as their settings allow.
+fn first<'a>(all: impl Iterator<Item = &'a TimeOfImpact>) -> ([f64; 2], bool) {
+    all.fold(([f64::INFINITY; 2], true), |([lower, upper], is_narrow), found| {
+        let narrow = !found.hit || matches!(found.status, Status::Within | Status::Overlapping);
+        ([lower.min(found.t_lower), upper.min(found.t_upper)], is_narrow && narrow)
+    })
+}
+
+#[test]
+fn compounds_meet_when_the_first_of_their_pairs_does() {
+    let (mut rng, mut cache) = (SplitMix64::new(SEED), CompoundCache::default());
+    let (mut hits, mut misses, mut queries, mut all_queries) = (0, 0, 0, 0);
+    for (name, a, b) in pairings() {
+        let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+        for number in 0..120 {
+            let (motion_a, motion_b) = (motion(&mut rng, 1.0), motion(&mut rng, 4.0));
+            let cast = |limit| {
+                let settings = settings(limit);
+                compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut CompoundCache::new(4))
+            };
+            let each: Vec<TimeOfImpact> = pairs(&a, &b)
+                .map(|(_, a, b)| cast_motion(&a, &motion_a, &b, &motion_b, &settings(200), &mut Cache::new()))
+                .collect();
+            let ([lower, upper], is_narrow) = first(each.iter());
+            let fast = cast(100_000);
+            let found = fast.answer;
+            let what = || format!("{name}: motion {number}, seed {SEED:#x}: [{lower}, {upper}] {fast:?}");
+            // Both intervals contain the time of impact.
+            assert!(found.t_lower <= upper && lower <= found.t_upper, "{}", what());
+            assert!(!is_narrow || found.hit == (upper <= 1.0), "{}", what());
+            assert!(!is_narrow || !found.hit || found.t_upper <= 1.0, "{}", what());
+            if found.hit && found.t_upper <= 1.0 {
+                hits += 1;
+                assert!(found.t_lower <= found.t && found.t <= found.t_upper, "{}", what());
+                let own = &each[fast.hulls[0] * b.hull_count() + fast.hulls[1]];
+                assert!(own.hit && own.t_lower <= found.t_upper && found.t_lower <= own.t_upper, "{}", what());
+                assert!(found.t_upper - found.t_lower < 1e-3 || !is_narrow, "{}", what());
+            } else {
+                misses += usize::from(!found.hit);
+            }
+            queries += found.iterations as usize;
+            all_queries += each.iter().map(|found| found.iterations as usize).sum::<usize>();
+            // Whatever the limit, the interval is true, and it is kept.
+            for limit in [0, 1, 2, 3, 5, 10, 20, 50] {
+                let cut = cast(limit).answer;
+                assert!(cut.iterations <= limit + 1, "{limit}: {cut:?}; {}", what());
+                assert!(cut.t_lower <= upper && lower <= cut.t_upper, "{limit}: {cut:?}; {}", what());
+                assert!(cut.hit || !found.hit, "{limit}: {cut:?}; {}", what());
+            }
+            // With a cache that other motions have filled.
+            let warm = compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings(100_000), &mut cache);
+            assert!(warm.answer.t_lower <= upper && lower <= warm.answer.t_upper, "{warm:?}; {}", what());
+        }
+    }
+    println!("{hits} hits, {misses} misses; {queries} of {all_queries} queries");
+    assert!(hits > 60 && misses > 60, "{hits}, {misses}");
+    assert!(queries * 4 < all_queries, "{queries} of {all_queries}");
+}
+
+/// Until the lower bound, the compounds are apart at every time, by distance queries.
+#[test]
+fn compounds_are_apart_until_the_lower_bound() {
+    let (mut rng, a, b) = (SplitMix64::new(SEED + 1), pack(8, 1.0, 11), pack(9, 1.2, 12));
+    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+    let mut cache = CompoundCache::default();
+    let mut judged = 0;
+    for number in 0..80 {
+        let (motion_a, motion_b) = (motion(&mut rng, 1.0), motion(&mut rng, 4.0));
+        let target_distance = [0.0, 0.05, 0.5][number % 3];
+        let settings = MotionSettings { target_distance, ..settings(5_000) };
+        let found = compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut cache).answer;
+        let mut gap = |t: f64| {
+            let b_in_a = Pose::relative(motion_a.at(t), motion_b.at(t)).unwrap();
+            compound::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache).answer
+        };
+        let until = if found.hit { found.t_lower } else { 1.0 };
+        for sample in 0..100 {
+            let t = until * f64::from(sample) / 100.0;
+            if t < until {
+                judged += 1;
+                let gap = gap(t);
+                assert!(gap.upper > target_distance, "{number}, seed {SEED:#x}: at {t} {gap:?}; {found:?}");
+            }
+        }
+        if found.t_upper <= 1.0 {
+            let gap = gap(found.t_upper);
+            assert!(gap.lower <= target_distance, "{number}: {gap:?}; {found:?}");
+        }
+    }
+    assert!(judged > 3_000, "{judged}");
+}
+
+/// A single shape counts as a compound of one part.
+#[test]
+fn single_shapes_have_the_answer_of_the_pair() {
+    let (rod, ball) = (Capsule::new(1.0, 0.1).unwrap(), Sphere::new(0.3).unwrap());
+    let mut rng = SplitMix64::new(SEED + 2);
+    for _ in 0..200 {
+        let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
+        let usual = MotionSettings::default();
+        let pair = cast_motion(&rod, &motion_a, &ball, &motion_b, &usual, &mut Cache::new());
+        let found = compound::cast_motion(&rod, &motion_a, &ball, &motion_b, &usual, &mut CompoundCache::new(1)).answer;
+        if pair.hit {
+            assert_eq!(found, pair);
+        } else {
+            assert_eq!((found.hit, found.status), (false, Status::Separated));
+        }
+    }
+}
+
+/// Height of the lowest vertex of a hull over a plane at time `t`, by a scan.
+fn height(plane: &HalfSpace, motion: &RigidMotion, hulls: &[Hull<'_>], motion_b: &RigidMotion, t: f64) -> f64 {
+    let b_in_plane = motion.at(t).inverse().compose(motion_b.at(t)).unwrap();
+    let vertices = hulls.iter().flat_map(|hull| hull.vertices().map(|v| v.as_dvec3()).collect::<Vec<_>>());
+    let heights = vertices.map(|v| b_in_plane.transform_point(v).dot(plane.normal()) - plane.offset());
+    heights.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn half_spaces_meet_the_lowest_vertex() {
+    let (mut rng, pack) = (SplitMix64::new(SEED + 3), pack(6, 1.0, 21));
+    let whole = Compound::new(&pack);
+    let hulls: Vec<Hull<'_>> = pack.hulls().collect();
+    let (mut hits, mut misses, mut starts) = (0, 0, 0);
+    for number in 0..400 {
+        let normal = DVec3::from_array(rng.direction());
+        let plane = HalfSpace::new(normal, rng.between(-2.5, 0.5)).unwrap();
+        let at = Pose::new(DVec3::from_array(rng.direction()), DQuat::from_rotation_y(0.3)).unwrap();
+        let turn = DVec3::from_array(rng.direction()) * [0.0, 0.0, 0.2, 1.5, 4.0, 20.0][rng.below(6)];
+        let slide = DVec3::from_array(rng.direction()) * [0.0, 0.5][rng.below(2)];
+        let motion_a = RigidMotion::screw(at, slide, turn, DVec3::from_array(rng.direction())).unwrap();
+        let motion_b = motion(&mut rng, 2.0);
+        let one = number % 2 == 0;
+        let (found, hulls) = if one {
+            (plane.cast_motion(&motion_a, &hulls[0], &motion_b, &settings(200)), &hulls[..1])
+        } else {
+            (half_space::cast_motion(&plane, &motion_a, &whole, &motion_b, &settings(2_000)).answer, &hulls[..])
+        };
+        let height = |t: f64| height(&plane, &motion_a, hulls, &motion_b, t);
+        let what = || format!("{number}, seed {SEED:#x}: {found:?} {plane:?} {motion_a:?} {motion_b:?}");
+        let first = (0..=4_000).map(|i| f64::from(i) / 4e3).find(|t| height(*t) <= 0.0);
+        match (found.status, first) {
+            (Status::Overlapping, _) => {
+                starts += 1;
+                assert!(height(0.0) < 1e-12, "{}", what());
+            }
+            (Status::Separated, _) => {
+                misses += 1;
+                assert_eq!(first, None, "{}", what());
+            }
+            (Status::Within, _) => {
+                hits += 1;
+                assert!(height(found.t_lower) > -1e-13 && height(found.t_upper) < 1e-13, "{}", what());
+                assert!(first.is_none_or(|t| found.t_lower <= t), "{}", what());
+                assert!(height(found.t_lower) < 1e-5 * 4.0, "{}", what());
+                let normal = motion_a.at(found.t_lower).transform_vector(plane.normal());
+                assert!(found.normal.distance(normal) < 1e-12, "{}", what());
+                assert!(found.iterations < 100, "{}", what());
+            }
+            // Rounding errors decide, or nothing is known: it must be a hit that was not missed.
+            _ => assert!(first.is_none_or(|t| found.t_lower <= t), "{}", what()),
+        }
+    }
+    println!("{hits} hits, {misses} misses, {starts} at the start");
+    assert!(hits > 60 && misses > 80 && starts > 20, "{hits} hits, {misses} misses, {starts} at the start");
+}
+
+/// The plane itself turns, about an axis in it: like a door that closes on a ball.
+#[test]
+fn a_half_space_turns_into_a_ball() {
+    let (door, ball) = (HalfSpace::new(DVec3::Y, 0.0).unwrap(), Sphere::new(0.25).unwrap());
+    let still = RigidMotion::still(Pose::from_translation(DVec3::new(2.0, 1.5, 0.3)).unwrap());
+    for angle in [0.5, 1.0, 3.0, 6.0, 100.0] {
+        let closing = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * angle, DVec3::ZERO).unwrap();
+        let found = door.cast_motion(&closing, &ball, &still, &MotionSettings::default());
+        // The centre is at a distance of 2.5 from the hinge, at the angle ψ.
+        let t = ((1.5_f64).atan2(2.0) - (0.25_f64 / 2.5).asin()) / angle;
+        if t > 1.0 {
+            assert!(!found.hit, "{angle}: {found:?}");
+        } else {
+            assert_eq!(found.status, Status::Within, "{angle}: {found:?}");
+            assert!(found.t_lower <= t + 1e-14 && t - 1e-14 <= found.t_upper, "{angle}: {t} {found:?}");
+            assert!(found.t_upper - found.t_lower < 1e-5 && found.iterations <= 12, "{angle}: {found:?}");
+        }
+    }
+    // It only spins about its normal: never closer, however often.
+    for angle in [0.1, 3.0, 1e4] {
+        let spinning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Y * angle, DVec3::X).unwrap();
+        let found = door.cast_motion(
+            &spinning,
+            &ball,
+            &still,
+            &MotionSettings { max_iterations: 20_000, ..MotionSettings::default() },
+        );
+        assert!(!found.hit, "{angle}: {found:?}");
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_harmless() {
+    let (a, b) = (pack(3, 1.0, 31), pack(3, 1.0, 32));
+    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+    let falling = RigidMotion::between(
+        Pose::from_translation(DVec3::new(0.1, 0.0, 8.0)).unwrap(),
+        Pose::from_translation(DVec3::new(0.1, 0.2, -8.0)).unwrap(),
+    )
+    .unwrap();
+    let still = RigidMotion::still(Pose::IDENTITY);
+    let run = |settings: MotionSettings| {
+        compound::cast_motion(&whole_a, &still, &whole_b, &falling, &settings, &mut CompoundCache::new(2)).answer
+    };
+    let expected = run(MotionSettings::default());
+    assert_eq!(expected.status, Status::Within, "{expected:?}");
+    for wrong in [f64::NAN, -1.0, f64::NEG_INFINITY] {
+        assert_eq!(run(MotionSettings { target_distance: wrong, ..MotionSettings::default() }), expected);
+        let found = run(MotionSettings { tolerance: wrong, ..MotionSettings::default() });
+        assert!(found.t_lower <= expected.t_upper && expected.t_lower <= found.t_upper, "{found:?}");
+    }
+    let found = run(MotionSettings { target_distance: f64::INFINITY, ..MotionSettings::default() });
+    assert_eq!((found.status, found.t), (Status::Overlapping, 0.0));
+}
+
+/// A plate of a compound and a floor, far from the origin and at all sizes.
+#[test]
+fn half_spaces_at_extreme_sizes() {
+    for size in [1e-30, 1e-9, 1.0, 1e9, 1e30] {
+        let rod = Cuboid::new(DVec3::new(1.0, 0.01, 0.01) * size).unwrap();
+        let floor = HalfSpace::new(DVec3::NEG_Y, -0.6 * size).unwrap();
+        let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * (0.5 * PI), DVec3::ZERO).unwrap();
+        let still = RigidMotion::still(Pose::IDENTITY);
+        let found = floor.cast_motion(&still, &rod, &turning, &MotionSettings::default());
+        let t = ((0.6 / 1.0001_f64.sqrt()).asin() - 0.01_f64.atan()) / (0.5 * PI);
+        assert!(
+            found.status == Status::Within && found.t_lower <= t + 1e-14 && t - 1e-14 <= found.t_upper,
+            "{found:?}"
+        );
+        assert!(found.iterations <= 10 && rod.outer_radius() > 0.0, "{found:?}");
+    }
+}
