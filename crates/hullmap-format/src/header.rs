@@ -38,6 +38,14 @@ impl FileKind {
         }
     }
 
+    /// What writes files of this kind.
+    const fn writer(self) -> &'static str {
+        match self {
+            Self::Pack => "`bake build`",
+            Self::TriangleMesh => "`hullmap_bake::triangle_mesh`",
+        }
+    }
+
     /// Format versions that this build reads.
     pub const fn versions(self) -> &'static [u32] {
         match self {
@@ -100,9 +108,10 @@ pub enum HeaderError {
     },
     /// The first eight bytes are not those of the expected kind of file.
     #[error(
-        "not a {expected}: it starts with \"{}\" instead of \"{}\"; pass a file that `bake build` wrote",
+        "not a {expected}: it starts with \"{}\" instead of \"{}\"; pass a file that {} wrote",
         found.escape_ascii(),
-        expected.magic().escape_ascii()
+        expected.magic().escape_ascii(),
+        expected.writer()
     )]
     Magic {
         /// First eight bytes.

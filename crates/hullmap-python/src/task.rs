@@ -25,7 +25,7 @@ pub const PIECE: usize = 256;
 /// for all threads.
 const PIECE_OF_MANY: usize = 32;
 
-/// Pieces between two looks for signals: less than a second of work.
+/// Number of pieces after which signals are looked for: less than a second of work.
 const BLOCK: usize = 256;
 
 /// How rows are cut into pieces, which threads solve in any order.

@@ -13,7 +13,7 @@ use crate::triangle_mesh::TriangleMesh;
 /// units.
 const ROUNDING_UNITS: f64 = 64.0;
 
-/// Relative rounding error of a length along a path: a sum and a quotient.
+/// Relative rounding error of a length along a path: of a sum, an inverse and a product.
 const TRAVEL_ERROR: f64 = 4.0 * f64::EPSILON;
 
 /// A BVH node: its box, in the frame of its compound, and its child.
@@ -191,26 +191,20 @@ impl<'q> Placement<'q> {
         (length(in_a).max(length(in_b)) - self.rounding_error).max(0.0)
     }
 
-    /// Lower bound on the length that B's box moves along the unit vector `direction` until it meets
-    /// A's: infinite if it never does.
+    /// Lower bound on the length that B's box moves along a unit vector until it meets A's: infinite
+    /// if it never does. `inverse` has the inverses of the vector's components.
     ///
     /// The box around B's box along A's axes moves through A's box, grown by half of that box.
-    pub(super) fn travel_lower_bound(&self, a: &Node, b: &Node, direction: DVec3) -> f64 {
+    pub(super) fn travel_lower_bound(&self, a: &Node, b: &Node, inverse: DVec3) -> f64 {
         let between = self.b_in_a.transform_point(b.center) - a.center;
         let reach = a.half + self.abs_rotation * b.half + DVec3::splat(self.rounding_error);
+        let [p, q] = [(-between - reach) * inverse, (reach - between) * inverse].map(|v| v.to_array());
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
-        let axes = between.to_array().into_iter().zip(reach.to_array()).zip(direction.to_array());
-        for ((c, reach), speed) in axes {
-            if speed == 0.0 {
-                if c.abs() > reach {
-                    return f64::INFINITY;
-                }
-                continue;
-            }
-            let [first, last] = [(-c - reach.copysign(speed)) / speed, (-c + reach.copysign(speed)) / speed];
-            (enter, leave) = (enter.max(first), leave.min(last));
+        // Along an axis without motion both are infinite, of the same sign outside. A NaN is passed
+        // over by `min` and `max`.
+        for (p, q) in p.into_iter().zip(q) {
+            (enter, leave) = (enter.max(p.min(q)), leave.min(p.max(q)));
         }
-        // Written so that a NaN does not rule the pair out.
         if enter * (1.0 - TRAVEL_ERROR) > leave * (1.0 + TRAVEL_ERROR) {
             f64::INFINITY
         } else {

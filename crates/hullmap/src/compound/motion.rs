@@ -133,8 +133,8 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
 /// the distance of their centres at the start orders equal ones.
 struct Swept<'q> {
     placement: Placement<'q>,
-    /// Of unit length; `None` without motion.
-    direction: Option<DVec3>,
+    /// Inverses of the components of the path's unit direction; `None` without motion.
+    inverse: Option<DVec3>,
 }
 
 impl BoxPairs for Swept<'_> {
@@ -143,9 +143,11 @@ impl BoxPairs for Swept<'_> {
     }
 
     fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2] {
-        let [apart, centers] = self.placement.bound(a, b, outer);
-        let travel = self.direction.map_or(0.0, |direction| self.placement.travel_lower_bound(a, b, direction));
-        [apart.max(travel), centers]
+        let Some(inverse) = self.inverse else { return self.placement.bound(a, b, outer) };
+        let travel = self.placement.travel_lower_bound(a, b, inverse);
+        // The box of a point has no axes of its own.
+        let apart = if b.size_sq() > 0.0 { self.placement.distance_lower_bound(a, b) } else { 0.0 };
+        [apart.max(travel), self.placement.center_distance_sq(a, b)]
     }
 }
 
@@ -158,7 +160,7 @@ fn first_hit(
 ) -> CompoundAnswer<Impact> {
     let mut first = First::default();
     let path = motion.path();
-    let mut traversal = Traversal::new(Swept { placement, direction: path.map(|path| path.direction) });
+    let mut traversal = Traversal::new(Swept { placement, inverse: path.map(|path| path.direction.recip()) });
     loop {
         // How far B moves until the first certain hit. Without motion this is 0, even for an
         // infinite time.

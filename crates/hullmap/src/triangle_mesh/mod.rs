@@ -1,9 +1,9 @@
 //! Static triangle meshes: levels and terrains, which keep their triangles.
 //!
-//! `bake build --triangle-mesh` writes the file. A [`TriangleMesh`] is one side of the queries in
-//! [`compound`](crate::compound()): its parts are its triangles, found by a tree of boxes in the
-//! file. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that
-//! touches, with normals of the surface: a body does not stumble over edges inside it.
+//! `hullmap_bake::triangle_mesh` bakes the file. A [`TriangleMesh`] is one side of the queries in
+//! [`compound`](crate::compound): its parts are its triangles, found by a tree of boxes in the file.
+//! [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that touches,
+//! with normals of the surface: a body does not stumble over edges inside it.
 //!
 //! # What an answer means
 //! Triangles are thin, and collide on both sides. `distance` is that to the nearest triangle.
@@ -12,24 +12,28 @@
 //! side.
 //!
 //! # Examples
-//! A ramp of two triangles, and a ball above it:
 //! ```
-//! # let positions = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 4.0], [0.0, 4.0, 4.0]];
-//! # let corners = [[0, 1, 2], [0, 2, 3]];
-//! # let source = hullmap_bake::triangle_mesh::Triangles { positions: &positions, corners: &corners, materials: &[] };
-//! # let baked = hullmap_bake::triangle_mesh::bake_triangle_mesh(&source)?;
-//! # let file = hullmap_bake::triangle_mesh::write_triangle_mesh(baked, &Default::default())?;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use hullmap::glam::DVec3;
-//! use hullmap::shapes::Sphere;
-//! use hullmap::{CompoundCache, Pose, Settings, TriangleMesh, compound};
+//! use hullmap::shapes::Cuboid;
+//! use hullmap::{CompoundManifolds, ManifoldSettings, Pose, TriangleMesh};
+//! use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 //!
-//! let ramp = TriangleMesh::from_bytes(&file)?;
-//! let (ball, settings) = (Sphere::new(0.5)?, Settings::default());
-//! let b_in_a = Pose::from_translation(DVec3::new(2.5, 2.0, 3.0))?;
-//! let gap = compound::distance(&ramp, &ball, b_in_a, &settings, &mut CompoundCache::default());
-//! assert!((gap.answer.distance - (0.5_f64.sqrt() - 0.5)).abs() < 1e-9);
-//! assert_eq!(ramp.source_triangle(gap.hulls[0]), Some(0));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! // Two triangles, whose front is upwards.
+//! let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
+//! let corners = [[0, 1, 2], [0, 2, 3]];
+//! let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] })?;
+//! let file = write_triangle_mesh(baked, &Default::default())?;
+//!
+//! let ground = TriangleMesh::from_bytes(&file)?; // or TriangleMesh::open(path)
+//! let die = Cuboid::new(DVec3::splat(0.5))?;
+//! let at = Pose::from_translation(DVec3::new(0.1, 0.0, 0.499))?; // over both triangles, 1 mm deep
+//! let mut manifolds = CompoundManifolds::new(16);
+//! let counts = manifolds.update(&ground, &die, at, &ManifoldSettings::default());
+//! assert_eq!(counts.touching, 2);
+//! assert!(manifolds.iter().all(|(_, manifold)| manifold.normal().distance(DVec3::Z) < 1e-9));
+//! # Ok(())
+//! # }
 //! ```
 
 mod storage;

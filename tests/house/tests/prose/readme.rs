@@ -31,17 +31,19 @@ fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'
     found
 }
 
-/// Every Rust example in `docs/rust.md` is one on the front page of the crate's documentation,
-/// which is compiled and run.
+/// Every Rust example in these guides is one of a module's documentation, which is compiled and run.
 #[test]
 fn the_examples_are_doctests() {
-    let (guide, lib) = (read("docs/rust.md"), read("crates/hullmap/src/lib.rs"));
-    let doc = lib.lines().filter_map(|line| line.strip_prefix("//!")).map(|l| l.strip_prefix(' ').unwrap_or(l));
-    let doctests = fences(doc.filter(|line| !line.starts_with("# ")), "```");
-    let examples = fences(guide.lines(), "```rust");
-    assert!(examples.len() >= 2, "{examples:?}");
-    for example in examples {
-        assert!(doctests.contains(&example), "not on the front page: {example:#?}");
+    let modules = [("docs/rust.md", "lib.rs", 2), ("docs/triangle-meshes.md", "triangle_mesh/mod.rs", 1)];
+    for (guide, module, least) in modules {
+        let (text, code) = (read(guide), read(&format!("crates/hullmap/src/{module}")));
+        let doc = code.lines().filter_map(|line| line.strip_prefix("//!")).map(|l| l.strip_prefix(' ').unwrap_or(l));
+        let doctests = fences(doc.filter(|line| !line.starts_with("# ")), "```");
+        let examples = fences(text.lines(), "```rust");
+        assert!(examples.len() >= least, "{guide}: {examples:?}");
+        for example in examples {
+            assert!(doctests.contains(&example), "{guide}: not in {module}: {example:#?}");
+        }
     }
 }
 
