@@ -7,9 +7,19 @@
 
 use super::{
     parameters::Cover,
-    partition::{self, Deadline, Part, PartitionLimits, field::Field, surface::Surface, wrap::Bounds},
+    partition::{
+        self, Part, PartitionLimits,
+        field::Field,
+        surface::Surface,
+        wrap::{self, Bounds},
+    },
 };
-use crate::{fit::solid::Solid, mass, progress::Stage};
+use crate::{
+    deadline::{Deadline, Reserve},
+    fit::solid::Solid,
+    mass,
+    progress::Stage,
+};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -20,9 +30,13 @@ const PER_OCTAVE: i32 = 16;
 /// Number of levels between those that serve maximum errors. The others serve numbers of parts.
 const STEP: i32 = 4;
 
-/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
-/// rounded and moved outward by up to a tenth of that, if the mesh is not far from the origin.
+/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are moved
+/// outward by up to a tenth of that.
 const LEAST_ERROR: f64 = 2e-5;
+
+/// The same, relative to the greatest coordinate. Rounding to f32 moves a vertex by up to a tenth of
+/// that, which is more where the mesh is far from the origin.
+const LEAST_ROUNDED: f64 = 20.0 * wrap::ROUNDING;
 
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
@@ -56,6 +70,9 @@ const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
 /// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
 /// parts only follow the tessellation.
 const LEAST_FOR_COUNTS: f64 = 2e-3;
+
+/// Time that a search leaves for final hulls.
+const FINISHING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
 
 /// Number of levels down to about `count` parts, if the number is inversely proportional to the
 /// limit.
@@ -115,6 +132,7 @@ pub struct Levels<'a> {
     pub field: Field<'a>,
     parameters: &'a Cover,
     max_vertices: usize,
+    /// When the parts must be finished.
     deadline: Option<Deadline>,
     stage: Stage<'a>,
     /// Number of parts above which a result is of no use, if that is known.
@@ -131,9 +149,9 @@ impl<'a> Levels<'a> {
         solid: &'a Solid,
         parameters: &'a Cover,
         max_vertices: usize,
+        deadline: Option<Deadline>,
         stage: Stage<'a>,
     ) -> Self {
-        let deadline = parameters.seconds.map(Deadline::after);
         Self { surface, field: Field::new(solid), parameters, max_vertices, deadline, stage, enough: None, searches: 0 }
     }
 
@@ -141,36 +159,48 @@ impl<'a> Levels<'a> {
         self.field.solid().diagonal()
     }
 
-    /// The limits of a part.
-    pub fn bounds(&self, limit: f64) -> Bounds<'a> {
+    /// The limits of a part while parts are searched.
+    fn bounds(&self, limit: f64) -> Bounds<'a> {
+        let deadline = self.deadline.map(|deadline| deadline.with_reserve(FINISHING));
+        Bounds { deadline, ..self.final_bounds(limit) }
+    }
+
+    /// The limits of a part while parts are finished.
+    pub fn final_bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
         let error = self.parameters.max_error.of(diagonal);
-        let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error) };
+        let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error.max(self.least())) };
         let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * allowed);
         Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 
-    /// The limits of thin parts that were found within `limit`, but may be as thick as the maximum
-    /// error allows.
+    /// The final limits of thin parts that were found within `limit`, but may be as thick as the
+    /// maximum error allows.
     pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
         let is_counted = self.parameters.max_parts.is_some();
-        self.bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
+        self.final_bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
     }
 
     fn is_over(&self) -> bool {
         self.bounds(0.0).is_over()
     }
 
+    /// The smallest limit that is searched for.
+    fn least(&self) -> f64 {
+        let greatest = self.field.solid().bounds().map(|p| p.abs().max_element()).into_iter().fold(0.0, f64::max);
+        (LEAST_ERROR * self.diagonal()).max(LEAST_ROUNDED * greatest)
+    }
+
     /// The limit of a level.
     fn limit(&self, level: i32) -> f64 {
         let share = ORIGIN * libm::exp2(f64::from(level) / f64::from(PER_OCTAVE));
-        share.max(LEAST_ERROR) * self.diagonal()
+        (share * self.diagonal()).max(self.least())
     }
 
     /// The highest level whose limit is at most `error`, of those `step` levels apart.
     fn level(&self, error: f64, step: i32) -> i32 {
         let mut level = HIGHEST;
-        while self.limit(level) > error * (1.0 + 1e-9) && self.limit(level) > LEAST_ERROR * self.diagonal() {
+        while self.limit(level) > error * (1.0 + 1e-9) && self.limit(level) > self.least() {
             level -= step;
         }
         level

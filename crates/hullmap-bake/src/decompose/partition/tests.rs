@@ -1,6 +1,7 @@
 use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::{body::Body, *};
+use crate::deadline::Deadline;
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Accuracy, Solid, coverage::uncovered, protrusion};
 use crate::{PointSet, hull::Hull};
