@@ -11,7 +11,7 @@ use super::{
         self, Part, PartitionLimits,
         field::Field,
         surface::Surface,
-        wrap::{self, Bounds},
+        wrap::Bounds,
     },
 };
 use crate::{
@@ -34,9 +34,10 @@ const STEP: i32 = 4;
 /// outward by up to a tenth of that.
 const LEAST_ERROR: f64 = 2e-5;
 
-/// The same, relative to the greatest coordinate. Rounding to f32 moves a vertex by up to a tenth of
-/// that, which is more where the mesh is far from the origin.
-const LEAST_ROUNDED: f64 = 20.0 * wrap::ROUNDING;
+/// The same, relative to the greatest coordinate, which is more where the mesh is far from the
+/// origin. Rounding to f32 moves a vertex by up to 2e-7 of the coordinate, and a cell may protrude by
+/// 8 % of the limit.
+const LEAST_ROUNDED: f64 = 1e-5;
 
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
@@ -89,7 +90,7 @@ pub struct Found {
     pub mirrored: Vec<Part>,
     /// Approximate number of parts to which they can be merged.
     pub fewest: usize,
-    /// Maximum protrusion.
+    /// The limit on their protrusion.
     pub limit: f64,
 }
 
@@ -218,6 +219,9 @@ impl<'a> Levels<'a> {
     /// Parts within the limit of a level; `None` if the time is over, or more than about `enough`
     /// parts are needed.
     fn search(&mut self, level: i32, enough: Option<usize>) -> Option<Found> {
+        if self.is_over() {
+            return None;
+        }
         // Each search is expected to take half of the rest.
         let [from, to] = [self.searches, self.searches + 1].map(|count| 1.0 - libm::exp2(-f64::from(count)));
         self.searches += 1;
@@ -275,7 +279,8 @@ impl<'a> Levels<'a> {
     /// The first parts of a search whose time is limited, at most `count`; `None` if it is not.
     fn halved(&self, count: usize) -> Option<Found> {
         self.deadline?;
-        let limit = f64::INFINITY;
+        // Nothing protrudes by more.
+        let limit = self.diagonal();
         let is_half = self.surface.mirror.is_some();
         let count = if is_half { count / 2 } else { count };
         let halved = partition::halved(self.surface, &self.bounds(limit), count.min(HALVED));

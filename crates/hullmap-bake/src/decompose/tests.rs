@@ -250,12 +250,13 @@ fn little_is_done_after_the_deadline() {
     }
 }
 
-/// Regression: far from the origin, rounding to f32 moved vertices by more than the smallest limit,
-/// so nothing could be proven, and each polygon became a part.
+/// Regression: far from the origin, hulls had too many vertices, since rounding errors of heights
+/// made points seem to lie outside. And rounding to f32 moved vertices by more than the smallest
+/// limit, so nothing could be proven, and each polygon became a part.
 #[test]
 fn the_smallest_limit_allows_for_rounding_far_from_the_origin() {
     let near = point_set(&concave::horseshoe(8));
-    for (offset, most) in [(0.0, 15), (300.0, 15), (3_000.0, 15), (30_000.0, 15)] {
+    for (offset, most) in [(0.0, 10), (3.0, 12), (300.0, 12), (3_000.0, 12), (30_000.0, 12)] {
         let mut mesh = near.clone();
         mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x + offset));
         let cover = Cover { max_error: Length::Relative(1e-6), symmetry: false, ..Cover::default() };
@@ -264,7 +265,7 @@ fn the_smallest_limit_allows_for_rounding_far_from_the_origin() {
         let fits = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), None).unwrap();
         let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
         println!("{offset}: {} parts, {worst}, {}", hulls.len(), solid.diagonal());
-        let limit = (2e-5 * solid.diagonal()).max(2.2e-6 * f64::from(offset + 10.0));
+        let limit = (2e-5 * solid.diagonal()).max(1.01e-5 * f64::from(offset + 1.0));
         assert!(hulls.len() <= most && worst <= limit, "{offset}: {} parts, {worst} of {limit}", hulls.len());
     }
 }

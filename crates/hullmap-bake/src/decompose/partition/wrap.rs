@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use super::body::{Body, farthest};
+use super::body::{Body, farthest, rough};
 use super::few;
 use super::field::Field;
 use super::sample::face_points;
@@ -65,6 +65,12 @@ const MEASURED: usize = 150;
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 pub const ROUNDING: f64 = 1.1e-7;
 
+/// Distance from a hull up to which it counts as containing a point, relative to the diagonal.
+const HELD: f64 = 2e-13;
+
+/// The same, relative to the greatest coordinate: the rounding error of a height above a plane.
+const HELD_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
@@ -107,6 +113,11 @@ pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -
 /// directions.
 fn thickened(points: &[DVec3], thickness: f64) -> Vec<DVec3> {
     let mut points = points.to_vec();
+    // A hull of some of the points is no thicker.
+    let some = rough(&points);
+    if some.len() < points.len() && thinnest(&some).1 >= thickness {
+        return points;
+    }
     for _ in 0..3 {
         let (normal, width) = thinnest(&points);
         if width >= thickness {
@@ -162,7 +173,7 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     };
     let mut rounded: Vec<[f32; 3]> = moved.map(outward).collect();
     let body = Body::new(&rounded.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>(), 0.0);
-    let slack = 2e-13 * diagonal;
+    let slack = HELD * diagonal + HELD_ROUNDING * body.low.abs().max(body.high.abs()).max_element();
     let around: Vec<[f32; 3]> = points.iter().filter(|p| !body.holds(**p, slack)).flat_map(|p| around(*p)).collect();
     rounded.extend(around);
     hull::of_positions(rounded)
