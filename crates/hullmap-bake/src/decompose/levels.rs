@@ -7,12 +7,7 @@
 
 use super::{
     parameters::Cover,
-    partition::{
-        self, Part, PartitionLimits,
-        field::Field,
-        surface::Surface,
-        wrap::Bounds,
-    },
+    partition::{self, Part, PartitionLimits, field::Field, surface::Surface, wrap::Bounds},
 };
 use crate::{
     deadline::{Deadline, Reserve},
@@ -217,8 +212,8 @@ impl<'a> Levels<'a> {
     }
 
     /// Parts within the limit of a level; `None` if the time is over, or more than about `enough`
-    /// parts are needed.
-    fn search(&mut self, level: i32, enough: Option<usize>) -> Option<Found> {
+    /// parts are needed. Without peeling, the search takes less time.
+    fn search(&mut self, level: i32, enough: Option<usize>, peels: bool) -> Option<Found> {
         if self.is_over() {
             return None;
         }
@@ -231,6 +226,7 @@ impl<'a> Levels<'a> {
             overlap: self.parameters.overlap,
             enough,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
+            peels,
         };
         let partition::Found { parts, mirrored, fewest } = partition::search(self.surface, &mut self.field, &limits)?;
         Some(Found { parts, mirrored, fewest, limit })
@@ -244,7 +240,7 @@ impl<'a> Levels<'a> {
         let (mut level, mut misses) = (first, 0);
         while misses < MISSES && level >= last {
             let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.count()).or(self.enough);
-            let found = self.search(level, enough);
+            let found = self.search(level, enough, true);
             if self.is_over() {
                 return better(best, found, error);
             }
@@ -269,7 +265,7 @@ impl<'a> Levels<'a> {
             if best.is_none() || self.is_over() {
                 break;
             }
-            let found = self.search(first + octaves * PER_OCTAVE, None);
+            let found = self.search(first + octaves * PER_OCTAVE, None, false);
             // None of them is within the error.
             best = better(best, found, 0.0);
         }
@@ -299,7 +295,7 @@ impl<'a> Levels<'a> {
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {
-            let found = self.search(level, Some(count + (count / 4).max(2)));
+            let found = self.search(level, Some(count + (count / 4).max(2)), true);
             if self.is_over() {
                 let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
                 return better(best, found.filter(|found| found.count() <= count), f64::INFINITY);

@@ -36,6 +36,8 @@ pub struct Search<'a> {
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
     pub bounds: Bounds<'a>,
+    /// Whether pieces are peeled, too, which may give fewer parts.
+    pub peels: bool,
 }
 
 impl Search<'_> {

@@ -114,6 +114,8 @@ pub struct PartitionLimits<'a> {
     pub enough: Option<usize>,
     /// Number of parts down to which they are merged, where they can be.
     pub wanted: usize,
+    /// Whether pieces are peeled, too, which takes longer and may give fewer parts.
+    pub peels: bool,
 }
 
 /// Parts that together contain a surface; of half a surface, with their mirror images.
@@ -127,7 +129,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { bounds, overlap, enough, wanted } = *limits;
+    let PartitionLimits { bounds, overlap, enough, wanted, peels } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
     let hard = Bounds { limit: limit * HARD_SHARE, max_vertices: usize::MAX, thickness: 0.0, ..bounds };
     let cutting = Cutting { limit: limit * CELL_SHARE, hard, max_cells: MAX_CELLS };
@@ -136,7 +138,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body(&piece::points(&atoms));
-    let search = Search { field, scale, planes: &planes, bounds };
+    let search = Search { field, scale, planes: &planes, bounds, peels };
     let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
     let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
@@ -161,7 +163,7 @@ pub fn divided_further(
     field.find_peaks(bounds.limit * HARD_SHARE, bounds.deadline);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
     let planes = cells::FacePlanes::new(&surface.triangles, bounds.diagonal);
-    let search = Search { field, scale, planes: &planes, bounds };
+    let search = Search { field, scale, planes: &planes, bounds, peels: true };
     let mut room = count.saturating_sub(parts.len());
     let mut parts = parts;
     let excess = |part: &Part| part.bound * part.piece.area();
@@ -254,7 +256,7 @@ fn divided(
     let best = all_divided(search, sides, most, depth + u32::from(is_connected), known, stage);
     let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
     // Without forbidden points there are only too many vertices.
-    if is_connected && is_small && !piece.forbidden.is_empty() {
+    if search.peels && is_connected && is_small && !piece.forbidden.is_empty() {
         return peeled(search, &piece, best, most);
     }
     best

@@ -129,6 +129,11 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
         hulls.sort_by(|a, b| a.0.total_cmp(&b.0));
         hulls.into_iter().find(|(_, hull)| is_proven(hull))
     };
+    if part.bound == f64::INFINITY {
+        // The time is nearly over, and nothing can be proven.
+        let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
+        return simple.filter(|hull| volume(hull) < volume(&part.hull)).unwrap_or_else(|| part.hull.clone());
+    }
     let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
     if is_few(&loose) {
         let flattened = cuts.flattened(loose.clone());
