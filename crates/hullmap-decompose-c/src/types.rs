@@ -43,8 +43,8 @@ pub struct Options {
     /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.
     pub min_thickness_share: f64,
-    /// Time after which the search stops, in seconds. Parts may then protrude further, and depend
-    /// on the machine. Default: no limit.
+    /// Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
+    /// depend on the machine. Default: no limit.
     pub seconds: f64,
     /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
     /// unless others are fewer.
