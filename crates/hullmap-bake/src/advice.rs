@@ -219,7 +219,8 @@ impl PartsFit {
 /// Note on estimates of how the parts of an object fit together: how much they overlap, how far
 /// they protrude on average, and which share of the solid is in none of them, if that is known.
 pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
-    let (overlap, mean) = (percent(found.overlap), short(found.mean_protrusion));
+    let (overlap, error) = (percent(found.overlap), percent(found.overlap_error));
+    let mean = short(found.mean_protrusion);
     let left = match voids {
         Some(0.0) => ", and fill the solid".to_owned(),
         Some(share) => format!(", and leave {} of the solid empty", percent(share)),
@@ -227,7 +228,8 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
     };
     let and = if voids.is_some() { "," } else { " and" };
     let text = format!(
-        "{name}: as estimated, the parts overlap by {overlap} of their union{and} protrude by {mean} on average{left}"
+        "{name}: as estimated, the parts overlap by {overlap} ± {error} of their union{and} protrude by {mean} on \
+         average{left}"
     );
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }

@@ -23,6 +23,7 @@
 
 pub mod advice;
 pub mod bvh;
+pub mod deadline;
 pub mod decompose;
 pub mod diameter;
 mod error;

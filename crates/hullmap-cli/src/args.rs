@@ -232,6 +232,9 @@ pub struct DecomposeArgs {
     /// Replace OUT if it exists
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
+    /// Print only errors
+    #[arg(long, help_heading = RUNNING)]
+    pub quiet: bool,
     /// Print one JSON object
     #[arg(long, help_heading = RUNNING)]
     pub json: bool,

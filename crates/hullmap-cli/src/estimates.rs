@@ -3,6 +3,7 @@
 
 use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
+use hullmap_bake::deadline::Deadline;
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
 use hullmap_bake::hull::{self, Hull};
@@ -21,6 +22,9 @@ const MAX_PARTS: usize = 4096;
 pub struct PartsEstimates {
     /// Sum of the parts' volumes less the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
+    /// Error of `overlap`: twice its standard deviation.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub overlap_error: Option<f64>,
     /// Mean distance of the parts' visible surface from the mesh's solid.
     pub mean_protrusion: Option<f64>,
     /// Maximum distance of a part from the mesh's convex hull.
@@ -65,25 +69,31 @@ fn symmetry(parts: &[&Hull]) -> Option<MirrorPlane> {
 impl PartsEstimates {
     /// The estimates of `parts` that stand for `mesh`, and the mean protrusion of each part.
     /// `solid` is that from which protrusion counts, and `volume` that of the mesh's own, if it is
-    /// known.
+    /// known. After the deadline, voids are estimated coarsely.
     pub fn new(
         mesh: &PointSet,
         cover: Option<&Cover>,
         solid: &Solid,
         parts: &[&Hull],
         volume: Option<f64>,
+        deadline: Option<Deadline>,
     ) -> (Self, Vec<Option<f64>>) {
         let Some(whole) = hull::build(mesh).ok().filter(|_| parts.len() <= MAX_PARTS) else {
             return (Self::default(), vec![None; parts.len()]);
         };
-        let (Looseness { overlap, mean_protrusion, outside_hull }, means) = looseness_of_parts(solid, &whole, parts);
-        let (overlap, mean_protrusion) = (Some(overlap), Some(mean_protrusion));
-        let mut found = Self { overlap, mean_protrusion, outside_hull: Some(outside_hull), ..Self::default() };
-        found.symmetry = symmetry(parts);
+        let (loose, means) = looseness_of_parts(solid, &whole, parts);
+        let mut found = Self {
+            overlap: Some(loose.overlap),
+            overlap_error: Some(loose.overlap_error),
+            mean_protrusion: Some(loose.mean_protrusion),
+            outside_hull: Some(loose.outside_hull),
+            symmetry: symmetry(parts),
+            ..Self::default()
+        };
         if let Some(volume) = volume {
             // Unreachable space is not the mesh's.
             let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
-            let Voids { volume: empty, error } = voids(own.as_ref().unwrap_or(solid), parts);
+            let Voids { volume: empty, error } = voids(own.as_ref().unwrap_or(solid), parts, deadline);
             (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
         }
         (found, means)
@@ -91,14 +101,18 @@ impl PartsEstimates {
 
     /// The estimates of `parts` whose mesh is not known.
     pub fn without_mesh(parts: &[&Hull]) -> Self {
-        let overlap = (parts.len() <= MAX_PARTS).then(|| overlap(parts));
-        Self { overlap, symmetry: symmetry(parts), ..Self::default() }
+        let (overlap, overlap_error) = (parts.len() <= MAX_PARTS).then(|| overlap(parts)).unzip();
+        Self { overlap, overlap_error, symmetry: symmetry(parts), ..Self::default() }
     }
 
     /// What a sentence states of them, if the parts were compared.
     pub fn looseness(&self) -> Option<Looseness> {
-        let (overlap, mean_protrusion, outside_hull) = (self.overlap?, self.mean_protrusion?, self.outside_hull?);
-        Some(Looseness { overlap, mean_protrusion, outside_hull })
+        Some(Looseness {
+            overlap: self.overlap?,
+            overlap_error: self.overlap_error?,
+            mean_protrusion: self.mean_protrusion?,
+            outside_hull: self.outside_hull?,
+        })
     }
 }
 

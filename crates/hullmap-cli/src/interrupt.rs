@@ -46,7 +46,7 @@ pub fn catch() {
             terminal::say(if IDLE.load(Ordering::Relaxed) {
                 "stopped watching"
             } else {
-                "interrupted: finished packs are kept, unfinished ones were removed; run the command again to continue"
+                "interrupted: finished files are kept, unfinished ones were removed; run the command again to continue"
             });
             // The list stays locked, so that no new file can appear.
             std::process::exit(EXIT);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use hullmap_bake::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, excess, thickness};
 use hullmap_bake::advice::{self, Remark};
+use hullmap_bake::deadline::Deadline;
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
 use hullmap_bake::hull::Hull;
@@ -58,7 +59,9 @@ pub fn parts(
         if !points.triangles.is_empty() {
             // With a maximum number of parts, the limit is not proven.
             let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(points)));
-            let estimates = record(points, own, limit, Some(cover), is_divided);
+            let spent = parts.get(start - count).map_or(0.0, |part| part.seconds);
+            let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
+            let estimates = record(points, own, limit, Some(cover), is_divided, deadline);
             judge(name, diagonal(points), own, Some(cover), estimates, &mut measured);
         }
         steps.take();
@@ -83,7 +86,7 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Meas
         let hulls = &mut hulls[start..start + own.len()];
         start += own.len();
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
-        let estimates = record(mesh, hulls, None, None, hulls.len() > 1);
+        let estimates = record(mesh, hulls, None, None, hulls.len() > 1, None);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
         judge(&mesh.name, diagonal(mesh), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
@@ -114,13 +117,14 @@ fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Rema
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
 /// mesh. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
 /// proof. Estimates how the parts of a mesh that was divided fit together; `cover` are its
-/// parameters.
+/// parameters. After the deadline, measures are coarse.
 fn record(
     mesh: &PointSet,
     own: &mut [BakedHull],
     limit: Option<f64>,
     cover: Option<&Cover>,
     is_divided: bool,
+    deadline: Option<Deadline>,
 ) -> Option<PartsEstimates> {
     let count = own.len() as u32;
     // A hull of the whole mesh has its mass already.
@@ -130,9 +134,9 @@ fn record(
     let volume = own.first().and_then(|first| first.mesh_mass).map(|mass| mass.volume);
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
     let solid = (!mesh.triangles.is_empty()).then(|| solid_of(mesh, cover));
-    let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit));
+    let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit, deadline));
     let estimates =
-        solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume).0);
+        solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume, deadline).0);
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
@@ -166,6 +170,7 @@ fn judge(
         solid: fit.map(|fit| fit.solid),
         uncovered: fit.map_or(0.0, |fit| fit.uncovered),
         overlap: estimates.and_then(|estimates| estimates.overlap),
+        overlap_error: estimates.and_then(|estimates| estimates.overlap_error).unwrap_or(0.0),
         parts: &parts,
         is_cut: estimates.is_some(),
         cover,

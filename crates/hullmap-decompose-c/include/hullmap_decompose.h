@@ -71,13 +71,14 @@ typedef struct {
     uint32_t max_parts;
     // Maximum number of vertices of a part, at least 4. Default: 64.
     uint32_t max_vertices;
-    // Share of their volume by which parts may overlap, where they are merged. Default: 0.05.
+    // Share by which the sum of the parts' volumes may exceed the volume of their union, where they
+    // are merged. Default: 0.05.
     double overlap;
     // Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     // error. Default: 0.005.
     double min_thickness_share;
-    // Time after which the search stops, in seconds. Parts may then protrude further, and depend
-    // on the machine. Default: no limit.
+    // Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
+    // depend on the machine. Default: no limit.
     double seconds;
     // 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
     // unless others are fewer.
@@ -172,4 +173,4 @@ void hullmap_decomposition_free(HullmapDecomposition *decomposition);
 
 // Options with all defaults.
 #define HULLMAP_DECOMPOSE_OPTIONS_DEFAULT \
-    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0}
+    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0, 0.0}

@@ -8,7 +8,9 @@
 #![forbid(unsafe_code)]
 
 use std::collections::HashMap;
+use std::time::Instant;
 
+use hullmap_bake::deadline::Deadline;
 use hullmap_bake::decompose::{Cover, Length, decompose_in};
 use hullmap_bake::fit::fits_around;
 use hullmap_bake::hull::{self, Hull};
@@ -74,6 +76,7 @@ pub fn decompose(
     options: Option<Options>,
     progress: Option<&Progress>,
 ) -> Result<Decomposition, Failure> {
+    let start = Instant::now();
     let cover = options.map_or_else(|| Ok(Cover::default()), |options| cover(&options))?;
     let stage = progress.map_or_else(Stage::default, Progress::whole);
     let mesh = point_set(points, triangles)?;
@@ -90,7 +93,9 @@ pub fn decompose(
     let fits = if mesh.triangles.is_empty() {
         None
     } else {
-        fits_around(&cover.solid(&mesh), &mesh, &hulls.iter().collect::<Vec<_>>(), limit)
+        let spent = start.elapsed().as_secs_f64();
+        let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
+        fits_around(&cover.solid(&mesh), &mesh, &hulls.iter().collect::<Vec<_>>(), limit, deadline)
     };
     let protrusion = |index: usize| fits.as_ref().and_then(|fits| fits.get(index)).map_or(f64::NAN, |f| f.protrusion);
     let parts: Vec<OwnedPart> =

@@ -37,13 +37,14 @@ pub struct Options {
     pub max_parts: u32,
     /// Maximum number of vertices of a part, at least 4. Default: 64.
     pub max_vertices: u32,
-    /// Share of their volume by which parts may overlap, where they are merged. Default: 0.05.
+    /// Share by which the sum of the parts' volumes may exceed the volume of their union, where they
+    /// are merged. Default: 0.05.
     pub overlap: f64,
     /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.
     pub min_thickness_share: f64,
-    /// Time after which the search stops, in seconds. Parts may then protrude further, and depend
-    /// on the machine. Default: no limit.
+    /// Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
+    /// depend on the machine. Default: no limit.
     pub seconds: f64,
     /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
     /// unless others are fewer.

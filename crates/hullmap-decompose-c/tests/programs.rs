@@ -53,19 +53,26 @@ fn headers_compile_in_each_language_version() {
 }
 
 #[test]
-#[cfg_attr(not(unix), ignore = "other systems link in other ways")]
-fn programs_run_against_the_library() {
+#[cfg_attr(not(unix), ignore = "the script `install` is for Unix")]
+fn programs_run_against_the_installed_library() {
     let (Some(cc), Some(cxx)) = (compiler("CC", "cc"), compiler("CXX", "c++")) else { return };
     let folder = tempfile::tempdir().unwrap();
     // Where Cargo has built this test and the libraries.
-    let libraries = env::current_exe().unwrap().parent().unwrap().to_owned();
+    let built = env::current_exe().unwrap().parent().unwrap().to_owned();
+    let prefix = folder.path().join("prefix");
+    run(Command::new(crate_path("install")).arg(&prefix).arg("--no-symbols").arg("--from").arg(built));
+    let pc = fs::read_to_string(prefix.join("lib/pkgconfig/hullmap_decompose.pc")).unwrap();
+    assert!(pc.contains("-lhullmap_decompose") && !pc.contains('@'), "{pc}");
+    let licences = prefix.join("share/licenses/hullmap_decompose");
+    assert!(licences.join("LICENSES-OF-DEPENDENCIES.txt").exists() && licences.join("LICENSE-MIT").exists());
+    let libraries = prefix.join("lib");
     let library_path = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
     for (compiler, standard, source) in
         [(&cc, "-std=c99", "tests/c/parts.c"), (&cxx, "-std=c++11", "tests/c/vhacd.cpp")]
     {
         let program = folder.path().join(Path::new(source).file_stem().unwrap());
         let mut command = Command::new(compiler);
-        command.args(WARNINGS).arg(standard).arg(crate_path(source)).arg("-I").arg(crate_path("include"));
+        command.args(WARNINGS).arg(standard).arg(crate_path(source)).arg("-I").arg(prefix.join("include"));
         command.arg("-L").arg(&libraries).args(["-lhullmap_decompose", "-lm", "-pthread", "-o"]).arg(&program);
         run(&mut command);
         let out = run(Command::new(&program).env(library_path, &libraries));

@@ -94,6 +94,8 @@ pub struct VerifiedHull {
 pub struct PartsEstimates {
     /// Sum of the parts' volumes less the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
+    /// Error of `overlap`.
+    pub overlap_error: Option<f64>,
     /// Mean distance of the parts' visible surface from the mesh's solid, a length.
     pub mean_protrusion: Option<f64>,
     /// Maximum distance of a part from the mesh's convex hull, a length.

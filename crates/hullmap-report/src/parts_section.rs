@@ -82,24 +82,24 @@ const MAX_OBJECTS: usize = 20;
 
 /// The measures of one object, or a dash for each that is not known.
 fn facts(parts: &[Part]) -> String {
-    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry } =
+    let PartsEstimates { overlap, overlap_error, mean_protrusion, outside_hull, voids, voids_error, symmetry } =
         parts[0].2.estimates.clone().unwrap_or_default();
     let known = |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| "–".to_owned(), text);
     let percent = |share: f64| format!("{} %", short(100.0 * share));
     let bound = |pick: fn(&HullRow) -> Option<f64>| parts.iter().filter_map(|part| pick(part.1)).reduce(f64::max);
     let thinnest = parts.iter().map(|part| part.2.thickness).reduce(f64::min);
-    let empty = match (voids, voids_error) {
+    let within = |share: Option<f64>, error: Option<f64>| match (share, error) {
         (Some(share), Some(error)) => format!("{} ± {}", percent(share), percent(error)),
         _ => "–".to_owned(),
     };
     let rows = [
         ("Parts", count(parts.len() as u64)),
-        ("Overlap, of their union", known(overlap, percent)),
+        ("Overlap, of their union", within(overlap, overlap_error)),
         ("Mean protrusion", known(mean_protrusion, short)),
         ("Worst protrusion, at most", known(bound(|row| row.protrusion), short)),
         ("Surface uncovered, at most", known(bound(|row| row.uncovered), short)),
         ("Outside the mesh's hull", known(outside_hull, short)),
-        ("Solid in no part", empty),
+        ("Solid in no part", within(voids, voids_error)),
         ("Thinnest part", known(thinnest, short)),
         ("Symmetric about", symmetry.unwrap_or_else(|| "–".to_owned())),
     ];

@@ -15,9 +15,6 @@ use crate::{
 /// by 20 mm. Bodies pass through a part that is not thicker.
 pub const THIN: f64 = 1e-3;
 
-/// Error of the overlap, which is an estimate: see [`Looseness`](crate::fit::Looseness).
-const OVERLAP_ERROR: f64 = 0.01;
-
 /// Ratio of a protrusion to the requested one up to which rounding may explain the difference.
 const ROOM: f64 = 1.0 + 1e-6;
 
@@ -52,6 +49,8 @@ pub struct ObjectMeasures<'a> {
     /// How much the parts overlap, relative to the volume of their union; `None` if it was not
     /// measured.
     pub overlap: Option<f64>,
+    /// Its error: see [`Looseness`](crate::fit::Looseness).
+    pub overlap_error: f64,
     /// The parts.
     pub parts: &'a [PartMeasures<'a>],
     /// Whether the object was cut into these parts. Otherwise the only part is its own hull.
@@ -153,9 +152,7 @@ pub fn excess(object: &ObjectMeasures) -> Option<Remark> {
 
 fn overlapping(object: &ObjectMeasures) -> Option<Doubt> {
     let (cover, found) = (object.cover?, object.overlap?);
-    // The option is relative to the sum of the volumes.
-    let requested = if cover.overlap < 1.0 { cover.overlap / (1.0 - cover.overlap) } else { f64::INFINITY };
-    if found <= requested + OVERLAP_ERROR {
+    if found <= cover.overlap + object.overlap_error {
         return None;
     }
     let name = object.name;
@@ -195,7 +192,8 @@ mod tests {
         diagonal: 2.0,
         solid: Some(SolidKind::Watertight),
         uncovered: 1e-8,
-        overlap: Some(0.05),
+        overlap: Some(0.0505),
+        overlap_error: 0.001,
         parts: &[PART, PartMeasures { name: "a_part_1", ..PART }],
         is_cut: true,
         cover: Some(&COVER),

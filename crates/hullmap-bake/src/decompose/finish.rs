@@ -10,16 +10,17 @@ use super::{
     partition::{
         Part,
         body::Body,
+        few,
         shape::{large_faces, tightened},
         symmetric,
         wrap::{self, Bounds},
     },
+    rest,
 };
 use crate::{
     PointSet,
-    fit::{planes::HalfSpace, uncovered_triangles},
+    fit::{planes::HalfSpace, triangle::Triangle, uncovered_triangles},
     hull::{self, Hull},
-    simplify::nearest::Nearest,
     symmetry::Mirror,
 };
 
@@ -69,28 +70,18 @@ pub fn finished(
     let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
     let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
-    let (bounds, thin) = (levels.bounds(limit), levels.bounds_of_thin_parts(limit));
+    let (bounds, thin) = (levels.final_bounds(limit), levels.bounds_of_thin_parts(limit));
     let finish = Finish { vertices, levels, bounds, thin, sides };
     let mut units: Vec<Unit> = parts.par_iter().map(|part| finish.whole(part)).collect();
     units.par_extend(mirrored.par_iter().map(|part| finish.mirrored(part)));
     for _ in 0..UNCOVERED_ROUNDS {
         let hulls: Vec<&Hull> = units.iter().flat_map(Unit::hulls).collect();
-        let missing = uncovered_triangles(mesh, &hulls, COVERED * diagonal);
+        let missing = uncovered_triangles(mesh, &hulls, COVERED * diagonal, bounds.deadline);
         if missing.is_empty() {
             break;
         }
-        for triangle in missing {
-            let corners = mesh.triangles[triangle].map(corner);
-            let count: usize = units.iter().map(|unit| unit.hulls().count()).sum();
-            let may_add = max_parts.is_none_or(|most| count < most as usize);
-            if let Some((unit, grown)) = finish.absorbed(&units, &corners, !may_add) {
-                units[unit] = grown;
-            } else if may_add {
-                let own = wrap::of_polygon(&corners, diagonal, thin.thickness, bounds.max_vertices);
-                let room = max_parts.map_or(usize::MAX, |most| (most as usize).saturating_sub(count));
-                units.extend(own.into_iter().map(|(_, hull)| finish.added(hull, room)));
-            }
-        }
+        let missing: Vec<Triangle> = missing.into_iter().map(|t| mesh.triangles[t].map(corner)).collect();
+        finish.add_rest(&mut units, &missing, max_parts.map_or(usize::MAX, |most| most as usize));
     }
     units.into_iter().flat_map(|unit| [Some(unit.hull), unit.image]).flatten().collect()
 }
@@ -162,34 +153,69 @@ impl Finish<'_, '_> {
         Unit { image: image_of(&hull), hull }
     }
 
-    /// A part for what no other covers, and its image if that is another part and there is `room`.
-    fn added(&self, hull: Hull, room: usize) -> Unit {
-        match self.mirror() {
+    /// A part of a triangle that no other covers, and its image if that is another part and there is
+    /// `room`.
+    fn of_triangle(&self, corners: &Triangle, room: usize) -> Vec<Unit> {
+        let Bounds { diagonal, max_vertices, .. } = self.bounds;
+        let own = wrap::of_polygon(corners, diagonal, self.thin.thickness, max_vertices);
+        let unit = |(_, hull)| match self.mirror() {
             Some(mirror) if room > 1 => self.with_image(hull, mirror),
             _ => Unit { hull: self.as_built(hull), image: None },
+        };
+        own.into_iter().map(unit).collect()
+    }
+
+    /// Adds triangles that no part covers to the nearest parts where that can be proven, and as
+    /// parts elsewhere, up to `max_parts`. Then, and when the time is over, parts protrude more.
+    fn add_rest(&self, units: &mut Vec<Unit>, triangles: &[Triangle], max_parts: usize) {
+        let all = units.iter().enumerate();
+        let owners: Vec<(usize, usize)> =
+            all.flat_map(|(index, unit)| (0..unit.hulls().count()).map(move |side| (index, side))).collect();
+        let (mut count, mut added) = (owners.len(), Vec::<Body>::new());
+        let of_parts = rest::by_part(&units.iter().flat_map(Unit::hulls).collect::<Vec<_>>(), triangles);
+        for (part, triangles) in of_parts {
+            let owner = owners.get(part).copied();
+            let absorb = |units: &mut [Unit], some: &[Triangle], must: bool| {
+                let grown =
+                    owner.and_then(|(index, side)| Some((index, self.absorbed(&units[index], side, some, must)?)));
+                let is_absorbed = grown.is_some();
+                grown.into_iter().for_each(|(index, unit)| units[index] = unit);
+                is_absorbed
+            };
+            let is_over = || self.bounds.is_over();
+            let left = rest::in_halves(&triangles, is_over, |some| absorb(units, some, false));
+            let mut must = Vec::new();
+            for corners in left {
+                let slack = COVERED * self.bounds.diagonal;
+                if added.iter().any(|body| corners.iter().all(|p| body.holds(*p, slack))) {
+                    // For instance in the image of another one.
+                } else if count < max_parts && (owner.is_none() || !is_over()) {
+                    let own = self.of_triangle(&corners, max_parts - count);
+                    let hulls: Vec<&Hull> = own.iter().flat_map(Unit::hulls).collect();
+                    count += hulls.len();
+                    added.extend(hulls.iter().map(|hull| Body::new(&hull.positions(), 0.0)));
+                    units.extend(own);
+                } else {
+                    must.push(corners);
+                }
+            }
+            if !must.is_empty() {
+                absorb(units, &must, true);
+            }
         }
     }
 
-    /// The unit nearest to a triangle, by its index, and a hull of both; `None` if that is not
-    /// proven to be within the limit. If the triangle `must` be absorbed, a larger protrusion is
-    /// accepted.
-    fn absorbed(&self, units: &[Unit], corners: &[DVec3; 3], must: bool) -> Option<(usize, Unit)> {
+    /// A unit of which the hull on one `side` has absorbed triangles; `None` if that is not proven
+    /// to be within the limit. If it `must` absorb them, a larger protrusion is accepted.
+    fn absorbed(&self, unit: &Unit, side: usize, triangles: &[Triangle], must: bool) -> Option<Unit> {
         let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
-        let distance = |hull: &Hull| {
-            let nearest = Nearest::new(hull);
-            corners.iter().map(|p| nearest.certain(*p).point.distance(*p)).fold(0.0, f64::max)
-        };
-        let all = units.iter().enumerate();
-        let hulls = all.flat_map(|(index, unit)| unit.hulls().enumerate().map(move |(side, hull)| (index, side, hull)));
-        let (unit, side, hull, _) = hulls
-            .map(|(index, side, hull)| (index, side, hull, distance(hull)))
-            .reduce(|best, next| if next.3 < best.3 { next } else { best })?;
-        let mut points = [hull.positions().as_slice(), corners].concat();
-        let own_image = self.mirror().filter(|_| units[unit].image.is_none());
+        let hull = unit.hulls().nth(side)?;
+        let mut points = [hull.positions().as_slice(), triangles.as_flattened()].concat();
+        let own_image = self.mirror().filter(|_| unit.image.is_none());
         if let Some(mirror) = own_image {
             points.extend(points.clone().into_iter().map(|p| mirror.image(p)));
         }
-        let grown = wrap::within_vertices(wrap::tight(&points, diagonal, thickness)?, max_vertices);
+        let grown = few::within_vertices(wrap::tight(&points, diagonal, thickness)?, max_vertices);
         let grown = own_image
             .and_then(|mirror| symmetric::symmetric(&self.levels.field, &grown, mirror, &self.bounds))
             .unwrap_or(grown);
@@ -197,14 +223,13 @@ impl Finish<'_, '_> {
         if !must && !is_proven(&grown) {
             return None;
         }
-        let grown = match (self.mirror(), side, &units[unit].image) {
-            (Some(mirror), 0, Some(_)) => self.with_image(grown, mirror),
+        match (self.mirror(), side, &unit.image) {
+            (Some(mirror), 0, Some(_)) => Some(self.with_image(grown, mirror)),
             (Some(mirror), _, Some(_)) => {
                 let Unit { hull, image } = self.with_image(grown, mirror);
-                Unit { hull: image?, image: Some(hull) }
+                Some(Unit { hull: image?, image: Some(hull) })
             }
-            _ => Unit { hull: self.as_built(grown), image: None },
-        };
-        Some((unit, grown))
+            _ => Some(Unit { hull: self.as_built(grown), image: None }),
+        }
     }
 }

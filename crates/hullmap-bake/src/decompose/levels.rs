@@ -7,9 +7,14 @@
 
 use super::{
     parameters::Cover,
-    partition::{self, Deadline, Part, PartitionLimits, field::Field, surface::Surface, wrap::Bounds},
+    partition::{self, Part, PartitionLimits, field::Field, surface::Surface, wrap::Bounds},
 };
-use crate::{fit::solid::Solid, mass, progress::Stage};
+use crate::{
+    deadline::{Deadline, Reserve},
+    fit::solid::Solid,
+    mass,
+    progress::Stage,
+};
 
 /// The limit of level 0, relative to the diagonal.
 const ORIGIN: f64 = 0.02;
@@ -20,9 +25,14 @@ const PER_OCTAVE: i32 = 16;
 /// Number of levels between those that serve maximum errors. The others serve numbers of parts.
 const STEP: i32 = 4;
 
-/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are
-/// rounded and moved outward by up to a tenth of that, if the mesh is not far from the origin.
+/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are moved
+/// outward by up to a tenth of that.
 const LEAST_ERROR: f64 = 2e-5;
+
+/// The same, relative to the greatest coordinate, which is more where the mesh is far from the
+/// origin. Rounding to f32 moves a vertex by up to 2e-7 of the coordinate, and a cell may protrude by
+/// 8 % of the limit.
+const LEAST_ROUNDED: f64 = 1e-5;
 
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
@@ -57,6 +67,9 @@ const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
 /// parts only follow the tessellation.
 const LEAST_FOR_COUNTS: f64 = 2e-3;
 
+/// Time that a search leaves for final hulls.
+const FINISHING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
+
 /// Number of levels down to about `count` parts, if the number is inversely proportional to the
 /// limit.
 fn stride(count: usize, found: usize) -> i32 {
@@ -72,7 +85,7 @@ pub struct Found {
     pub mirrored: Vec<Part>,
     /// Approximate number of parts to which they can be merged.
     pub fewest: usize,
-    /// Maximum protrusion.
+    /// The limit on their protrusion.
     pub limit: f64,
 }
 
@@ -115,6 +128,7 @@ pub struct Levels<'a> {
     pub field: Field<'a>,
     parameters: &'a Cover,
     max_vertices: usize,
+    /// When the parts must be finished.
     deadline: Option<Deadline>,
     stage: Stage<'a>,
     /// Number of parts above which a result is of no use, if that is known.
@@ -131,9 +145,9 @@ impl<'a> Levels<'a> {
         solid: &'a Solid,
         parameters: &'a Cover,
         max_vertices: usize,
+        deadline: Option<Deadline>,
         stage: Stage<'a>,
     ) -> Self {
-        let deadline = parameters.seconds.map(Deadline::after);
         Self { surface, field: Field::new(solid), parameters, max_vertices, deadline, stage, enough: None, searches: 0 }
     }
 
@@ -141,36 +155,48 @@ impl<'a> Levels<'a> {
         self.field.solid().diagonal()
     }
 
-    /// The limits of a part.
-    pub fn bounds(&self, limit: f64) -> Bounds<'a> {
+    /// The limits of a part while parts are searched.
+    fn bounds(&self, limit: f64) -> Bounds<'a> {
+        let deadline = self.deadline.map(|deadline| deadline.with_reserve(FINISHING));
+        Bounds { deadline, ..self.final_bounds(limit) }
+    }
+
+    /// The limits of a part while parts are finished.
+    pub fn final_bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
         let error = self.parameters.max_error.of(diagonal);
-        let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error) };
+        let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error.max(self.least())) };
         let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * allowed);
         Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 
-    /// The limits of thin parts that were found within `limit`, but may be as thick as the maximum
-    /// error allows.
+    /// The final limits of thin parts that were found within `limit`, but may be as thick as the
+    /// maximum error allows.
     pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
         let is_counted = self.parameters.max_parts.is_some();
-        self.bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
+        self.final_bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
     }
 
     fn is_over(&self) -> bool {
         self.bounds(0.0).is_over()
     }
 
+    /// The smallest limit that is searched for.
+    fn least(&self) -> f64 {
+        let greatest = self.field.solid().bounds().map(|p| p.abs().max_element()).into_iter().fold(0.0, f64::max);
+        (LEAST_ERROR * self.diagonal()).max(LEAST_ROUNDED * greatest)
+    }
+
     /// The limit of a level.
     fn limit(&self, level: i32) -> f64 {
         let share = ORIGIN * libm::exp2(f64::from(level) / f64::from(PER_OCTAVE));
-        share.max(LEAST_ERROR) * self.diagonal()
+        (share * self.diagonal()).max(self.least())
     }
 
     /// The highest level whose limit is at most `error`, of those `step` levels apart.
     fn level(&self, error: f64, step: i32) -> i32 {
         let mut level = HIGHEST;
-        while self.limit(level) > error * (1.0 + 1e-9) && self.limit(level) > LEAST_ERROR * self.diagonal() {
+        while self.limit(level) > error * (1.0 + 1e-9) && self.limit(level) > self.least() {
             level -= step;
         }
         level
@@ -186,8 +212,11 @@ impl<'a> Levels<'a> {
     }
 
     /// Parts within the limit of a level; `None` if the time is over, or more than about `enough`
-    /// parts are needed.
-    fn search(&mut self, level: i32, enough: Option<usize>) -> Option<Found> {
+    /// parts are needed. Without peeling, the search takes less time.
+    fn search(&mut self, level: i32, enough: Option<usize>, peels: bool) -> Option<Found> {
+        if self.is_over() {
+            return None;
+        }
         // Each search is expected to take half of the rest.
         let [from, to] = [self.searches, self.searches + 1].map(|count| 1.0 - libm::exp2(-f64::from(count)));
         self.searches += 1;
@@ -197,6 +226,7 @@ impl<'a> Levels<'a> {
             overlap: self.parameters.overlap,
             enough,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
+            peels,
         };
         let partition::Found { parts, mirrored, fewest } = partition::search(self.surface, &mut self.field, &limits)?;
         Some(Found { parts, mirrored, fewest, limit })
@@ -210,7 +240,7 @@ impl<'a> Levels<'a> {
         let (mut level, mut misses) = (first, 0);
         while misses < MISSES && level >= last {
             let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.count()).or(self.enough);
-            let found = self.search(level, enough);
+            let found = self.search(level, enough, true);
             if self.is_over() {
                 return better(best, found, error);
             }
@@ -235,7 +265,7 @@ impl<'a> Levels<'a> {
             if best.is_none() || self.is_over() {
                 break;
             }
-            let found = self.search(first + octaves * PER_OCTAVE, None);
+            let found = self.search(first + octaves * PER_OCTAVE, None, false);
             // None of them is within the error.
             best = better(best, found, 0.0);
         }
@@ -245,7 +275,8 @@ impl<'a> Levels<'a> {
     /// The first parts of a search whose time is limited, at most `count`; `None` if it is not.
     fn halved(&self, count: usize) -> Option<Found> {
         self.deadline?;
-        let limit = f64::INFINITY;
+        // Nothing protrudes by more.
+        let limit = self.diagonal();
         let is_half = self.surface.mirror.is_some();
         let count = if is_half { count / 2 } else { count };
         let halved = partition::halved(self.surface, &self.bounds(limit), count.min(HALVED));
@@ -264,7 +295,7 @@ impl<'a> Levels<'a> {
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {
-            let found = self.search(level, Some(count + (count / 4).max(2)));
+            let found = self.search(level, Some(count + (count / 4).max(2)), true);
             if self.is_over() {
                 let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
                 return better(best, found.filter(|found| found.count() <= count), f64::INFINITY);

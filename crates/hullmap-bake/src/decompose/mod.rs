@@ -6,7 +6,7 @@
 //! | `parameters` | parameters of a cover |
 //! | `levels` | the limits for which parts are searched, and which result is taken |
 //! | [`partition`] | the parts for one limit |
-//! | `finish` | final hulls, and triangles that are not covered |
+//! | `finish`, `rest` | final hulls, and triangles that are not covered |
 //! | `search` | parts that are symmetric, or others if they are fewer |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
@@ -38,15 +38,25 @@ mod parameters;
 mod part;
 pub mod partition;
 mod patch;
+mod rest;
 mod search;
 
 use convex::is_convex;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
-use partition::wrap;
+use partition::few;
 use search::Search;
 
-use crate::{BakeError, PointSet, hull, progress::Stage, simplify};
+use crate::{
+    BakeError, PointSet,
+    deadline::{Deadline, Reserve},
+    hull,
+    progress::Stage,
+    simplify,
+};
+
+/// Time that a decomposition leaves for measuring its parts.
+const MEASURING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
@@ -69,6 +79,17 @@ pub fn decompose(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<Point
 /// # Errors
 /// The errors of [`decompose`].
 pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
+    let deadline = parameters.seconds.map(|seconds| Deadline::after(seconds).with_reserve(MEASURING));
+    decompose_by(mesh, parameters, deadline, stage)
+}
+
+/// Like [`decompose_in`], by a deadline.
+fn decompose_by(
+    mesh: &PointSet,
+    parameters: &Cover,
+    deadline: Option<Deadline>,
+    stage: Stage,
+) -> Result<Option<Vec<PointSet>>, BakeError> {
     let hull = hull::build(mesh)?;
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
@@ -79,9 +100,9 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     let found = if parameters.max_parts == Some(1) {
         None
     } else {
-        Search { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices }.best(stage)
+        Search { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices, deadline }.best(stage)
     };
-    let hulls = found.unwrap_or_else(|| vec![wrap::within_vertices(hull, max_vertices)]);
+    let hulls = found.unwrap_or_else(|| vec![few::within_vertices(hull, max_vertices)]);
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))

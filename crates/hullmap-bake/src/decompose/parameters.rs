@@ -49,7 +49,8 @@ pub struct Cover {
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Overlap of the parts up to which they are merged, relative to the sum of their volumes.
+    /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume of
+    /// their union, relative to the latter.
     pub overlap: f64,
     /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
     /// the maximum error.
@@ -59,9 +60,10 @@ pub struct Cover {
     /// Radius of a ball: protrusion counts only where such a ball can come from outside. `None` for
     /// everywhere.
     pub reachable: Option<Length>,
-    /// Time after which the search stops, in seconds. The result then depends on the machine, and
-    /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls
-    /// of what the surface is halved into.
+    /// Time for the parts of a mesh, in seconds: to search, finish and measure them. A fifth of it,
+    /// but at most four seconds, is left for measuring. The result then depends on the machine, and
+    /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: hulls of
+    /// what the surface is halved into.
     pub seconds: Option<f64>,
 }
 

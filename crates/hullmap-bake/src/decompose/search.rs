@@ -8,8 +8,6 @@
 //!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
 //!    they are more and protrude less. A search whose time is limited ends after step 1.
 
-use std::time::Instant;
-
 use super::{
     finish::{COVERED, finished},
     levels::{Found, Levels},
@@ -19,6 +17,7 @@ use super::{
 };
 use crate::{
     PointSet,
+    deadline::Deadline,
     fit::{solid::Solid, uncovered_triangles},
     hull::Hull,
     progress::Stage,
@@ -44,6 +43,8 @@ pub struct Search<'a> {
     pub parameters: &'a Cover,
     /// Maximum number of vertices of a part.
     pub max_vertices: usize,
+    /// When the parts must be finished.
+    pub deadline: Option<Deadline>,
 }
 
 /// The hulls of parts, and what decides between them.
@@ -58,25 +59,23 @@ struct Parts {
 impl Search<'_> {
     /// The hulls of the parts; `None` if there are none in time.
     pub fn best(&self, stage: Stage) -> Option<Vec<Hull>> {
-        let start = Instant::now();
         let mirror = self.parameters.symmetry.then(|| symmetry::mirror_of_mesh(self.mesh, self.solid)).flatten();
         let Some(mirror) = mirror else {
-            return Some(self.parts(&self.surface(), self.parameters, None, stage)?.hulls);
+            return Some(self.parts(&self.surface(), None, stage)?.hulls);
         };
         let symmetric = self.symmetric(mirror, stage.from_to(0.0, HALF));
         let stage = stage.from_to(HALF, 1.0);
         let uses_all = |parts: &Parts| self.parameters.max_parts.is_none_or(|most| parts.hulls.len() >= most as usize);
-        let is_settled = |parts: &Parts| !parts.meet && uses_all(parts) || self.parameters.seconds.is_some();
+        let is_settled = |parts: &Parts| !parts.meet && uses_all(parts) || self.deadline.is_some();
         if let Some(parts) = &symmetric
             && is_settled(parts)
         {
             return symmetric.map(|parts| parts.hulls);
         }
-        let seconds = self.parameters.seconds.map(|limit| (limit - start.elapsed().as_secs_f64()).max(0.0));
         // With a maximum number of parts, fewer are not better.
         let enough = symmetric.as_ref().filter(|_| self.parameters.max_parts.is_none());
         let enough = enough.map(|parts| parts.hulls.len() - 1);
-        let other = self.parts(&self.surface(), &Cover { seconds, ..*self.parameters }, enough, stage);
+        let other = self.parts(&self.surface(), enough, stage);
         let is_better = |other: &Parts| match (&symmetric, self.parameters.max_parts) {
             (None, _) => true,
             (Some(symmetric), None) => other.hulls.len() < symmetric.hulls.len(),
@@ -96,17 +95,18 @@ impl Search<'_> {
     /// are none.
     fn symmetric(&self, mirror: Mirror, stage: Stage) -> Option<Parts> {
         let half = self.surface().halved(mirror, self.solid.diagonal());
-        let found = self.parts(&half, self.parameters, None, stage)?;
+        let found = self.parts(&half, None, stage)?;
         let hulls: Vec<&Hull> = found.hulls.iter().collect();
         let vertices: Vec<&[[f32; 3]]> = hulls.iter().map(|hull| hull.vertices.as_slice()).collect();
         let is_right = symmetry::are_mirrored(&vertices, &mirror)
-            && uncovered_triangles(self.mesh, &hulls, COVERED * self.solid.diagonal()).is_empty();
+            && uncovered_triangles(self.mesh, &hulls, COVERED * self.solid.diagonal(), self.deadline).is_empty();
         is_right.then_some(found)
     }
 
     /// The parts of a surface, if they are at most `enough`.
-    fn parts(&self, surface: &Surface, cover: &Cover, enough: Option<usize>, stage: Stage) -> Option<Parts> {
-        let mut levels = Levels::new(surface, self.solid, cover, self.max_vertices, stage);
+    fn parts(&self, surface: &Surface, enough: Option<usize>, stage: Stage) -> Option<Parts> {
+        let cover = self.parameters;
+        let mut levels = Levels::new(surface, self.solid, cover, self.max_vertices, self.deadline, stage);
         levels.enough = enough;
         let found = levels.parts()?;
         let on_plane = COVERED * self.solid.diagonal();

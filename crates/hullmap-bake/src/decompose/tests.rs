@@ -1,3 +1,8 @@
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::Duration,
+};
+
 use glam::{DMat3, DVec3};
 use shapes::{concave, mesh::Mesh, solids::extrusion};
 
@@ -8,7 +13,7 @@ use super::{
     *,
 };
 use crate::{
-    fit::{Looseness, Solid, fits, looseness},
+    fit::{Looseness, Solid, fits, looseness, uncovered},
     hull::Hull,
     mass::{Mass, mass},
 };
@@ -114,7 +119,7 @@ fn the_number_of_parts_is_never_exceeded() {
     let mesh = point_set(&concave::l());
     let (solid, cover) = (Solid::new(&mesh), Cover::default());
     let surface = Surface::new(&mesh);
-    let mut levels = Levels::new(&surface, &solid, &cover, 64, Stage::default());
+    let mut levels = Levels::new(&surface, &solid, &cover, 64, None, Stage::default());
     let Found { mut parts, limit, fewest, .. } = levels.parts().unwrap();
     assert_eq!(parts.len(), 2);
     parts.truncate(1);
@@ -203,5 +208,64 @@ fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
         for fit in fits(&mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).unwrap() {
             assert!(fit.protrusion <= limit && fit.uncovered <= 1e-7 * solid.diagonal(), "{fit:?}");
         }
+    }
+}
+
+/// Each look at this clock moves it by one second.
+fn seconds_looked() -> Duration {
+    Duration::from_secs(LOOKS.fetch_add(1, Ordering::Relaxed))
+}
+
+static LOOKS: AtomicU64 = AtomicU64::new(0);
+
+/// Wherever the time ends, little work is left, parts are within their limits, and contain the
+/// surface. Work is counted by looks at the clock: every loop that may take long looks at it.
+#[test]
+fn little_is_done_after_the_deadline() {
+    for (mesh, symmetry) in [(concave::mug(24), true), (concave::mug(24), false), (concave::chair(), true)] {
+        let mesh = point_set(&mesh);
+        let mut all = u64::MAX;
+        for end in [u64::MAX, 0, 30, 300, 3_000, 10_000, 30_000, 100_000] {
+            if end > all && end != u64::MAX {
+                break;
+            }
+            let cover = Cover { symmetry, max_vertices: 20, ..Cover::default() };
+            let before = LOOKS.load(Ordering::Relaxed);
+            let deadline = Deadline::by(seconds_looked, end as f64);
+            let parts = decompose_by(&mesh, &cover, Some(deadline), Stage::default()).unwrap().unwrap();
+            let looks = LOOKS.load(Ordering::Relaxed) - before;
+            println!("{end}: {looks} looks, {} parts", parts.len());
+            if end == u64::MAX {
+                all = looks;
+                assert!(all > 20_000, "the sample is not representative: {all} looks");
+                continue;
+            }
+            // Two for each triangle, and one for each point that may be forbidden.
+            assert!(looks < end + 16_000, "{looks} looks for {end}");
+            let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
+            assert!(hulls.len() > 1 && hulls.iter().all(|hull| hull.vertices.len() <= 20), "{}", hulls.len());
+            let bound = uncovered(&mesh, &hulls.iter().collect::<Vec<_>>()).bound;
+            assert!(bound <= 1e-6 * Solid::new(&mesh).diagonal(), "{bound}");
+        }
+    }
+}
+
+/// Regression: far from the origin, hulls had too many vertices, since rounding errors of heights
+/// made points seem to lie outside. And rounding to f32 moved vertices by more than the smallest
+/// limit, so nothing could be proven, and each polygon became a part.
+#[test]
+fn the_smallest_limit_allows_for_rounding_far_from_the_origin() {
+    let near = point_set(&concave::horseshoe(8));
+    for (offset, most) in [(0.0, 10), (3.0, 12), (300.0, 12), (3_000.0, 12), (30_000.0, 12)] {
+        let mut mesh = near.clone();
+        mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x + offset));
+        let cover = Cover { max_error: Length::Relative(1e-6), symmetry: false, ..Cover::default() };
+        let hulls = hulls(&mesh, &cover);
+        let solid = Solid::new(&mesh);
+        let fits = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), None).unwrap();
+        let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
+        println!("{offset}: {} parts, {worst}, {}", hulls.len(), solid.diagonal());
+        let limit = (2e-5 * solid.diagonal()).max(1.01e-5 * f64::from(offset + 1.0));
+        assert!(hulls.len() <= most && worst <= limit, "{offset}: {} parts, {worst} of {limit}", hulls.len());
     }
 }

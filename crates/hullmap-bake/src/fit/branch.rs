@@ -3,17 +3,22 @@
 //! # Steps
 //! 1. Measure each cell: an upper bound over the cell, and the value at one of its points.
 //! 2. Split the cell with the greatest bound, and measure its halves.
-//! 3. Stop when the greatest bound is accurate enough, or after a number of measurements. The bound
-//!    holds at any time.
+//! 3. Stop when the greatest bound is accurate enough, after a number of measurements, or at a
+//!    deadline. The bound holds at any time.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
 use glam::DVec3;
 
+use crate::deadline::{Deadline, is_over};
+
+/// Number of measurements after which the time is compared with a deadline.
+pub const LOOK: usize = 64;
+
 /// When a bound is accurate enough.
 ///
 /// Whichever applies first ends the search. The bound holds in each case.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
     /// A bound of at most this length is accurate enough. The search also ends when a greater value
     /// has been reached, so that it decides whether the maximum is at most this length.
@@ -27,17 +32,20 @@ pub struct Accuracy {
     /// Number of measurements after which no more cells are split. Each cell that is given is
     /// measured at least once.
     pub measurements: usize,
+    /// When no more cells are split.
+    pub deadline: Option<Deadline>,
 }
 
 impl Accuracy {
     /// An accuracy of 0.5 %, or of 1e-5 of `diagonal`.
     pub fn tight(diagonal: f64) -> Self {
-        Self { limit: None, floor: 0.0, relative: 0.005, absolute: 1e-5 * diagonal, measurements: 100_000 }
+        let absolute = 1e-5 * diagonal;
+        Self { limit: None, floor: 0.0, relative: 0.005, absolute, measurements: 100_000, deadline: None }
     }
 
     /// Decides whether the maximum is at most `limit`.
     pub fn decide(limit: f64) -> Self {
-        Self { limit: Some(limit), floor: 0.0, relative: 0.0, absolute: 0.0, measurements: 100_000 }
+        Self { limit: Some(limit), floor: 0.0, relative: 0.0, absolute: 0.0, measurements: 100_000, deadline: None }
     }
 
     /// Whether a bound is accurate enough, given the value reached. NaN is accurate enough, so that
@@ -130,11 +138,15 @@ pub fn maximum<C>(
     for cell in cells {
         add(cell, f64::INFINITY, &mut queue, &mut found);
     }
+    let mut splits = 0_usize;
     while let Some(top) = queue.peek() {
         found.bound = top.bound.max(found.reached);
-        if accuracy.is_enough(found.bound, found.reached) || found.measurements >= accuracy.measurements {
+        let is_late = || splits.is_multiple_of(LOOK) && is_over(accuracy.deadline);
+        let is_spent = found.measurements >= accuracy.measurements || is_late();
+        if accuracy.is_enough(found.bound, found.reached) || is_spent {
             return found;
         }
+        splits += 1;
         let Some(Entry { bound, cell, .. }) = queue.pop() else { break };
         for half in split(&cell) {
             add(half, bound, &mut queue, &mut found);
@@ -142,4 +154,33 @@ pub fn maximum<C>(
     }
     found.bound = found.reached;
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The greatest square of a number from 0 to 1, by intervals. Returns the bound, and the number
+    /// of measurements.
+    fn greatest_square(deadline: Option<Deadline>) -> (f64, usize) {
+        let measure = |cell: &mut [f64; 2], _: f64| {
+            let [low, high] = *cell;
+            Measured { bound: high * high, reached: low * low, at: DVec3::ZERO }
+        };
+        let split = |[low, high]: &[f64; 2]| {
+            let middle = 0.5 * (low + high);
+            [[*low, middle], [middle, *high]]
+        };
+        let cells = (0..10).map(|i| [0.1 * f64::from(i), 0.1 * f64::from(i + 1)]);
+        let accuracy = Accuracy { relative: 1e-9, absolute: 0.0, deadline, ..Accuracy::tight(1.0) };
+        let found = maximum(cells, &accuracy, measure, split);
+        (found.bound, found.measurements)
+    }
+
+    #[test]
+    fn after_the_deadline_nothing_is_split() {
+        let (bound, measurements) = greatest_square(Some(Deadline::after(0.0)));
+        assert!((bound - 1.0).abs() < 1e-9 && measurements == 10, "{bound} {measurements}");
+        assert!(greatest_square(None).1 > 2 * measurements);
+    }
 }

@@ -24,8 +24,14 @@ use super::{
     branch::{Accuracy, Maximum, Measured, maximum},
     planes::{self, HalfSpace},
     triangle::{self, Triangle},
+    triangle_tree::{Bounds, TriangleTree},
 };
-use crate::{PointSet, hull::Hull, simplify::nearest::Nearest};
+use crate::{
+    PointSet,
+    deadline::{Deadline, is_over},
+    hull::Hull,
+    simplify::nearest::Nearest,
+};
 
 /// How far a mesh's surface lies outside its parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,11 +73,16 @@ const MAX_PIECES: usize = 4096;
 /// The greatest distance of a point on the triangles of `mesh` from the nearest of `parts`. All are
 /// in the same frame.
 pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
+    uncovered_by(mesh, parts, None)
+}
+
+/// As [`uncovered()`]. After the deadline, the bound is not improved any more, but it still holds.
+pub fn uncovered_by(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadline>) -> Uncovered {
     let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let diagonal = if positions.is_empty() { 0.0 } else { low.distance(high) };
-    let parts: Vec<Part> = parts.iter().map(|hull| Part::new(hull)).collect();
+    let parts = Parts::new(parts);
     // Points of a cloud are covered one by one.
     let points = if mesh.triangles.is_empty() { &positions[..] } else { &[] };
     let seeds: Vec<(Vec<Triangle>, f64)> = mesh
@@ -88,25 +99,31 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
         absolute: ACCURACY * diagonal,
         floor: subtracted,
         measurements: MEASUREMENTS,
+        deadline,
         ..Accuracy::tight(diagonal)
     };
     let Maximum { bound, reached, at, .. } = maximum(cells, &accuracy, measure, triangle::halves);
     Uncovered { bound: bound.max(subtracted), reached, at }
 }
 
-/// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending.
+/// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending. After
+/// the deadline, no more are looked at.
 ///
 /// # Complexity
 /// The cost of [`uncovered()`], with up to 2,000 cells for each triangle.
-pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64) -> Vec<usize> {
+pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64, deadline: Option<Deadline>) -> Vec<usize> {
     let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let corners = || mesh.triangles.iter().flatten().map(|v| at(*v));
     let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
     let diagonal = low.distance(high);
-    let parts: Vec<Part> = parts.iter().map(|hull| Part::new(hull)).collect();
+    let parts = Parts::new(parts);
     let is_uncovered = |triangle: &[u32; 3]| {
+        if is_over(deadline) {
+            return false;
+        }
         let (pieces, subtracted) = left_over(&triangle.map(at), &parts, diagonal);
-        let accuracy = Accuracy { limit: Some(limit), measurements: OF_A_TRIANGLE, ..Accuracy::tight(diagonal) };
+        let accuracy =
+            Accuracy { limit: Some(limit), measurements: OF_A_TRIANGLE, deadline, ..Accuracy::tight(diagonal) };
         let rest = maximum(pieces, &accuracy, |piece: &mut Triangle, _: f64| measured(piece, &parts), triangle::halves);
         // Written so that NaN counts as uncovered.
         !(subtracted.max(rest.bound) <= limit)
@@ -115,29 +132,46 @@ pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64) -> Vec<
     (0..found.len()).filter(|index| found[*index]).collect()
 }
 
+/// Parts, and the tree of their boxes.
+struct Parts {
+    all: Vec<Part>,
+    tree: TriangleTree,
+}
+
+impl Parts {
+    fn new(hulls: &[&Hull]) -> Self {
+        let bounds = hulls.iter().map(|hull| Bounds::around(&hull.positions()));
+        Self { tree: TriangleTree::of_boxes(bounds), all: hulls.iter().map(|hull| Part::new(hull)).collect() }
+    }
+
+    /// The solid parts whose boxes touch a box, in their order.
+    fn solids_near(&self, bounds: &Bounds) -> Vec<&Part> {
+        let mut near = Vec::new();
+        self.tree.for_each(|part| part.touches(bounds), |part| near.push(part));
+        near.sort_unstable();
+        near.into_iter().map(|part| &self.all[part as usize]).filter(|part| part.is_solid).collect()
+    }
+
+    /// Distance of the farthest of some points from the part nearest to it; infinite without parts.
+    fn distance(&self, corners: &[DVec3]) -> f64 {
+        let of_box = |bounds: &Bounds| corners.iter().map(|p| bounds.distance(*p)).fold(0.0, f64::max);
+        let of_part = |part: u32| Some(self.all[part as usize].farthest(corners));
+        self.tree.lowest(f64::INFINITY, of_box, of_part).map_or(f64::INFINITY, |(distance, _)| distance)
+    }
+}
+
 /// A part, prepared.
 struct Part {
     nearest: Nearest,
     planes: Vec<HalfSpace>,
-    bounds: [DVec3; 2],
     is_solid: bool,
 }
 
 impl Part {
     fn new(hull: &Hull) -> Self {
-        let positions = hull.positions();
-        let bounds = [
-            positions.iter().copied().fold(DVec3::INFINITY, DVec3::min),
-            positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
-        ];
         let is_solid = hull.rank == 3;
         let planes = if is_solid { planes::half_spaces(hull) } else { Vec::new() };
-        Self { nearest: Nearest::new(hull), planes, bounds, is_solid }
-    }
-
-    /// Distance of the box around the part.
-    fn box_distance(&self, p: DVec3) -> f64 {
-        (self.bounds[0] - p).max(p - self.bounds[1]).max(DVec3::ZERO).length()
+        Self { nearest: Nearest::new(hull), planes, is_solid }
     }
 
     /// Upper bound on the distance of a point, exact except for rounding. Each search starts at
@@ -157,12 +191,11 @@ impl Part {
 
 /// The rest of a triangle outside the parts, and the greatest distance of a subtracted piece from
 /// the part that contains it.
-fn left_over(corners: &Triangle, parts: &[Part], diagonal: f64) -> (Vec<Triangle>, f64) {
+fn left_over(corners: &Triangle, parts: &Parts, diagonal: f64) -> (Vec<Triangle>, f64) {
     let [margin, covered] = INSIDE[0].map(|distance| distance * diagonal);
     let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - margin;
     let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
-    let is_near = |part: &&Part| (part.bounds[0] - high).max(low - part.bounds[1]).max_element() <= 0.0;
-    let near: Vec<&Part> = parts.iter().filter(|part| part.is_solid).filter(is_near).collect();
+    let near = parts.solids_near(&Bounds { low, high });
     let contains = |part: &&&Part| part.planes.iter().all(|plane| corners.iter().all(|p| plane.height(*p) <= margin));
     let mut left = None;
     for whole in near.iter().filter(contains) {
@@ -204,20 +237,10 @@ fn subtract(corners: &Triangle, parts: &[&Part], tolerance: f64) -> (Vec<Triangl
     (pieces.iter().flat_map(|piece| planes::fan(piece)).collect(), subtracted)
 }
 
-fn measured(corners: &Triangle, parts: &[Part]) -> Measured {
+fn measured(corners: &Triangle, parts: &Parts) -> Measured {
     let centre = triangle::centroid(corners);
-    let (mut bound, mut reached) = (f64::INFINITY, f64::INFINITY);
-    for part in parts {
-        let lower = part.box_distance(centre);
-        // Written so that NaN would not skip a part, although no position is NaN.
-        if !(lower >= reached) {
-            reached = reached.min(part.farthest(&[centre]));
-        }
-        let lower = corners.iter().map(|p| part.box_distance(*p)).fold(0.0, f64::max);
-        if !(lower >= bound) {
-            bound = bound.min(part.farthest(corners));
-        }
-    }
+    let (bound, reached) = (parts.distance(corners), parts.distance(&[centre]));
     let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-    Measured { bound: bound.min(reached + radius), reached: if parts.is_empty() { 0.0 } else { reached }, at: centre }
+    let is_empty = parts.all.is_empty();
+    Measured { bound: bound.min(reached + radius), reached: if is_empty { 0.0 } else { reached }, at: centre }
 }

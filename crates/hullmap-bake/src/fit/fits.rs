@@ -4,8 +4,8 @@
 use hullmap_format::SolidKind;
 use rayon::prelude::*;
 
-use super::{Accuracy, Solid, protrusion, uncovered};
-use crate::{PointSet, hull::Hull};
+use super::{Accuracy, Solid, coverage::uncovered_by, protrusion};
+use crate::{PointSet, deadline::Deadline, hull::Hull};
 
 /// How a convex part fits the mesh that it stands for, as proven bounds. Lengths are in the unit of
 /// the positions.
@@ -52,26 +52,33 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
     if mesh.triangles.is_empty() {
         return None;
     }
-    fits_around(&Solid::new(mesh), mesh, parts, limit)
+    fits_around(&Solid::new(mesh), mesh, parts, limit, None)
 }
 
-/// As [`fits`], of parts around the solid of `mesh`, which has triangles.
+/// As [`fits`], of parts around the solid of `mesh`, which has triangles. After the deadline, bounds
+/// are not improved any more, but they still hold.
 ///
 /// # Complexity
 /// That of [`fits`], without the solid.
-pub fn fits_around(solid: &Solid, mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<Fit>> {
+pub fn fits_around(
+    solid: &Solid,
+    mesh: &PointSet,
+    parts: &[&Hull],
+    limit: Option<f64>,
+    deadline: Option<Deadline>,
+) -> Option<Vec<Fit>> {
     if parts.is_empty() {
         return None;
     }
-    let uncovered = uncovered(mesh, parts).bound;
-    let accuracy = Accuracy::tight(solid.diagonal());
+    let uncovered = uncovered_by(mesh, parts, deadline).bound;
+    let accuracy = Accuracy { deadline, ..Accuracy::tight(solid.diagonal()) };
     let fit = |part: &&Hull| {
         let mut found = protrusion(solid, part, &accuracy);
         // A bound may exceed a valid limit by the accuracy of the bound, and by more beside closing
         // triangles: distances are upper bounds there, and some points have better ones.
         let may_hold = |limit: &f64| found.reached <= *limit || solid.kind() == SolidKind::Closed;
         if let Some(limit) = limit.filter(|limit| found.bound > *limit).filter(may_hold) {
-            let decided = protrusion(solid, part, &Accuracy::decide(limit));
+            let decided = protrusion(solid, part, &Accuracy { deadline, ..Accuracy::decide(limit) });
             if decided.bound <= limit {
                 found = decided;
             }

@@ -34,7 +34,7 @@ mod region;
 pub mod sides;
 pub mod solid;
 pub mod triangle;
-mod triangle_tree;
+pub(crate) mod triangle_tree;
 mod voids;
 pub mod winding;
 

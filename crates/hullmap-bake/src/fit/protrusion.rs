@@ -26,13 +26,16 @@
 use glam::DVec3;
 
 use super::{
-    branch::{Accuracy, Maximum, Measured, maximum},
+    branch::{Accuracy, LOOK, Maximum, Measured, maximum},
     planes::{self, HalfSpace},
     sides::{Polygon, are_sides_inside},
     solid::{Near, Solid},
     triangle::{self, Triangle},
 };
-use crate::hull::Hull;
+use crate::{
+    deadline::{Deadline, is_over},
+    hull::Hull,
+};
 
 /// How far a part protrudes from a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -506,11 +509,11 @@ pub struct Peaks {
 
 impl Peaks {
     /// The local maxima greater than `above`, which is positive; `None` if they are not found by
-    /// `measurements`.
+    /// `measurements`, or before the deadline.
     ///
     /// # Complexity
     /// One nearest-triangle search per measurement.
-    pub fn new(solid: &Solid, above: f64, measurements: usize) -> Option<Self> {
+    pub fn new(solid: &Solid, above: f64, measurements: usize, deadline: Option<Deadline>) -> Option<Self> {
         let area: f64 = solid.triangles().iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() * 0.5).sum();
         // Written so that NaN gives up.
         if !(PEAK_BOXES * area <= above * above * measurements as f64) {
@@ -519,7 +522,10 @@ impl Peaks {
         let [low, high] = solid.bounds();
         let mut boxes = Vec::new();
         let mut stack = vec![((low + high) * 0.5, (high - low) * 0.5, f64::INFINITY, None)];
-        for _ in 0..measurements {
+        for count in 0..measurements {
+            if count % LOOK == 0 && is_over(deadline) {
+                return None;
+            }
             let Some((centre, half, within, hint)) = stack.pop() else { return Some(Self { above, boxes }) };
             let radius = half.length();
             let near = solid.near_beside(centre, within, hint.as_ref())?;

@@ -128,7 +128,7 @@ fn local_maxima_change_no_decision() {
     for mesh in [block([0.0; 3], [4.0; 3], false), hollow(0.5), hollow(1.5), letter_l()] {
         let solid = Solid::new(&mesh);
         for limit in [0.3, 0.49, 0.51, 1.0, 1.6] {
-            let peaks = Peaks::new(&solid, 0.8 * limit, 1_000_000).expect("the maxima are found");
+            let peaks = Peaks::new(&solid, 0.8 * limit, 1_000_000, None).expect("the maxima are found");
             for _ in 0..12 {
                 let [a, b] = [0, 1].map(|_| [0; 3].map(|_: i32| rng.between(-0.3, 4.3) as f32));
                 let part = [0, 1, 2].map(|i| [a[i].min(b[i]), a[i].max(b[i]) + 0.1]);

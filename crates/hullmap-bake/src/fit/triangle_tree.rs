@@ -62,6 +62,26 @@ impl Bounds {
     /// Contains nothing.
     const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
+    /// The box around points.
+    pub fn around(points: &[DVec3]) -> Self {
+        points.iter().map(|p| Self::of_point(*p)).fold(Self::EMPTY, Self::with)
+    }
+
+    /// Whether the box contains a point.
+    pub fn contains(&self, p: DVec3) -> bool {
+        p.cmpge(self.low).all() && p.cmple(self.high).all()
+    }
+
+    /// Whether two boxes have a point in common.
+    pub fn touches(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    /// Distance of a point; 0 inside.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        (self.low - p).max(p - self.high).max(DVec3::ZERO).length()
+    }
+
     fn with(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
@@ -86,11 +106,16 @@ impl TriangleTree {
     /// # Complexity
     /// O(n log n) for n triangles that are spread evenly.
     pub fn new(triangles: &[Triangle]) -> Self {
-        let leaf = |(index, [a, b, c]): (u32, &Triangle)| Node {
-            bounds: Bounds { low: a.min(*b).min(*c), high: a.max(*b).max(*c) },
-            below: Below::Leaf(index),
-        };
-        let mut leaves: Vec<Node> = (0..).zip(triangles).map(leaf).collect();
+        Self::of_boxes(triangles.iter().map(|corners| Bounds::around(corners)))
+    }
+
+    /// The tree of boxes, each in the place of a triangle.
+    ///
+    /// # Complexity
+    /// That of [`Self::new`].
+    pub fn of_boxes(boxes: impl Iterator<Item = Bounds>) -> Self {
+        let leaf = |(index, bounds)| Node { bounds, below: Below::Leaf(index) };
+        let mut leaves: Vec<Node> = (0..).zip(boxes).map(leaf).collect();
         let mut tree = Self { children: Vec::with_capacity(leaves.len()), root: None };
         if !leaves.is_empty() {
             tree.root = Some(tree.built(&mut leaves));
@@ -110,6 +135,15 @@ impl TriangleTree {
         let children = [self.built(left), self.built(right)];
         self.children[own] = children;
         Node { bounds: children[0].bounds.with(children[1].bounds), below: Below::Inner(own as u32) }
+    }
+
+    /// Visits the triangles in all nodes that `accepts`. A node whose parent is not accepted is not
+    /// visited.
+    pub fn for_each(&self, accepts: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(u32)) {
+        let _ = self.visit(accepts, |triangle| {
+            visit(triangle);
+            ControlFlow::<()>::Continue(())
+        });
     }
 
     /// Visits the triangles in all nodes that `accepts`, until a visit breaks. A node whose parent
@@ -267,6 +301,8 @@ fn split(leaves: &mut [Node]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use shapes::rng::SplitMix64;
 
     use super::*;
@@ -325,6 +361,32 @@ mod tests {
                 assert_eq!(first.is_some(), !found.is_empty());
             }
         }
+    }
+
+    /// The number of boxes that are compared, not a time.
+    #[test]
+    fn neighbours_are_found_by_nearly_linear_work() {
+        let compared = |side: u32| {
+            let steps = || (0..side).map(f64::from);
+            let place = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| DVec3::new(x, y, z))));
+            let boxes: Vec<Bounds> = place.map(|p| Bounds { low: p, high: p + 0.9 }).collect();
+            let tree = TriangleTree::of_boxes(boxes.iter().copied());
+            let (count, mut found) = (Cell::new(0), 0);
+            for own in &boxes {
+                let around = Bounds { low: own.low - 0.2, high: own.high + 0.2 };
+                let touches = |bounds: &Bounds| {
+                    count.set(count.get() + 1);
+                    bounds.touches(&around)
+                };
+                tree.for_each(touches, |_| found += 1);
+            }
+            let side = side as usize;
+            assert_eq!(found, (3 * side - 2).pow(3), "each box with the 26 around it, and itself");
+            count.get() as f64 / boxes.len() as f64
+        };
+        let counts = [10, 16, 25].map(compared);
+        println!("{counts:?} boxes compared for each of 1,000, 4,096 and 15,625");
+        assert!(counts[2] < 1.6 * counts[0], "{counts:?}");
     }
 
     /// Centres that double would be split off one by one.

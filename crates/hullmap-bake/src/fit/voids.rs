@@ -6,7 +6,9 @@
 //!    no part and no triangle touches as a whole: its centre decides. Divide every other cell into
 //!    eight.
 //! 2. Cells of the last level that are still undecided are decided by one point of a fixed sequence
-//!    each, so that the estimate is the same everywhere.
+//!    each, so that the estimate is the same everywhere. When the time is over, the level at hand
+//!    is the last one, if it has at least 16 cells along each axis, and of many cells only some are
+//!    decided.
 //!
 //! # Reference
 //! Meagher, "Geometric modeling using octree encoding", 1982.
@@ -19,7 +21,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Solid, SolidKind, region::Region};
-use crate::{hull::Hull, spread::spread};
+use crate::{
+    deadline::{Deadline, is_over},
+    hull::Hull,
+    spread::spread,
+};
 
 /// The volume of a solid that is in no part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +38,12 @@ pub struct Voids {
 
 /// Number of times that the box around the mesh is halved along each axis.
 const LEVELS: u32 = 6;
+
+/// The level that is always finished, also when the time is over.
+const LATE_LEVEL: u32 = 4;
+
+/// Maximum number of cells that are decided by a point when the time is over.
+const LATE_CELLS: usize = 4096;
 
 /// A cell of a level: its place along each axis, and the parts that may touch it.
 struct Cell {
@@ -50,12 +62,13 @@ enum Judged {
 }
 
 /// Estimates the volume of `solid` that is in none of `parts`. All are in the same frame. It is 0
-/// for a solid that is its surface alone.
+/// for a solid that is its surface alone. After the deadline, the estimate is a coarse one, and the
+/// error states that.
 ///
 /// # Complexity
 /// At most 8⁶ cells, each compared with the planes of the parts that touch the cell around it. An
 /// undecided cell of the last level may take a ray through the mesh.
-pub fn voids(solid: &Solid, parts: &[&Hull]) -> Voids {
+pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Voids {
     if solid.kind() == SolidKind::Sheet {
         return Voids::default();
     }
@@ -63,27 +76,38 @@ pub fn voids(solid: &Solid, parts: &[&Hull]) -> Voids {
     let [low, high] = solid.bounds();
     let mut open = vec![Cell { place: [0; 3], parts: (0..regions.len() as u32).collect() }];
     let mut volume = 0.0;
+    let mut size = high - low;
     for level in 0..=LEVELS {
-        let size = (high - low) / f64::from(1 << level);
-        let judged: Vec<(Judged, [u32; 3])> =
-            open.into_par_iter().map(|cell| (judge(solid, &regions, &cell, low, size), cell.place)).collect();
+        size = (high - low) / f64::from(1 << level);
+        let judge = |cell: Cell| {
+            let is_late = level > LATE_LEVEL && is_over(deadline);
+            let judged = if is_late { Judged::Open(cell.parts) } else { judge(solid, &regions, &cell, low, size) };
+            (judged, cell.place)
+        };
+        let judged: Vec<(Judged, [u32; 3])> = open.into_par_iter().map(judge).collect();
+        let is_last = level == LEVELS || level >= LATE_LEVEL && is_over(deadline);
         open = Vec::new();
         for (judged, place) in judged {
             match judged {
                 Judged::Full => {}
                 Judged::Void => volume += size.element_product(),
-                Judged::Open(parts) if level == LEVELS => open.push(Cell { place, parts }),
+                Judged::Open(parts) if is_last => open.push(Cell { place, parts }),
                 Judged::Open(parts) => open.extend((0..8).map(|child| Cell {
                     place: [0, 1, 2].map(|axis| 2 * place[axis] + (child >> axis & 1)),
                     parts: parts.clone(),
                 })),
             }
         }
+        if is_last {
+            break;
+        }
     }
-    let size = (high - low) / f64::from(1 << LEVELS);
-    let count = open.len() as f64;
-    let empty = open.par_iter().filter(|cell| is_void(solid, &regions, cell, low, size)).count() as f64;
-    let cell = size.element_product();
+    let stride = if is_over(deadline) { open.len().div_ceil(LATE_CELLS).max(1) } else { 1 };
+    let decided: Vec<&Cell> = open.iter().step_by(stride).collect();
+    let empty = decided.par_iter().filter(|cell| is_void(solid, &regions, cell, low, size)).count() as f64;
+    let count = decided.len() as f64;
+    // The volume for which each of them stands.
+    let cell = size.element_product() * open.len() as f64 / count.max(1.0);
     // The variance of n points with the mean p is at most n p (1 − p). One more keeps it above 0.
     let deviation = cell * ((empty + 1.0) * (1.0 - empty / (count + 1.0))).sqrt();
     Voids { volume: volume + cell * empty, error: 2.0 * deviation }
@@ -114,6 +138,11 @@ fn is_void(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVe
 
 #[cfg(test)]
 mod tests {
+    use std::{
+        sync::atomic::{AtomicU64, Ordering},
+        time::Duration,
+    };
+
     use shapes::concave;
 
     use super::*;
@@ -157,7 +186,7 @@ mod tests {
         let solid = Solid::new(&cube());
         let octahedron = (0..6)
             .map(|i| std::array::from_fn(|axis| if i % 3 == axis { if i < 3 { 1.0 } else { -1.0 } } else { 0.0 }));
-        assert_near(voids(&solid, &[&hull_of(octahedron.collect())]), 8.0 - 4.0 / 3.0, 4e-3);
+        assert_near(voids(&solid, &[&hull_of(octahedron.collect())], None), 8.0 - 4.0 / 3.0, 4e-3);
         // Six slabs around a hollow that is in no plane of the grid.
         let hollow: [f32; 2] = [-0.37, 0.41];
         let slab = |i: usize| {
@@ -172,12 +201,30 @@ mod tests {
         };
         let slabs: Vec<Hull> = (0..6).map(slab).collect();
         let truth = (f64::from(hollow[1]) - f64::from(hollow[0])).powi(3);
-        assert_near(voids(&solid, &slabs.iter().collect::<Vec<_>>()), truth, 4e-3);
-        assert_near(voids(&solid, &[]), 8.0, 1e-4);
+        assert_near(voids(&solid, &slabs.iter().collect::<Vec<_>>(), None), truth, 4e-3);
+        assert_near(voids(&solid, &[], None), 8.0, 1e-4);
         // Parts may reach beyond the solid, and overlap.
         let [large, half] = [[[-2.0; 3], [2.0; 3]], [[-1.0; 3], [1.5, 0.1, 3.0]]].map(|b| hull_of(corners(b)));
-        assert_eq!(voids(&solid, &[&large, &half]).volume, 0.0);
-        assert_near(voids(&solid, &[&half]), 4.0 * 0.9, 4e-3);
+        assert_eq!(voids(&solid, &[&large, &half], None).volume, 0.0);
+        assert_near(voids(&solid, &[&half], None), 4.0 * 0.9, 4e-3);
+    }
+
+    /// Whenever the time ends, the estimate is as good as it states.
+    #[test]
+    fn late_estimates_state_their_error() {
+        static NOW: AtomicU64 = AtomicU64::new(0);
+        let solid = Solid::new(&cube());
+        let octahedron = (0..6)
+            .map(|i| std::array::from_fn(|axis| if i % 3 == axis { if i < 3 { 1.0 } else { -1.0 } } else { 0.0 }));
+        let (part, truth) = (hull_of(octahedron.collect()), 8.0 - 4.0 / 3.0);
+        let mut errors = Vec::new();
+        for looks in [0, 4000, 10_000, 20_000, 10_000_000] {
+            let now = || Duration::from_secs(NOW.fetch_add(1, Ordering::Relaxed));
+            let found = voids(&solid, &[&part], Some(Deadline::by(now, f64::from(looks))));
+            assert_near(found, truth, 0.3);
+            errors.push(found.error);
+        }
+        assert!(errors[0] > 4.0 * errors[4], "{errors:?}");
     }
 
     #[test]
@@ -192,9 +239,9 @@ mod tests {
             count += u32::from(solid.is_inside(low + (high - low) * DVec3::from_array(at)));
         }
         let truth = (high - low).element_product() * f64::from(count) / (steps * steps * steps) as f64;
-        let found = voids(&solid, &[]);
+        let found = voids(&solid, &[], None);
         assert!((found.volume - truth).abs() < 0.01 * truth, "{found:?} {truth}");
-        assert_eq!(voids(&solid, &[&hull::build(&mesh).unwrap()]).volume, 0.0);
+        assert_eq!(voids(&solid, &[&hull::build(&mesh).unwrap()], None).volume, 0.0);
     }
 
     #[test]
@@ -203,7 +250,7 @@ mod tests {
         let part = hull_of(corners([[-0.5; 3], [0.5; 3]]));
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| voids(&solid, &[&part]))
+            pool.install(|| voids(&solid, &[&part], None))
         };
         assert!(with(1).volume > 0.0);
         assert_eq!(with(1), with(5));

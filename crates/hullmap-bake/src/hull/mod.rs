@@ -16,10 +16,16 @@ pub mod rank;
 
 use glam::DVec3;
 
-use crate::{BakeError, PointSet};
+use crate::{BakeError, NO_SOURCE_VERTEX, PointSet};
 pub use boundary::Hull;
 pub(crate) use boundary::edges;
 use rank::Simplex;
+
+/// The hull of points that are not source vertices; `None` if it cannot be built.
+pub(crate) fn of_positions(positions: Vec<[f32; 3]>) -> Option<Hull> {
+    let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
+    build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
+}
 
 /// Builds and certifies the hull of `points`.
 ///

@@ -41,7 +41,7 @@ use half_spaces::{HalfSpace, nearest_to_origin};
 pub use limit::{Limit, MIN_VERTICES};
 use nearest::Nearest;
 pub use rounding::Simplified;
-use rounding::{MAX_TRIES, PUSH, ROUNDING, of_points};
+use rounding::{MAX_TRIES, PUSH, ROUNDING};
 use surface::Surface;
 use wrap::{Wrapped, wrap};
 
@@ -212,7 +212,7 @@ fn write(surface: &Surface, hull: &Hull, nearest: &Nearest) -> Option<Simplified
 
 /// The hull of `points`, which contains `hull`, with both errors measured.
 fn measured(points: Vec<[f32; 3]>, hull: &Hull, nearest: &Nearest) -> Option<Simplified> {
-    let mut outer = of_points(points)?;
+    let mut outer = hull::of_positions(points)?;
     outer.containment_error = hull::certify::certify(&outer, &hull.positions()).ok()?;
     let distance = |p: DVec3| nearest.certain(p).point.distance(p);
     let farthest = outer.positions().into_iter().map(distance).fold(0.0, f64::max);

@@ -15,8 +15,8 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use glam::DVec3;
 
 use super::limit::Limit;
-use super::rounding::{MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
-use crate::hull::{Hull, area::area_vector};
+use super::rounding::{MAX_TRIES, PUSH, ROUNDING, Simplified};
+use crate::hull::{self, Hull, area::area_vector};
 
 /// Minimum number of corners of a polygon.
 const MIN_VERTICES: usize = 3;
@@ -48,7 +48,7 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
             let step = (out[0] + out[1]) / (1.0 + out[0].dot(out[1]));
             (here + step * push).to_array().map(|c| c as f32 + 0.0)
         });
-        let mut outer = of_points(rounded.collect())?;
+        let mut outer = hull::of_positions(rounded.collect())?;
         outer.containment_error = crate::hull::certify::certify(&outer, &positions).ok()?;
         let distance = |p: DVec3| distance_to_polygon(p, &ring, normal);
         let farthest = outer.positions().into_iter().map(distance).fold(0.0, f64::max);

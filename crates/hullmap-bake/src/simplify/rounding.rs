@@ -1,9 +1,6 @@
 //! Simplified hulls, whose vertices are rounded to f32: how far they are pushed outward before.
 
-use crate::{
-    NO_SOURCE_VERTEX, PointSet,
-    hull::{self, Hull},
-};
+use crate::hull::Hull;
 
 /// A simplified hull.
 #[derive(Clone, Debug)]
@@ -25,9 +22,3 @@ pub(super) const MAX_TRIES: i32 = 8;
 
 /// Bound on the rounding error of a measured distance, relative to the diameter.
 pub(super) const ROUNDING: f64 = 1e-14;
-
-/// The hull of points that are not source vertices.
-pub(super) fn of_points(positions: Vec<[f32; 3]>) -> Option<Hull> {
-    let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
-    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
-}

@@ -10,22 +10,32 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap::Pack;
-use hullmap_bake::fit::{Solid, looseness};
 use hullmap_bake::number::{percent, short};
 use hullmap_bake::progress::Stage;
-use hullmap_bake::{PointSet, SolidKind, SourceRecord, hull};
+use hullmap_bake::{PointSet, SolidKind, SourceRecord};
 use hullmap_import::{self as import, Imported, ReadError, UpAxis};
 use serde::Serialize;
 
 use crate::args::DecomposeArgs;
 use crate::baker::{BakedPack, bake_pack};
+use crate::estimates::DecomposedObject;
+use crate::interrupt;
 use crate::mesh_file::body::Body;
 use crate::mesh_file::{glb, obj, place};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder};
 use crate::part::diagonal;
+use crate::runner::progress::Progress;
+use crate::runner::rows::Status;
+use crate::runner::schedule;
 use crate::table::grouped;
 use crate::terminal::{self, Output};
+
+/// Share of the time after which the meshes are read.
+const READ: f64 = 0.05;
+
+/// The cost of the work in the progress, which shows how much of it is done.
+const COST: u64 = 1000;
 
 /// Writes hulls as the bytes of a file.
 type Write = fn(&[Body]) -> Result<Vec<u8>, String>;
@@ -61,6 +71,7 @@ struct MeshReport {
     uncovered: Option<f64>,
     protrusion: Option<f64>,
     overlap: Option<f64>,
+    overlap_error: Option<f64>,
 }
 
 /// Runs the command.
@@ -70,16 +81,17 @@ struct MeshReport {
 /// read. Rejected: a faulty mesh.
 pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
+    interrupt::catch();
     let write = writer(&args.output)?;
     check_output(args)?;
-    let (imported, pack) = decompose(args)?;
+    let (imported, pack) = with_progress(args, |stage| decompose(args, stage))?;
     let fault = |error: String| Failure::rejected(format!("{}: {error}", args.input.display()));
     let opened = Pack::from_bytes(&pack.bytes).map_err(|error| fault(error.to_string()))?;
     let bodies: Vec<Body> = opened.hulls().map(|hull| Body::new(&hull, UpAxis::Keep)).collect();
     let bytes = write(&bodies).map_err(fault)?;
     make_folder(folder_of(&args.output)).map_err(|error| place::cannot_write(&args.output, &error))?;
     place::put(&args.output, &bytes, args.force)?;
-    let meshes = describe(&imported.point_sets, &opened, &bodies);
+    let meshes = describe(&imported.point_sets, &opened, &bodies, &pack.objects);
     let report = Report {
         source: args.input.display().to_string(),
         output: args.output.display().to_string(),
@@ -92,7 +104,11 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
         warnings: pack.warnings,
         meshes,
     };
-    let written = if args.json { out.json(&report).map_err(Failure::from) } else { write_text(&report, out) };
+    let written = match (args.json, args.quiet) {
+        (true, _) => out.json(&report).map_err(Failure::from),
+        (false, true) => Ok(()),
+        (false, false) => write_text(&report, out),
+    };
     end(Exit::Done, written)
 }
 
@@ -126,8 +142,27 @@ fn check_output(args: &DecomposeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Does the work on other threads, and shows its progress meanwhile.
+fn with_progress<T: Send>(
+    args: &DecomposeArgs,
+    work: impl Fn(Stage) -> Result<T, Failure> + Sync,
+) -> Result<T, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().build();
+    let pool = pool.map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
+    let progress = Progress::new(args.quiet, 1, COST);
+    let work = |index: usize| {
+        let done = progress.begin(index, args.input.display(), COST);
+        let result = work(done.whole());
+        progress.end(index, if result.is_ok() { Status::Baked } else { Status::Failed });
+        result
+    };
+    let mut results = schedule::run_bounded(&pool, &[COST], COST, work, || progress.tick());
+    progress.finish();
+    results.pop().unwrap_or_else(|| Err(Failure::usage("no thread did the work".to_owned())))
+}
+
 /// Reads and decomposes the meshes. The pack stays in memory.
-fn decompose(args: &DecomposeArgs) -> Result<(Imported, BakedPack), Failure> {
+fn decompose(args: &DecomposeArgs, stage: Stage) -> Result<(Imported, BakedPack), Failure> {
     let (path, file) = (&args.input, args.input.display().to_string());
     let (options, limits) = (args.options.0.resolve(), args.limits.limits());
     let source = import::read(&file, path, &limits).map_err(|error| match error {
@@ -138,21 +173,26 @@ fn decompose(args: &DecomposeArgs) -> Result<(Imported, BakedPack), Failure> {
     let mut imported = import::import(&file, &stem, path, &source, &options.import(), &limits)
         .map_err(|error| Failure::rejected(error.to_string()))?;
     imported.give_triangles();
+    stage.reach(READ);
     let record = SourceRecord { warnings: std::mem::take(&mut imported.warnings), ..SourceRecord::default() };
-    let pack = bake_pack(&imported.point_sets, &options, &record, Stage::default())
+    let pack = bake_pack(&imported.point_sets, &options, &record, stage.from_to(READ, 1.0))
         .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
     Ok((imported, pack))
 }
 
 /// Describes the parts of each mesh. The hulls of a mesh are consecutive, and the first is part 0.
-fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body]) -> Vec<MeshReport> {
+/// Objects with parts are in the order of the meshes.
+fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body], objects: &[DecomposedObject]) -> Vec<MeshReport> {
     let hulls: Vec<_> = pack.hulls().collect();
     let mut own = hulls.chunk_by(|_, next| next.part() > 0);
     let mut bodies = bodies.chunk_by(|_, next| next.part > 0);
+    let mut objects = objects.iter().peekable();
     let mut described = Vec::with_capacity(meshes.len());
     for mesh in meshes {
         let (own, bodies) = (own.next().unwrap_or_default(), bodies.next().unwrap_or_default());
         let first = own.first();
+        let object = objects.next_if(|object| object.name == mesh.name && object.parts == own.len());
+        let single = (own.len() < 2).then_some(0.0);
         described.push(MeshReport {
             name: mesh.name.clone(),
             parts: own.len(),
@@ -162,26 +202,11 @@ fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body]) -> Vec<MeshReport
             solid: first.and_then(|hull| hull.solid()).map(SolidKind::as_str),
             uncovered: first.and_then(|hull| hull.uncovered()),
             protrusion: own.iter().map(|hull| hull.protrusion()).reduce(|a, b| Some(a?.max(b?))).flatten(),
-            overlap: overlap(mesh, bodies),
+            overlap: object.map_or(single, |object| object.estimates.overlap),
+            overlap_error: object.map_or(single, |object| object.estimates.overlap_error),
         });
     }
     described
-}
-
-/// Estimate of the volume in which parts overlap, relative to that of their union; `None` if the
-/// mesh has no surface or no hull.
-fn overlap(mesh: &PointSet, bodies: &[Body]) -> Option<f64> {
-    if bodies.len() < 2 {
-        return Some(0.0);
-    }
-    let points = |body: &Body| PointSet {
-        source_vertices: (0..body.positions.len() as u32).collect(),
-        positions: body.positions.clone(),
-        ..PointSet::default()
-    };
-    let parts: Vec<_> = bodies.iter().filter_map(|body| hull::build(&points(body)).ok()).collect();
-    let whole = hull::build(mesh).ok()?;
-    Some(looseness(&Solid::new(mesh), &whole, &parts.iter().collect::<Vec<_>>()).overlap)
 }
 
 fn write_text(report: &Report, out: &mut Output) -> Result<(), Failure> {
@@ -193,7 +218,10 @@ fn write_text(report: &Report, out: &mut Output) -> Result<(), Failure> {
             Some(length) => format!("at most {} ({} of the diagonal)", short(length), percent(length / mesh.diagonal)),
             None => "unmeasured".to_owned(),
         };
-        let overlap = mesh.overlap.map_or_else(|| "unmeasured".to_owned(), percent);
+        let overlap = match (mesh.overlap, mesh.overlap_error) {
+            (Some(share), Some(error)) => format!("{} ± {}", percent(share), percent(error)),
+            _ => "unmeasured".to_owned(),
+        };
         out.line(format_args!(
             "{}: {} {noun}, {} vertices; protrusion {}, uncovered {}, overlap {overlap}",
             mesh.name,

@@ -40,7 +40,7 @@ pub fn findings(
     let built = built.as_ref().map(|built| built.iter().collect::<Vec<_>>());
     let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
     let (estimates, means) = match (&built, mesh) {
-        (Some(built), Some(mesh)) => PartsEstimates::new(mesh, cover, &solid_of(mesh, cover), built, volume),
+        (Some(built), Some(mesh)) => PartsEstimates::new(mesh, cover, &solid_of(mesh, cover), built, volume, None),
         (Some(built), None) => (PartsEstimates::without_mesh(built), vec![None; hulls.len()]),
         (None, _) => (PartsEstimates::default(), vec![None; hulls.len()]),
     };
@@ -57,6 +57,7 @@ pub fn findings(
         solid: first.solid(),
         uncovered: first.uncovered().unwrap_or(0.0),
         overlap: estimates.overlap,
+        overlap_error: estimates.overlap_error.unwrap_or(0.0),
         parts: &parts,
         is_cut: true,
         cover,

@@ -36,7 +36,8 @@ class BakeOptions(TypedDict, total=False):
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""
     overlap: Optional[float]
-    """Merge parts only while they overlap by at most this share of their volume; 0.05 by default."""
+    """Merge parts only while the sum of their volumes exceeds that of their union by at most this share;
+    0.05 by default."""
     min_thickness: Optional[Union[float, str]]
     """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""

@@ -19,8 +19,11 @@ use rayon::prelude::*;
 
 use super::body::{Body, THICKNESS};
 use super::field::Field;
+use super::wrap;
 use crate::decompose::patch::Patch;
 use crate::fit::planes::{self, HalfSpace};
+use crate::fit::triangle_tree::{Bounds, TriangleTree};
+use crate::hull;
 
 /// Maximum number of cuts that lead to a cell.
 const MAX_DEPTH: u32 = 40;
@@ -184,17 +187,17 @@ impl Piece {
             pieces[0].edges.clone_from(&self.edges);
         } else {
             // Cuts of edges and of polygons differ by rounding.
-            let boxes: Vec<_> = pieces
+            let boxes: Vec<Bounds> = pieces
                 .iter()
                 .map(|piece| super::body::bounds(&piece.corners))
-                .map(|(low, high)| (low - DVec3::splat(slack), high + DVec3::splat(slack)))
+                .map(|(low, high)| Bounds { low: low - DVec3::splat(slack), high: high + DVec3::splat(slack) })
                 .collect();
+            let tree = TriangleTree::of_boxes(boxes.into_iter());
             for edge in &self.edges {
-                for (piece, (low, high)) in pieces.iter_mut().zip(&boxes) {
-                    if edge.ends.iter().all(|p| p.cmpge(*low).all() && p.cmple(*high).all()) {
-                        piece.edges.push(edge.clone());
-                    }
-                }
+                tree.for_each(
+                    |bounds| edge.ends.iter().all(|p| bounds.contains(*p)),
+                    |piece| pieces[piece as usize].edges.push(edge.clone()),
+                );
             }
         }
         pieces
@@ -244,13 +247,11 @@ fn clip(corners: &[DVec3], plane: &HalfSpace, slack: f64, halves: &mut [Vec<DVec
 
 /// Limits of the cells.
 #[derive(Clone, Copy, Debug)]
-pub struct Cutting {
+pub struct Cutting<'a> {
     /// Maximum distance of a cell's hull from the solid, as far as samples show.
     pub limit: f64,
-    /// Diagonal of the mesh.
-    pub diagonal: f64,
-    /// Maximum distance of a cell's hull from the solid, proven.
-    pub hard: f64,
+    /// The limits of a cell's hull that are proven, and when to stop.
+    pub hard: wrap::Bounds<'a>,
     /// Number of cells above which only what protrudes beyond `hard` is cut.
     pub max_cells: usize,
 }
@@ -279,25 +280,18 @@ impl FacePlanes {
     }
 }
 
-/// The cells of a surface; `None` if `is_over` before they are found.
-pub fn cells(
-    triangles: &[[DVec3; 3]],
-    field: &Field,
-    cutting: &Cutting,
-    is_over: &(dyn Fn() -> bool + Sync),
-) -> Option<Cells> {
-    let root = Piece::new(triangles, cutting.diagonal);
+/// The cells of a surface; `None` if the time is over before they are found.
+pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Option<Cells> {
+    let root = Piece::new(triangles, cutting.hard.diagonal);
     let planes = root.face_planes();
     // Level by level, so that pieces are independent of each other.
     let mut level = vec![(root, 0_u32)];
     let mut cells = Vec::new();
     while !level.is_empty() {
-        if is_over() {
-            return None;
-        }
         let budget = cutting.max_cells.saturating_sub(cells.len() + level.len());
-        let next: Vec<Step> =
-            level.into_par_iter().map(|(piece, depth)| step(piece, depth, field, cutting, budget > 0)).collect();
+        let step = |(piece, depth)| (!cutting.hard.is_over()).then(|| step(piece, depth, field, cutting, budget > 0));
+        let next: Option<Vec<Step>> = level.into_par_iter().map(step).collect();
+        let next = next?;
         level = Vec::new();
         for outcome in next {
             match outcome {
@@ -314,9 +308,9 @@ type Step = Result<Vec<(Piece, u32)>, Vec<Patch>>;
 
 /// Cells of a piece, or the pieces it is cut into.
 fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Step {
-    let thickness = cutting.diagonal * THICKNESS;
+    let thickness = cutting.hard.diagonal * THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
-    let limit = if may_cut { cutting.limit } else { cutting.hard };
+    let limit = if may_cut { cutting.limit } else { cutting.hard.limit };
     // If the hull of some corners protrudes, so does the hull of all.
     let is_refuted = piece.corners.len() > 2 * MAX_SAMPLED && {
         let stride = piece.corners.len().div_ceil(MAX_SAMPLED);
@@ -333,7 +327,7 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     if piece.ends.len() == 1 || depth >= if may_cut { MAX_DEPTH } else { MAX_DEPTH / 2 } {
         return Err(polygons(&piece, cutting));
     }
-    let slack = IN_PLANE * cutting.diagonal;
+    let slack = IN_PLANE * cutting.hard.diagonal;
     let components = piece.components(slack);
     if components.len() > 1 {
         return Ok(components.into_iter().map(|piece| (piece, depth)).collect());
@@ -358,7 +352,7 @@ fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Patch> {
     let one = |(corners, normal): (&[DVec3], DVec3)| {
         let mut single = Piece::default();
         single.push(corners, normal);
-        cell(&single, &Body::new(corners, cutting.diagonal * THICKNESS))
+        cell(&single, &Body::new(corners, cutting.hard.diagonal * THICKNESS))
     };
     piece.polygons().map(one).collect()
 }
@@ -382,18 +376,13 @@ fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
     super::sample::face_points(body, 96, limit).into_iter().any(|p| field.is_beyond(p, limit))
 }
 
+/// Maximum number of measurements by which a cell is proven.
+const MEASUREMENTS: usize = 4_000;
+
 /// Whether the hull of a piece is proven to be near enough to the solid.
 fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
     let rounded = body.points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
-    let bounds = super::wrap::Bounds {
-        limit: cutting.hard,
-        max_vertices: usize::MAX,
-        diagonal: cutting.diagonal,
-        thickness: 0.0,
-        deadline: None,
-        stage: crate::progress::Stage::default(),
-    };
-    super::wrap::hull_of(rounded).is_some_and(|hull| super::wrap::prove(field, &hull, &bounds, 4_000).is_ok())
+    hull::of_positions(rounded).is_some_and(|hull| wrap::prove(field, &hull, &cutting.hard, MEASUREMENTS).is_ok())
 }
 
 /// The plane that cuts a connected piece.

@@ -36,6 +36,8 @@ pub struct Search<'a> {
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
     pub bounds: Bounds<'a>,
+    /// Whether pieces are peeled, too, which may give fewer parts.
+    pub peels: bool,
 }
 
 impl Search<'_> {
@@ -44,7 +46,8 @@ impl Search<'_> {
         self.bounds.is_over()
     }
 
-    /// Points in the hull of the whole surface that are too far from the solid.
+    /// Points in the hull of the whole surface that are too far from the solid; when the time is
+    /// over, some of them.
     pub fn forbidden(&self, triangles: &[[DVec3; 3]], hull: &Body) -> Vec<DVec3> {
         let size = hull.high - hull.low;
         let mut found: Vec<DVec3> = (0..SPREAD).map(|k| hull.low + size * DVec3::from_array(spread(k))).collect();
@@ -55,7 +58,8 @@ impl Search<'_> {
             let up = normal(&triangles[index]).normalize_or_zero() * (1.02 * self.scale.limit);
             found.extend([p + up, p - up]);
         }
-        let is_forbidden = |p: &DVec3| hull.holds(*p, 0.0) && self.field.is_beyond(*p, self.scale.limit);
+        let is_forbidden =
+            |p: &DVec3| hull.holds(*p, 0.0) && !self.is_over() && self.field.is_beyond(*p, self.scale.limit);
         found.into_par_iter().filter(is_forbidden).collect()
     }
 

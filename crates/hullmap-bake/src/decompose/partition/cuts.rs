@@ -7,7 +7,7 @@ use super::{
     body::{Body, longest, rough},
     cells::FacePlanes,
     conflicts::Conflicts,
-    field::Field,
+    context::Search,
     piece::{Piece, Scale},
 };
 use crate::fit::planes::HalfSpace;
@@ -106,17 +106,13 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
     squares / (count * count) + VOLUME * volume / piece.body.volume().max(f64::MIN_POSITIVE)
 }
 
-/// The plane after which the sides protrude least; `None` if no plane cuts the piece.
+/// The plane after which the sides protrude least; `None` if no plane cuts the piece, or the time is
+/// over.
 ///
 /// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
 /// across the axes.
-pub fn best_plane(
-    piece: &Piece,
-    scale: &Scale,
-    field: &Field,
-    near: &[Vec<u32>],
-    planes: &FacePlanes,
-) -> Option<HalfSpace> {
+pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>]) -> Option<HalfSpace> {
+    let Search { scale, field, planes, .. } = search;
     let conflicts = Conflicts::new(piece, scale, field);
     let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
     let forbidden: Vec<DVec3> = piece.forbidden.iter().step_by(stride).copied().collect();
@@ -132,6 +128,9 @@ pub fn best_plane(
     let candidates: Vec<(HalfSpace, bool)> =
         slices.chain(faces(piece, scale, planes).map(|plane| (plane, false))).collect();
     let cost = |(plane, is_slice): &(HalfSpace, bool)| {
+        if search.is_over() {
+            return f64::INFINITY;
+        }
         let (low, high) = range(piece, plane.normal);
         let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
         let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;

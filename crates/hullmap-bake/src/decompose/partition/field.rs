@@ -11,6 +11,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
+use crate::deadline::Deadline;
 use crate::fit::{protrusion::Peaks, solid::Solid, triangle};
 
 /// Number of voxels along the longest side of the box.
@@ -134,8 +135,8 @@ impl<'a> Field<'a> {
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
     /// lengths faster.
-    pub fn find_peaks(&mut self, above: f64) {
-        self.peaks = Peaks::new(self.solid, above, PEAK_MEASUREMENTS);
+    pub fn find_peaks(&mut self, above: f64, deadline: Option<Deadline>) {
+        self.peaks = Peaks::new(self.solid, above, PEAK_MEASUREMENTS, deadline);
     }
 
     /// The local maxima of the distance, if they are known.

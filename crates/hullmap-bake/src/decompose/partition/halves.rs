@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{
     body::Body,
     context::Search,
-    join::{self, Found, common_volume},
+    join::{self, Found, Overlap},
     piece::Piece,
     shape::Part,
 };
@@ -67,7 +67,7 @@ pub fn merge(
     if count > join::MANY {
         return result(units, count);
     }
-    let mut allowed = overlap * units.iter().flatten().map(Unit::volume).sum::<f64>() - common(&units);
+    let mut shared = Overlap::new(units.iter().flatten().flat_map(Unit::bodies), overlap);
     let mut failures = join::FAILURES + units.len();
     let mut enough = None;
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
@@ -84,10 +84,8 @@ pub fn merge(
         let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
         let others = units.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
         let others = others.filter_map(|(_, unit)| unit.as_ref()).flat_map(Unit::bodies);
-        let common: f64 = others.map(|other| common_volume(&body, other)).sum();
-        if common > allowed {
-            continue;
-        }
+        let own = merged(&units, pair).into_iter().flat_map(Unit::bodies);
+        let Some(after) = shared.after(&own.collect::<Vec<_>>(), &body, others) else { continue };
         let beyond = search.points_beyond(&body);
         if !beyond.is_empty() {
             forbidden.extend(beyond);
@@ -95,7 +93,7 @@ pub fn merge(
         }
         match search.shaped(&united(search, &units, pair, &body, mirror)) {
             Ok(part) => {
-                allowed -= common;
+                shared = after;
                 let merged = [pair.0, pair.1].map(|i| units[i].take().map_or(0, |unit| unit.count()));
                 count = count + 1 - merged.iter().sum::<usize>();
                 units.push(Some(Unit { part, image: None }));
@@ -133,22 +131,23 @@ fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
     })
 }
 
-/// The volume that units have in common.
-fn common(units: &[Option<Unit>]) -> f64 {
-    let bodies: Vec<&Body> = units.iter().flatten().flat_map(Unit::bodies).collect();
-    let pairs = bodies.iter().enumerate().flat_map(|(j, b)| bodies[..j].iter().map(move |a| (a, b)));
-    pairs.map(|(a, b)| common_volume(a, b)).sum()
+/// The units of a merger, of which both may be the same.
+fn merged(units: &[Option<Unit>], (i, j): (usize, usize)) -> Vec<&Unit> {
+    [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()).collect()
 }
 
-/// The merger of two units; `None` if a forbidden point is in its hull.
+/// The merger of two units; `None` if a forbidden point is in its hull, or the time is over.
 fn merger(
     search: &Search,
     units: &[Option<Unit>],
-    (i, j): (usize, usize),
+    pair: (usize, usize),
     mirror: &Mirror,
-    forbidden: &[glam::DVec3],
+    forbidden: &[DVec3],
 ) -> Option<Merger> {
-    let own: Vec<&Unit> = [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()).collect();
+    if search.is_over() {
+        return None;
+    }
+    let own = merged(units, pair);
     let points: Vec<DVec3> = own.iter().flat_map(|unit| unit.bodies()).flat_map(|body| body.points.clone()).collect();
     let body = search.scale.body(&points);
     // The body is its own image, but a point may be known on one side only.
@@ -158,9 +157,9 @@ fn merger(
 }
 
 /// The union of two units, and of their images, whose hull is `body`.
-fn united(search: &Search, units: &[Option<Unit>], (i, j): (usize, usize), body: &Body, mirror: &Mirror) -> Piece {
+fn united(search: &Search, units: &[Option<Unit>], pair: (usize, usize), body: &Body, mirror: &Mirror) -> Piece {
     let (mut atoms, mut planes) = (Vec::new(), Vec::new());
-    for unit in [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()) {
+    for unit in merged(units, pair) {
         let own = &unit.part.piece.atoms;
         atoms.extend(own.iter().cloned());
         for plane in &unit.part.piece.planes {

@@ -41,7 +41,7 @@ struct Merger {
 }
 
 /// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
-/// `overlap` of their volume. The result has at least `wanted` parts, if there were as many; the
+/// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as many; the
 /// other mergers are only counted.
 ///
 /// # Complexity
@@ -53,8 +53,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
         return Found { fewest: left.len(), parts: left.into_iter().flatten().collect(), mirrored: Vec::new() };
     }
     let (mut count, mut enough) = (left.len(), None);
-    let total: f64 = left.iter().flatten().map(|part| part.piece.body.volume()).sum();
-    let mut allowed = overlap * total;
+    let mut shared = Overlap::new(left.iter().flatten().map(|part| &part.piece.body), overlap);
     let mut failures = FAILURES + left.len();
     // Each pair is tried once.
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
@@ -69,10 +68,10 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
         let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
-        let common = common_with_others(&left, pair, &body);
-        if common > allowed {
-            continue;
-        }
+        let others = left.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
+        let others = others.filter_map(|(_, part)| part.as_ref()).map(|part| &part.piece.body);
+        let own = [pair.0, pair.1].into_iter().filter_map(|i| left[i].as_ref()).map(|part| &part.piece.body);
+        let Some(after) = shared.after(&own.collect::<Vec<_>>(), &body, others) else { continue };
         let beyond = search.points_beyond(&body);
         if !beyond.is_empty() {
             forbidden.extend(beyond);
@@ -81,7 +80,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
         let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };
         match search.shaped(&united(search, &a.piece, &b.piece, &body)) {
             Ok(part) => {
-                allowed -= common;
+                shared = after;
                 (left[pair.0], left[pair.1]) = (None, None);
                 left.push(Some(part));
                 count -= 1;
@@ -109,8 +108,11 @@ fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// The merger of two parts; `None` if a forbidden point is in its hull.
+/// The merger of two parts; `None` if a forbidden point is in its hull, or the time is over.
 fn merger(search: &Search, parts: &[Option<Part>], (i, j): (usize, usize), forbidden: &[DVec3]) -> Option<Merger> {
+    if search.is_over() {
+        return None;
+    }
     let (a, b) = (&parts[i].as_ref()?.piece.body, &parts[j].as_ref()?.piece.body);
     let body = search.scale.body(&[a.points.as_slice(), &b.points].concat());
     let is_free = forbidden.iter().all(|p| !search.scale.is_inside(&body, *p));
@@ -124,14 +126,51 @@ fn united(search: &Search, a: &Piece, b: &Piece, body: &Body) -> Piece {
     search.scale.piece([a.atoms.as_slice(), &b.atoms].concat(), planes, &[])
 }
 
-/// The volume that a body has in common with parts other than a pair.
-fn common_with_others(parts: &[Option<Part>], (i, j): (usize, usize), body: &Body) -> f64 {
-    let others = parts.iter().enumerate().filter(|(k, _)| *k != i && *k != j);
-    others.filter_map(|(_, part)| Some(common_volume(body, &part.as_ref()?.piece.body))).sum()
+/// How much bodies overlap. The sum of what pairs have in common is at least the sum of all volumes
+/// less the volume of the union.
+#[derive(Clone, Copy, Debug)]
+pub struct Overlap {
+    /// Sum of the volumes.
+    volume: f64,
+    /// Sum of the volumes that pairs have in common.
+    common: f64,
+    /// The volume that they may have in common, relative to that of the union.
+    allowed: f64,
+}
+
+impl Overlap {
+    /// The overlap of bodies, of which this share of the union's volume is allowed.
+    pub fn new<'a>(bodies: impl Iterator<Item = &'a Body>, allowed: f64) -> Self {
+        let bodies: Vec<&Body> = bodies.collect();
+        let with_earlier = |j: usize| bodies[..j].iter().map(|a| common_volume(a, bodies[j])).sum::<f64>();
+        let common = (0..bodies.len()).into_par_iter().map(with_earlier).collect::<Vec<f64>>().into_iter().sum();
+        Self { volume: bodies.iter().map(|body| body.volume()).sum(), common, allowed }
+    }
+
+    /// The overlap after `own` bodies are replaced by `merged`; `None` if that is more than before,
+    /// and more than allowed.
+    pub fn after<'a>(&self, own: &[&Body], merged: &Body, others: impl Iterator<Item = &'a Body>) -> Option<Self> {
+        let mut after = *self;
+        for (i, body) in own.iter().enumerate() {
+            after.volume -= body.volume();
+            after.common -= own[..i].iter().map(|other| common_volume(other, body)).sum::<f64>();
+        }
+        after.volume += merged.volume();
+        for other in others {
+            after.common += common_volume(merged, other);
+            after.common -= own.iter().map(|body| common_volume(body, other)).sum::<f64>();
+        }
+        // Sums and differences of estimates.
+        after.common = after.common.max(0.0);
+        let union = (after.volume - after.common).max(0.0);
+        // Without a union, any share of it is allowed if there is no limit.
+        let is_allowed = after.allowed == f64::INFINITY || after.common <= after.allowed * union;
+        (is_allowed || after.common <= self.common).then_some(after)
+    }
 }
 
 /// The volume that two bodies have in common, from the share of evenly spread points.
-pub fn common_volume(a: &Body, b: &Body) -> f64 {
+fn common_volume(a: &Body, b: &Body) -> f64 {
     let (low, high) = (a.low.max(b.low), a.high.min(b.high));
     let size = high - low;
     if size.min_element() <= 0.0 {

@@ -16,7 +16,8 @@
 //! | [`context`] | what all steps share |
 //! | [`shape`] | final hulls of pieces |
 //! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
-//! | [`body`], [`sample`], `deadline` | trial hulls, points on faces, when to stop |
+//! | [`few`] | hulls of few vertices, however far they protrude |
+//! | [`body`], [`sample`] | trial hulls, points on faces |
 //!
 //! # Steps
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
@@ -45,7 +46,7 @@ pub mod cells;
 pub mod conflicts;
 pub mod context;
 pub mod cuts;
-mod deadline;
+pub mod few;
 pub mod field;
 pub mod halves;
 pub mod join;
@@ -64,7 +65,6 @@ use rayon::prelude::*;
 
 use cells::Cutting;
 use context::Search;
-pub use deadline::Deadline;
 use field::Field;
 pub use join::Found;
 use peel::Along;
@@ -107,12 +107,15 @@ const STAGES: [f64; 2] = [0.1, 0.95];
 pub struct PartitionLimits<'a> {
     /// Limits of a part.
     pub bounds: Bounds<'a>,
-    /// Volume that parts may have in common, relative to the volume of all.
+    /// Sum of the volumes of parts, less the volume of their union, up to which they are merged;
+    /// relative to the latter.
     pub overlap: f64,
     /// Number of parts above which the search gives up.
     pub enough: Option<usize>,
     /// Number of parts down to which they are merged, where they can be.
     pub wanted: usize,
+    /// Whether pieces are peeled, too, which takes longer and may give fewer parts.
+    pub peels: bool,
 }
 
 /// Parts that together contain a surface; of half a surface, with their mirror images.
@@ -123,18 +126,19 @@ pub struct PartitionLimits<'a> {
 /// about `enough` parts are needed.
 pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
     let triangles = &surface.triangles;
-    field.find_peaks(limits.bounds.limit * HARD_SHARE);
+    field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { bounds, overlap, enough, wanted } = *limits;
+    let PartitionLimits { bounds, overlap, enough, wanted, peels } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
-    let cutting = Cutting { limit: limit * CELL_SHARE, hard: limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
-    let cells::Cells { cells, planes } = cells::cells(triangles, field, &cutting, &|| bounds.is_over())?;
+    let hard = Bounds { limit: limit * HARD_SHARE, max_vertices: usize::MAX, thickness: 0.0, ..bounds };
+    let cutting = Cutting { limit: limit * CELL_SHARE, hard, max_cells: MAX_CELLS };
+    let cells::Cells { cells, planes } = cells::cells(triangles, field, &cutting)?;
     stage.reach(STAGES[0]);
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body(&piece::points(&atoms));
-    let search = Search { field, scale, planes: &planes, bounds };
+    let search = Search { field, scale, planes: &planes, bounds, peels };
     let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
     let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
@@ -156,10 +160,10 @@ pub fn divided_further(
     parts: Vec<Part>,
     count: usize,
 ) -> Vec<Part> {
-    field.find_peaks(bounds.limit * HARD_SHARE);
+    field.find_peaks(bounds.limit * HARD_SHARE, bounds.deadline);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
     let planes = cells::FacePlanes::new(&surface.triangles, bounds.diagonal);
-    let search = Search { field, scale, planes: &planes, bounds };
+    let search = Search { field, scale, planes: &planes, bounds, peels: true };
     let mut room = count.saturating_sub(parts.len());
     let mut parts = parts;
     let excess = |part: &Part| part.bound * part.piece.area();
@@ -187,21 +191,23 @@ pub fn halved(surface: &Surface, bounds: &Bounds, count: usize) -> Vec<Part> {
     let scale = Scale { limit: bounds.limit, diagonal: bounds.diagonal };
     let polygons = surface.triangles.iter().map(|triangle| triangle.to_vec()).collect();
     let atoms = Patch::new(polygons).map(|patch| vec![Arc::new(Atom::new(patch))]);
-    let mut pieces: Vec<Piece> = atoms.into_iter().map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
+    let piece = |atoms: Vec<Arc<Atom>>| scale.piece(atoms, Vec::new(), &[]);
+    let mut pieces: Vec<Piece> = atoms.into_iter().map(piece).collect();
     while !pieces.is_empty() && 2 * pieces.len() <= count {
-        let halves = |piece: &Piece| scale.divided(&piece.atoms, &cuts::middle(piece));
-        let halves = pieces.iter().flat_map(halves).filter(|atoms| !atoms.is_empty());
-        let halves: Vec<Piece> = halves.map(|atoms| scale.piece(atoms, Vec::new(), &[])).collect();
+        let halves = pieces.par_iter().map(|piece| scale.divided(&piece.atoms, &cuts::middle(piece)));
+        let halves: Vec<[Vec<Arc<Atom>>; 2]> = halves.collect();
+        let halves: Vec<Vec<Arc<Atom>>> = halves.into_iter().flatten().filter(|atoms| !atoms.is_empty()).collect();
         if halves.len() == pieces.len() {
             break;
         }
-        pieces = halves;
+        pieces = halves.into_par_iter().map(piece).collect();
     }
     let part = |piece: Piece| {
         let tight = wrap::tight(&piece.body.points, bounds.diagonal, bounds.thickness)?;
-        Some(Part { hull: wrap::within_vertices(tight, bounds.max_vertices), piece, bound: f64::INFINITY })
+        let hull = few::quickly_within_vertices(tight, bounds.max_vertices);
+        Some(Part { hull, piece, bound: f64::INFINITY })
     };
-    pieces.into_iter().filter_map(part).collect()
+    pieces.into_par_iter().filter_map(part).collect()
 }
 
 /// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
@@ -240,6 +246,7 @@ fn divided(
     let sides: Vec<Piece> = if is_connected {
         match halves(search, &piece).filter(|_| depth < MAX_DEPTH) {
             Some(halves) => halves.into(),
+            None if search.is_over() => return Some(search.shaped(&piece).into_iter().collect()),
             None => return Some(of_polygons(search, &piece)).filter(|parts| parts.len() <= most),
         }
     } else {
@@ -249,7 +256,7 @@ fn divided(
     let best = all_divided(search, sides, most, depth + u32::from(is_connected), known, stage);
     let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
     // Without forbidden points there are only too many vertices.
-    if is_connected && is_small && !piece.forbidden.is_empty() {
+    if search.peels && is_connected && is_small && !piece.forbidden.is_empty() {
         return peeled(search, &piece, best, most);
     }
     best
@@ -283,7 +290,7 @@ fn halves(search: &Search, piece: &Piece) -> Option<[Piece; 2]> {
         cuts::middle(piece)
     } else {
         let near = search.scale.neighbours(&piece.atoms);
-        cuts::best_plane(piece, &search.scale, search.field, &near, search.planes)?
+        cuts::best_plane(search, piece, &near)?
     };
     let back = plane.opposite();
     let [below, above] = search.scale.divided(&piece.atoms, &plane);

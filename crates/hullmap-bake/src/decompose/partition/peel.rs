@@ -98,6 +98,9 @@ fn caps(search: &Search, whole: &Piece, along: Along) -> Vec<Cap> {
     let scale = &search.scale;
     let near = scale.neighbours(&whole.atoms);
     let area = |plane: &HalfSpace| -> Option<f64> {
+        if search.is_over() {
+            return None;
+        }
         let components = scale.above(&whole.atoms, &near, plane);
         let is_free = |points: &[DVec3]| {
             let body = scale.body(points);

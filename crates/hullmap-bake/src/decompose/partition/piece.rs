@@ -7,7 +7,10 @@ use glam::DVec3;
 use super::body::{self, Body, THICKNESS};
 use crate::{
     decompose::patch::Patch,
-    fit::planes::{self, HalfSpace},
+    fit::{
+        planes::{self, HalfSpace},
+        triangle_tree::{Bounds, TriangleTree},
+    },
     symmetry::Mirror,
 };
 
@@ -145,19 +148,15 @@ impl Scale {
     /// For each atom, its neighbours.
     pub fn neighbours(&self, atoms: &[Arc<Atom>]) -> Vec<Vec<u32>> {
         let gap = DVec3::splat(GAP * self.limit);
-        let mut order: Vec<usize> = (0..atoms.len()).collect();
-        order.sort_by(|a, b| atoms[*a].low.x.total_cmp(&atoms[*b].low.x).then(a.cmp(b)));
-        let mut near = vec![Vec::new(); atoms.len()];
-        for (k, &i) in order.iter().enumerate() {
-            let (low, high) = (atoms[i].low - gap, atoms[i].high + gap);
-            for &j in order[k + 1..].iter().take_while(|j| atoms[**j].low.x <= high.x) {
-                if low.cmple(atoms[j].high).all() && atoms[j].low.cmple(high).all() {
-                    near[i].push(j as u32);
-                    near[j].push(i as u32);
-                }
-            }
-        }
-        near
+        let tree = TriangleTree::of_boxes(atoms.iter().map(|atom| Bounds { low: atom.low, high: atom.high }));
+        let of = |(index, atom): (u32, &Arc<Atom>)| {
+            let around = Bounds { low: atom.low - gap, high: atom.high + gap };
+            let mut near = Vec::new();
+            tree.for_each(|bounds| bounds.touches(&around), |other| near.push(other));
+            near.retain(|other| *other != index);
+            near
+        };
+        (0..).zip(atoms).map(of).collect()
     }
 
     /// The connected components of atoms.

@@ -14,13 +14,14 @@ use glam::DVec3;
 
 use super::{
     body::Body,
+    few,
     field::Field,
     piece::Piece,
     wrap::{self, Bounds},
 };
 use crate::{
     fit::planes::{self, HalfSpace},
-    hull::Hull,
+    hull::{self, Hull},
     simplify::{self, Limit},
 };
 
@@ -83,7 +84,7 @@ pub type Outcome = Result<(Hull, f64), Option<DVec3>>;
 pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     let Some(tight) = wrap::tight(&body.points, bounds.diagonal, bounds.thickness) else { return Err(None) };
     if bounds.is_over() {
-        return Ok((wrap::within_vertices(tight, bounds.max_vertices), f64::INFINITY));
+        return Ok((few::quickly_within_vertices(tight, bounds.max_vertices), f64::INFINITY));
     }
     let proof = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS);
     if tight.vertices.len() <= bounds.max_vertices {
@@ -96,7 +97,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     if let (Err(None), true) = (&found, body.diagonal() < bounds.limit) {
         // A small piece. A flat hull has no simpler one that is near it, a thick one has.
         let thick = wrap::tight(&body.points, bounds.diagonal, 0.5 * body.diagonal());
-        let hull = thick.map(|hull| wrap::within_vertices(hull, bounds.max_vertices));
+        let hull = thick.map(|hull| few::within_vertices(hull, bounds.max_vertices));
         let hull = hull.filter(|hull| hull.vertices.len() <= bounds.max_vertices);
         found = hull.and_then(|hull| proof(&hull).ok().map(|bound| (hull, bound))).ok_or(None);
     }
@@ -106,7 +107,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     }
 }
 
-/// A tight hull of a part, or the hull that the part has. `sides` are planes of large faces of the
+/// A tight hull of a part, or the hull that the part has, for instance when the time is over. `sides` are planes of large faces of the
 /// mesh's hull.
 pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
     let body = &part.piece.body;
@@ -128,6 +129,11 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
         hulls.sort_by(|a, b| a.0.total_cmp(&b.0));
         hulls.into_iter().find(|(_, hull)| is_proven(hull))
     };
+    if part.bound == f64::INFINITY {
+        // The time is nearly over, and nothing can be proven.
+        let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
+        return simple.filter(|hull| volume(hull) < volume(&part.hull)).unwrap_or_else(|| part.hull.clone());
+    }
     let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
     if is_few(&loose) {
         let flattened = cuts.flattened(loose.clone());
@@ -138,6 +144,9 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
             return part.hull.clone();
         }
     }
+    if bounds.is_over() {
+        return part.hull.clone();
+    }
     // Cuts only remove points, but rounding moves vertices.
     let found = (volume(&part.hull), part.hull.clone());
     let smaller = |found: (f64, Hull), hulls: Vec<Hull>| {
@@ -146,7 +155,7 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
     let filled = to_vertices(&tight, BEFORE_CUTS).map(|hull| cuts.filled(hull));
     let found = smaller(found, [cuts.filled(part.hull.clone())].into_iter().chain(simple).chain(filled).collect());
-    if found.0 <= ENOUGH * body.volume() {
+    if found.0 <= ENOUGH * body.volume() || bounds.is_over() {
         return found.1;
     }
     let wrapped = |share: &f64| Some(wrap::wrap(field, body, bounds, Some(&to_vertices(&tight, *share)?)).ok()?.0);
@@ -218,7 +227,7 @@ impl Cuts<'_> {
         let start = planes.len();
         let middle = self.body.points.iter().sum::<DVec3>() / self.body.points.len().max(1) as f64;
         let reach = 2.0 * self.bounds.diagonal + self.body.diagonal();
-        while planes.len() < start + MAX_CUTS && missed.len() < MAX_MISSES {
+        while planes.len() < start + MAX_CUTS && missed.len() < MAX_MISSES && !self.bounds.is_over() {
             let Some(plane) = wanted(&points).into_iter().find(|plane| !missed.contains(plane)) else { break };
             planes.push(plane.moved(self.room()));
             match wrap::polytope(&planes, middle, reach, 0.4 * self.room()) {
@@ -233,6 +242,6 @@ impl Cuts<'_> {
             return hull;
         }
         let rounded = points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
-        wrap::hull_of(rounded).filter(|hull| hull.vertices.len() <= self.bounds.max_vertices).unwrap_or(hull)
+        hull::of_positions(rounded).filter(|hull| hull.vertices.len() <= self.bounds.max_vertices).unwrap_or(hull)
     }
 }

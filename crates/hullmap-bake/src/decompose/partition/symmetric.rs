@@ -28,7 +28,7 @@ pub fn symmetric(field: &Field, hull: &Hull, mirror: &Mirror, bounds: &Bounds) -
         let half = half(hull, mirror, sign, bounds.diagonal);
         let both: Vec<DVec3> = half.iter().copied().chain(half.iter().map(|p| mirror.image(*p))).collect();
         let around = grown(&wrap::tight(&both, bounds.diagonal, 0.0)?, mirror, bounds.diagonal)?;
-        let found = wrap::hull_of(doubled(&around, mirror, sign, bounds.diagonal))?;
+        let found = hull::of_positions(doubled(&around, mirror, sign, bounds.diagonal))?;
         (found.vertices.len() <= bounds.max_vertices).then_some(found)
     };
     let mut found: Vec<(f64, Hull)> =
@@ -40,7 +40,7 @@ pub fn symmetric(field: &Field, hull: &Hull, mirror: &Mirror, bounds: &Bounds) -
 
 /// The mirror image of a hull.
 pub fn image(hull: &Hull, mirror: &Mirror) -> Option<Hull> {
-    wrap::hull_of(hull.vertices.iter().map(|p| mirror.rounded_image(*p)).collect())
+    hull::of_positions(hull.vertices.iter().map(|p| mirror.rounded_image(*p)).collect())
 }
 
 /// A hull that also contains all points within the error of a mirror, and what rounding moves by.
@@ -66,7 +66,7 @@ pub fn grown(hull: &Hull, mirror: &Mirror, diagonal: f64) -> Option<Hull> {
     if let Some(vertices) = wrap::polytope(&moved, centre, 2.0 * diagonal, 0.4 * room)
         && vertices.len() <= points.len()
     {
-        return wrap::hull_of(vertices.into_iter().map(rounded).collect());
+        return hull::of_positions(vertices.into_iter().map(rounded).collect());
     }
     // Where more than three faces meet, moved planes cut each other in several points.
     let depths = planes.into_iter().map(|plane| -plane.height(centre));
@@ -75,7 +75,7 @@ pub fn grown(hull: &Hull, mirror: &Mirror, diagonal: f64) -> Option<Hull> {
     if !(growth > 0.0 && growth <= MAX_GROWTH) {
         return None;
     }
-    wrap::hull_of(points.iter().map(|p| rounded(*p + (*p - centre) * growth)).collect())
+    hull::of_positions(points.iter().map(|p| rounded(*p + (*p - centre) * growth)).collect())
 }
 
 /// The stored vertices of a hull on one side of a mirror, with their images. Those that rounding

@@ -1,6 +1,7 @@
 use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::{body::Body, *};
+use crate::deadline::Deadline;
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Accuracy, Solid, coverage::uncovered, protrusion};
 use crate::{PointSet, hull::Hull};
@@ -8,7 +9,7 @@ use crate::{PointSet, hull::Hull};
 fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
     let (thickness, diagonal, stage) = (0.5 * limit, solid.diagonal(), Stage::default());
     let bounds = Bounds { limit, max_vertices: 64, diagonal, thickness, deadline: None, stage };
-    PartitionLimits { bounds, overlap: 0.05, enough: None, wanted: 1 }
+    PartitionLimits { bounds, overlap: 0.05, enough: None, wanted: 1, peels: true }
 }
 
 /// Searches, and checks both promises by other means: the certified cover, and random points of the

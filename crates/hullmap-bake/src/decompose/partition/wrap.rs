@@ -12,10 +12,11 @@
 
 use glam::DVec3;
 
-use super::body::{Body, farthest};
-use super::deadline::Deadline;
+use super::body::{Body, farthest, rough};
+use super::few;
 use super::field::Field;
 use super::sample::face_points;
+use crate::deadline::{self, Deadline};
 use crate::fit::{
     branch::Accuracy,
     planes::{self, HalfSpace},
@@ -26,7 +27,7 @@ use crate::hull::{
     rank::{Simplex, spanning_simplex},
 };
 use crate::progress::Stage;
-use crate::{NO_SOURCE_VERTEX, PointSet, simplify};
+use crate::simplify;
 
 /// Maximum number of planes that are added.
 const MAX_STEPS: usize = 200;
@@ -64,6 +65,12 @@ const MEASURED: usize = 150;
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 pub const ROUNDING: f64 = 1.1e-7;
 
+/// Distance from a hull up to which it counts as containing a point, relative to the diagonal.
+const HELD: f64 = 2e-13;
+
+/// The same, relative to the greatest coordinate: the rounding error of a height above a plane.
+const HELD_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
@@ -84,32 +91,33 @@ pub struct Bounds<'a> {
 impl Bounds<'_> {
     /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
-        self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
+        self.stage.is_cancelled() || deadline::is_over(self.deadline)
     }
 }
 
 /// Proves that a hull is within the limit by at most `measurements`, and returns the bound.
 ///
 /// # Errors
-/// A point of the hull that is too far from the solid; `None` if the measurements do not decide.
+/// A point of the hull that is too far from the solid; `None` if the measurements do not decide, or
+/// if the time is over.
 pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, Option<DVec3>> {
     let usual = Accuracy::decide(bounds.limit);
-    let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
+    let measurements = measurements.min(usual.measurements);
+    let accuracy = Accuracy { measurements, deadline: bounds.deadline, ..usual };
     let found = protrusion_beside(field.solid(), hull, &accuracy, field.peaks());
     // Written so that NaN fails.
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err((found.reached > bounds.limit).then_some(found.at)) }
-}
-
-/// The hull of f32 points; `None` if it cannot be built.
-pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
-    let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
-    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
 /// The points, moved apart so that their hull is at least about `thickness` thick in all
 /// directions.
 fn thickened(points: &[DVec3], thickness: f64) -> Vec<DVec3> {
     let mut points = points.to_vec();
+    // A hull of some of the points is no thicker.
+    let some = rough(&points);
+    if some.len() < points.len() && thinnest(&some).1 >= thickness {
+        return points;
+    }
     for _ in 0..3 {
         let (normal, width) = thinnest(&points);
         if width >= thickness {
@@ -165,10 +173,10 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     };
     let mut rounded: Vec<[f32; 3]> = moved.map(outward).collect();
     let body = Body::new(&rounded.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>(), 0.0);
-    let slack = 2e-13 * diagonal;
+    let slack = HELD * diagonal + HELD_ROUNDING * body.low.abs().max(body.high.abs()).max_element();
     let around: Vec<[f32; 3]> = points.iter().filter(|p| !body.holds(**p, slack)).flat_map(|p| around(*p)).collect();
     rounded.extend(around);
-    hull_of(rounded)
+    hull::of_positions(rounded)
 }
 
 /// The hull of a hull that is at least as thick as the bounds ask for; the hull itself if that is
@@ -179,7 +187,7 @@ pub fn thick(field: &Field, hull: Hull, bounds: &Bounds) -> Hull {
         return hull;
     }
     let thick = tight(&points, bounds.diagonal, bounds.thickness);
-    let thick = thick.map(|thick| within_vertices(thick, bounds.max_vertices));
+    let thick = thick.map(|thick| few::within_vertices(thick, bounds.max_vertices));
     thick.filter(|thick| prove(field, thick, bounds, MEASUREMENTS).is_ok()).unwrap_or(hull)
 }
 
@@ -282,17 +290,6 @@ pub fn simplified(
     }
 }
 
-/// A hull around `hull` with at most `max_vertices` vertices; the hull itself if there is none.
-pub fn within_vertices(hull: Hull, max_vertices: usize) -> Hull {
-    if hull.vertices.len() <= max_vertices {
-        return hull;
-    }
-    match simplify::simplify(&hull, simplify::Limit::Vertices(max_vertices.max(simplify::MIN_VERTICES))) {
-        Ok(Some(simplified)) => simplified.hull,
-        _ => hull,
-    }
-}
-
 /// Thin hulls that together contain a convex polygon, each with at most `max_vertices` vertices,
 /// and the piece of the polygon that each contains.
 pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices: usize) -> Vec<(Vec<DVec3>, Hull)> {
@@ -306,7 +303,7 @@ pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices
             stack.push(corners[..=half].to_vec());
             stack.push([&corners[half..], &corners[..1]].concat());
         } else {
-            found.push((corners, within_vertices(hull, max_vertices)));
+            found.push((corners, few::within_vertices(hull, max_vertices)));
         }
     }
     found
@@ -435,7 +432,7 @@ impl Faces<'_> {
     }
 
     fn rounded(&self, vertices: &[DVec3]) -> Option<Hull> {
-        hull_of(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
+        hull::of_positions(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
     }
 
     /// Drops planes that are not needed, until there are few enough vertices. Returns the others,
@@ -444,7 +441,7 @@ impl Faces<'_> {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.
         let mut at = left.len();
-        while at > 0 && left.len() > 4 && best.len() > enough {
+        while at > 0 && left.len() > 4 && best.len() > enough && !self.bounds.is_over() {
             at -= 1;
             let mut fewer = left.clone();
             fewer.remove(at);

@@ -124,7 +124,7 @@ fn inner_walls_cost_no_parts() {
     assert_eq!(parts.len(), 1);
     let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
     let limit = 0.02 * filled.diagonal();
-    let fit = fits_around(&filled, &mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).unwrap()[0];
+    let fit = fits_around(&filled, &mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit), None).unwrap()[0];
     assert!(fit.protrusion <= limit && fit.uncovered <= 1e-7 * filled.diagonal(), "{fit:?}");
     let everywhere = decompose(&mesh, &Cover::default()).unwrap().unwrap();
     assert!(everywhere.len() >= 6, "{}", everywhere.len());

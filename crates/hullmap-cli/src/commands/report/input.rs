@@ -112,9 +112,15 @@ fn verify(
 }
 
 fn estimates(found: PartsEstimates) -> report::PartsEstimates {
-    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry } = found;
-    let symmetry = symmetry.map(|plane| plane.in_words());
-    report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry }
+    report::PartsEstimates {
+        overlap: found.overlap,
+        overlap_error: found.overlap_error,
+        mean_protrusion: found.mean_protrusion,
+        outside_hull: found.outside_hull,
+        voids: found.voids,
+        voids_error: found.voids_error,
+        symmetry: found.symmetry.map(|plane| plane.in_words()),
+    }
 }
 
 /// Notes on how the parts of an object fit together, if this is the first of them.
