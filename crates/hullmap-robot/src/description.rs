@@ -2,10 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
+use crate::chain::Chain;
 use crate::document::Document;
 use crate::error::RobotError;
+use crate::frame::Frame;
 use crate::mjcf::model::Model;
 use crate::places::{Places, Scheme, Unresolved, package_of, relative};
+use crate::solid::Primitive;
 
 /// Format of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +47,8 @@ pub struct Description {
     pub references: Vec<Reference>,
     /// What is left alone, and why.
     pub notes: Vec<String>,
+    /// How its joints move the links.
+    pub chain: Chain,
     /// Where names of meshes start.
     pub(crate) mesh_names: MeshNames,
     pub(crate) mjcf: Option<Model>,
@@ -90,8 +97,10 @@ pub struct Shape {
     pub line: u32,
     /// Its geometry.
     pub geometry: Geometry,
-    /// Its pose in the link: translation, then roll, pitch and yaw; not read in MJCF.
-    pub pose: Option<[f64; 6]>,
+    /// Its frame in the link's; `None` if it is not known.
+    pub pose: Option<Frame>,
+    /// The bits by which MuJoCo decides which geoms meet: `contype` and `conaffinity`.
+    pub contact_bits: [i32; 2],
     /// Why it must stay a single mesh, if so.
     pub stays_single: Option<String>,
     /// Where its element starts.
@@ -104,7 +113,7 @@ pub enum Geometry {
     /// A mesh.
     Mesh(MeshUse),
     /// A box, cylinder, sphere or another solid with a name.
-    Primitive(String),
+    Primitive(Primitive),
     /// What cannot become a hull, with the reason.
     Other(String),
 }
@@ -118,9 +127,17 @@ pub struct MeshUse {
     pub file: Result<PathBuf, Unresolved>,
     /// Factors along the axes of the mesh; negative ones mirror it.
     pub scale: [f64; 3],
+    /// The frame in which the mesh is drawn and scaled, in that of its file: `refpos` and
+    /// `refquat` of MJCF.
+    pub reference: Frame,
 }
 
 impl MeshUse {
+    /// A vertex of the file in the frame of the shape.
+    pub fn placed(&self, vertex: DVec3) -> DVec3 {
+        self.reference.inverse().apply(vertex) * DVec3::from_array(self.scale)
+    }
+
     /// The greatest factor: a length of the mesh is at most that many times longer in the robot.
     pub fn stretch(&self) -> f64 {
         self.scale.iter().fold(0.0, |max: f64, factor| max.max(factor.abs()))
@@ -233,10 +250,15 @@ impl Description {
     }
 }
 
+/// Finite numbers, separated by white space; `None` for anything else.
+pub(crate) fn numbers(text: &str) -> Option<Vec<f64>> {
+    let numbers = text.split_whitespace().map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
+    numbers.collect()
+}
+
 /// Three numbers, separated by white space; `None` for anything else.
 pub(crate) fn triple(text: &str) -> Option<[f64; 3]> {
-    let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
-    <[f64; 3]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+    numbers(text)?.try_into().ok()
 }
 
 /// The factors that a scale states: three, or one for all axes.
@@ -257,7 +279,7 @@ pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places,
         Err(fault) => ([1.0; 3], Some(fault)),
     };
     let file = fault.map_or_else(|| places.resolve(written, folder), |fault| Err(Unresolved::Failed(fault)));
-    MeshUse { written: written.to_owned(), file, scale }
+    MeshUse { written: written.to_owned(), file, scale, reference: Frame::IDENTITY }
 }
 
 /// A reference to an existing file by a relative path.

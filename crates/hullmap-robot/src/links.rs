@@ -4,13 +4,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
+use crate::chain::Chain;
 use crate::description::{
     Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, scheme_of,
 };
 use crate::document::Document;
 use crate::element::{child, children};
 use crate::error::RobotError;
+use crate::frame::Frame;
 use crate::places::Places;
+use crate::solid::{Primitive, Solid};
 
 /// How a format writes links.
 pub(crate) struct Dialect {
@@ -22,7 +25,9 @@ pub(crate) struct Dialect {
     /// The file and the scale that a `mesh` element states, or why it cannot be used.
     pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> Result<[Option<&'a str>; 2], String>,
     /// The pose of an element in its link; `None` if it is not known.
-    pub(crate) pose: fn(Node) -> Option<[f64; 6]>,
+    pub(crate) pose: fn(Node) -> Option<Frame>,
+    /// The numbers of an attribute or element of a primitive; none if there is no such.
+    pub(crate) sizes: fn(Node, &str) -> Vec<f64>,
     /// The mass that a link states.
     pub(crate) mass: fn(Node) -> Option<f64>,
 }
@@ -71,14 +76,26 @@ impl Dialect {
                     }
                     Err(reason) => Geometry::Other(reason),
                 },
-                name if self.primitives.contains(&name) => Geometry::Primitive(name.to_owned()),
+                name if self.primitives.contains(&name) => {
+                    let solid = Solid::of_lengths(name, |size| (self.sizes)(element, size));
+                    Geometry::Primitive(Primitive { name: name.to_owned(), solid })
+                }
                 name => Geometry::Other(format!("`{name}` is not a mesh")),
             },
         };
         let at = node.range().start;
         let name = node.attribute("name").unwrap_or_default().to_owned();
         let pose = (self.pose)(node);
-        Shape { name, document: 0, line: document.line(at), geometry, pose, stays_single: None, at }
+        Shape {
+            name,
+            document: 0,
+            line: document.line(at),
+            geometry,
+            pose,
+            contact_bits: [1, 1],
+            stays_single: None,
+            at,
+        }
     }
 
     /// The description of a single document.
@@ -88,6 +105,7 @@ impl Dialect {
         links: Vec<Link>,
         references: BTreeSet<Reference>,
         notes: Vec<String>,
+        chain: Chain,
     ) -> Description {
         let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
         Description {
@@ -96,6 +114,7 @@ impl Dialect {
             links,
             references: references.into_iter().collect(),
             notes,
+            chain: chain.without_circular_couplings(),
             mesh_names,
             mjcf: None,
         }

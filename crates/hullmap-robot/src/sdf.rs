@@ -3,12 +3,15 @@
 //! # Reference
 //! <http://sdformat.org/spec>
 
+mod joints;
+mod pose;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, folder_of, reference};
+use crate::description::{Change, Description, Format, Link, Reference, folder_of, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, escaped, lead, removed, rename, set, unique};
@@ -21,7 +24,8 @@ const DIALECT: Dialect = Dialect {
     primitives: &["box", "cylinder", "sphere", "capsule", "ellipsoid", "cone"],
     link_name: qualified,
     mesh,
-    pose,
+    pose: pose::in_link,
+    sizes: |node, name| child(node, name).and_then(|size| numbers(size.text()?)).unwrap_or_default(),
     mass,
 };
 
@@ -53,8 +57,9 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     }
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
     let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, folder)).collect();
+    let chain = joints::chain(tree.root_element(), &links, &document);
     drop(tree);
-    Ok(DIALECT.description(document, links, references, notes))
+    Ok(DIALECT.description(document, links, references, notes, chain))
 }
 
 /// The name with those of the models that hold the link, except a single model.
@@ -81,24 +86,6 @@ fn mass(link: Node) -> Option<f64> {
     let inertial = child(link, "inertial").filter(|node| node.attribute("auto") != Some("true"))?;
     let mass = child(inertial, "mass")?.text()?;
     mass.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
-}
-
-/// The pose of an element in its link; `None` if it is invalid, or relative to another frame.
-fn pose(node: Node) -> Option<[f64; 6]> {
-    let Some(pose) = child(node, "pose") else {
-        return Some([0.0; 6]);
-    };
-    let is_elsewhere = pose.attribute("relative_to").is_some_and(|frame| !frame.is_empty());
-    if is_elsewhere || pose.attribute("rotation_format").is_some_and(|format| format != "euler_rpy") {
-        return None;
-    }
-    let numbers: Vec<f64> =
-        pose.text().unwrap_or_default().split_whitespace().map(|word| word.parse().ok()).collect::<Option<_>>()?;
-    let mut pose_in_link = <[f64; 6]>::try_from(numbers).ok()?;
-    if pose.attribute("degrees") == Some("true") {
-        pose_in_link.iter_mut().skip(3).for_each(|angle| *angle = angle.to_radians());
-    }
-    Some(pose_in_link)
 }
 
 /// The edits that make these changes.

@@ -3,11 +3,14 @@
 //! # Reference
 //! <https://wiki.ros.org/urdf/XML/link>
 
+mod joints;
+mod origin;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, folder_of, reference, triple};
+use crate::description::{Change, Description, Format, Link, Reference, folder_of, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, children, lead, removed, rename, set, unique};
@@ -20,7 +23,8 @@ const DIALECT: Dialect = Dialect {
     primitives: &["box", "cylinder", "sphere", "capsule"],
     link_name: |_, name| name.to_owned(),
     mesh: |mesh| Ok(["filename", "scale"].map(|name| mesh.attribute(name))),
-    pose,
+    pose: origin::pose,
+    sizes: |node, name| node.attribute(name).and_then(numbers).unwrap_or_default(),
     mass,
 };
 
@@ -34,8 +38,9 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let folder = folder_of(document.path());
     let named = tree.descendants().filter_map(|node| node.attribute("filename"));
     let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, folder)).collect();
+    let chain = joints::chain(tree.root_element(), &links, &document);
     drop(tree);
-    Ok(DIALECT.description(document, links, references, Vec::new()))
+    Ok(DIALECT.description(document, links, references, Vec::new(), chain))
 }
 
 /// The edits that make these changes.
@@ -86,17 +91,6 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
 fn mass(link: Node) -> Option<f64> {
     let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
     value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
-}
-
-/// The pose that the `origin` of an element states; `None` if it is invalid.
-fn pose(node: Node) -> Option<[f64; 6]> {
-    let origin = child(node, "origin");
-    let stated = |name: &str| match origin.and_then(|origin| origin.attribute(name)) {
-        Some(text) => triple(text),
-        None => Some([0.0; 3]),
-    };
-    let ([x, y, z], [roll, pitch, yaw]) = (stated("xyz")?, stated("rpy")?);
-    Some([x, y, z, roll, pitch, yaw])
 }
 
 /// Edits of an `inertial`: the origin is the centre of mass, with the axes of the link.

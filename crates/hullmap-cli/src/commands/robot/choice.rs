@@ -87,7 +87,7 @@ impl Chooser<'_> {
                         Choice::Kept("--skip".to_owned())
                     }
                     Geometry::Primitive(_) if from_visual => Choice::Primitive,
-                    Geometry::Primitive(kind) => Choice::Kept(kind.clone()),
+                    Geometry::Primitive(primitive) => Choice::Kept(primitive.name.clone()),
                     Geometry::Other(reason) => Choice::Kept(reason.clone()),
                     Geometry::Mesh(mesh) => {
                         self.of_mesh(link, shape, mesh, configs, (&mut known, &mut names), &mut choices)?

@@ -3,8 +3,9 @@
 //! Second moments C = ∫ x xᵀ about the centroid follow linear maps: a mesh that is drawn by A has
 //! |det A| A C Aᵀ. The inertia tensor is tr(C) E − C.
 
-use glam::{DMat3, DQuat, DVec3, EulerRot};
+use glam::{DMat3, DVec3};
 use hullmap::MassProperties;
+use hullmap_robot::Frame;
 
 /// A mesh in a link: its mass properties at density 1, in its own frame, and how it is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -13,8 +14,8 @@ pub struct Body {
     pub own: MassProperties,
     /// Factors along the axes of the mesh.
     pub scale: [f64; 3],
-    /// Translation, then roll, pitch and yaw in radians.
-    pub pose: [f64; 6],
+    /// Its frame in the link's.
+    pub pose: Frame,
 }
 
 /// Centre of mass and inertia tensor about it, in the frame and the axes of the link, of bodies
@@ -37,13 +38,10 @@ pub fn inertia(bodies: &[Body], mass: f64) -> Option<(DVec3, DMat3)> {
 
 /// Volume, centroid, and second moments about it, in the frame of the link.
 fn placed(body: &Body) -> (f64, DVec3, DMat3) {
-    let [x, y, z, roll, pitch, yaw] = body.pose;
-    // Fixed axes x, y, z: the rotation about z is applied last.
-    let rotation = DMat3::from_quat(DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll));
-    let drawn = rotation * DMat3::from_diagonal(DVec3::from_array(body.scale));
+    let drawn = DMat3::from_quat(body.pose.rotation) * DMat3::from_diagonal(DVec3::from_array(body.scale));
     let factor = drawn.determinant().abs();
     let moments = DMat3::IDENTITY * (trace(body.own.inertia) / 2.0) - body.own.inertia;
-    let centre = drawn * body.own.center_of_mass + DVec3::new(x, y, z);
+    let centre = drawn * body.own.center_of_mass + body.pose.translation;
     (body.own.mass * factor, centre, drawn * moments * drawn.transpose() * factor)
 }
 
@@ -67,7 +65,7 @@ mod tests {
             inertia: DMat3::IDENTITY / 6.0,
             ..MassProperties::default()
         };
-        Body { own, scale, pose }
+        Body { own, scale, pose: Frame::of_xyz_rpy(pose) }
     }
 
     /// Inertia of a box about its centre, by the textbook.
