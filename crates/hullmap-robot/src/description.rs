@@ -39,6 +39,8 @@ impl Format {
 pub struct Description {
     /// Its format.
     pub format: Format,
+    /// The name of the robot; may be empty.
+    pub name: String,
     /// The file, then the files that it includes.
     pub documents: Vec<Document>,
     /// The links, in the order of the file; bodies in MJCF.
@@ -49,6 +51,8 @@ pub struct Description {
     pub notes: Vec<String>,
     /// How its joints move the links.
     pub chain: Chain,
+    /// Pairs of links whose contacts it excludes: `contact` / `exclude` of MJCF.
+    pub excluded: Vec<[usize; 2]>,
     /// Where names of meshes start.
     pub(crate) mesh_names: MeshNames,
     pub(crate) mjcf: Option<Model>,
@@ -101,6 +105,8 @@ pub struct Shape {
     pub pose: Option<Frame>,
     /// The bits by which MuJoCo decides which geoms meet: `contype` and `conaffinity`.
     pub contact_bits: [i32; 2],
+    /// Whether programs draw it: visuals, and geoms of a group that is shown by default.
+    pub is_drawn: bool,
     /// Why it must stay a single mesh, if so.
     pub stays_single: Option<String>,
     /// Where its element starts.
@@ -186,6 +192,13 @@ pub enum Change {
         /// Rows of the tensor about it, in the axes of the link.
         inertia: [[f64; 3]; 3],
     },
+    /// Contacts of pairs of links are excluded. Only in MJCF, and of bodies with names.
+    Exclude {
+        /// Indices of the links.
+        pairs: Vec<[usize; 2]>,
+        /// A comment before them.
+        comment: String,
+    },
     /// A collision is removed. Not in MJCF, where a geom may be drawn and have mass, too.
     Remove {
         /// Index of the link.
@@ -199,7 +212,7 @@ impl Change {
     /// The link, the shape, and the meshes; `None` if no shape changes.
     pub(crate) fn parts<'a>(&'a self, links: &'a [Link]) -> Option<(&'a Link, &'a Shape, Option<&'a [String]>)> {
         Some(match self {
-            Self::Inertia { .. } => return None,
+            Self::Inertia { .. } | Self::Exclude { .. } => return None,
             Self::Replace { link, collision, meshes } => {
                 (&links[*link], &links[*link].collisions[*collision], Some(meshes))
             }

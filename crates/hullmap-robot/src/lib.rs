@@ -16,6 +16,7 @@
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `chain`, `frame` | joints, and where they move links |
 //! | `solid` | sizes of primitives |
+//! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
 //! | `document` | bytes, encoding, and parsing within limits |
 //! | `lenient` | what robot programs accept and XML does not |
@@ -53,6 +54,7 @@ mod mjcf;
 mod places;
 mod sdf;
 mod solid;
+mod srdf;
 mod urdf;
 
 pub use chain::{COEFFICIENTS, Chain, Coupling, Displacement, Joint, Motion, Placement};
@@ -64,3 +66,4 @@ pub use frame::Frame;
 pub use glam;
 pub use places::{Places, Scheme, Unresolved, relative};
 pub use solid::{Primitive, Solid};
+pub use srdf::{DisabledPair, SRDF_FIRST_LINE, srdf};

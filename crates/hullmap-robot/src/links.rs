@@ -56,7 +56,7 @@ impl Dialect {
                 );
             }
             let shapes = |kind: &'static str| -> Vec<Shape> {
-                children(node, kind).map(|node| self.shape(node, document, places)).collect()
+                children(node, kind).map(|node| self.shape(node, kind == "visual", document, places)).collect()
             };
             let (collisions, visuals) = (shapes("collision"), shapes("visual"));
             let mass = (self.mass)(node);
@@ -65,7 +65,7 @@ impl Dialect {
         Ok(links)
     }
 
-    fn shape(&self, node: Node, document: &Document, places: &Places) -> Shape {
+    fn shape(&self, node: Node, is_drawn: bool, document: &Document, places: &Places) -> Shape {
         let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
         let geometry = match geometry {
             None => Geometry::Other("it has no geometry".to_owned()),
@@ -93,6 +93,7 @@ impl Dialect {
             geometry,
             pose,
             contact_bits: [1, 1],
+            is_drawn,
             stays_single: None,
             at,
         }
@@ -101,7 +102,7 @@ impl Dialect {
     /// The description of a single document.
     pub(crate) fn description(
         &self,
-        document: Document,
+        (name, document): (String, Document),
         links: Vec<Link>,
         references: BTreeSet<Reference>,
         notes: Vec<String>,
@@ -110,6 +111,8 @@ impl Dialect {
         let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
         Description {
             format: self.format,
+            name,
+            excluded: Vec::new(),
             documents: vec![document],
             links,
             references: references.into_iter().collect(),

@@ -58,8 +58,10 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
     let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, folder)).collect();
     let chain = joints::chain(tree.root_element(), &links, &document);
+    let model = tree.descendants().find(|node| node.has_tag_name("model"));
+    let name = model.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();
     drop(tree);
-    Ok(DIALECT.description(document, links, references, notes, chain))
+    Ok(DIALECT.description((name, document), links, references, notes, chain))
 }
 
 /// The name with those of the models that hold the link, except a single model.
@@ -113,7 +115,7 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
             names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
         match change {
             Change::Remove { .. } => edits.push(removed(node, text)),
-            Change::Inertia { .. } => {}
+            Change::Inertia { .. } | Change::Exclude { .. } => {}
             Change::Replace { .. } => {
                 let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
                 edits.extend(uri_of(node).map(|span| Edit::replace(span, escaped(first))));

@@ -39,8 +39,9 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let named = tree.descendants().filter_map(|node| node.attribute("filename"));
     let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, folder)).collect();
     let chain = joints::chain(tree.root_element(), &links, &document);
+    let name = tree.root_element().attribute("name").unwrap_or_default().to_owned();
     drop(tree);
-    Ok(DIALECT.description(document, links, references, Vec::new(), chain))
+    Ok(DIALECT.description((name, document), links, references, Vec::new(), chain))
 }
 
 /// The edits that make these changes.
@@ -65,7 +66,7 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
         let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
         match change {
             Change::Remove { .. } => edits.push(removed(node, text)),
-            Change::Inertia { .. } => {}
+            Change::Inertia { .. } | Change::Exclude { .. } => {}
             Change::Replace { .. } => {
                 let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
                 edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));

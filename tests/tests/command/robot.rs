@@ -11,7 +11,8 @@ use serde_json::Value;
 fn robots() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let source = workspace().join("tests/robots");
-    for name in ["arm.urdf", "arm.xml", "arm.sdf", "tip.xml", "wedge.urdf", "meshes/bracket.obj", "meshes/wedge.dae"] {
+    let descriptions = ["arm.urdf", "arm.xml", "arm.sdf", "tip.xml", "wedge.urdf", "crowd.xml", "crowd.urdf"];
+    for name in descriptions.into_iter().chain(["meshes/bracket.obj", "meshes/wedge.dae"]) {
         let target = folder.path().join("in").join(name);
         fs::create_dir_all(target.parent().unwrap()).unwrap();
         fs::copy(source.join(name), target).unwrap();
@@ -220,4 +221,95 @@ fn inputs_are_not_replaced_by_accident() {
     assert!(kept(&after) == kept(&before));
     run(folder.path(), "robot in/arm.urdf --out in --force").expect(0);
     run(folder.path(), "robot in/arm.urdf in/arm.xml --out in/x.urdf").expect(2);
+}
+
+/// The text of a section of a report page, without its tags.
+fn section(page: &str, id: &str) -> String {
+    let section = page.split(&format!("id=\"{id}\"")).nth(1).unwrap().split("</section>").next().unwrap();
+    let words = section.split('<').map(|tag| tag.split('>').next_back().unwrap().trim());
+    words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("|")
+}
+
+#[test]
+fn a_report_shows_links_joints_and_pairs_that_touch() {
+    let folder = robots();
+    let line = "robot in/crowd.urdf --out out --report page/r.html";
+    run(folder.path(), line).expect(0);
+    let page = fs::read_to_string(folder.path().join("page/r.html")).unwrap();
+    assert!(
+        !page.contains("http") && !page.contains(" src=\"/") && page.contains("connect") == page.contains("connected")
+    );
+    let touching = section(&page, "touching");
+    assert!(touching.contains("|first|third|touch|touch|") && !touching.contains("|second|fourth|"), "{touching}");
+    // A mesh of 6 volumes in a hull of 9: the worst link, and the only one with a bound.
+    let links = section(&page, "links");
+    let worst = links.split("uncovered, mm|").nth(1).unwrap();
+    assert!(worst.starts_with("tool|hull|1|1|10|"), "{links}");
+    let data = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let data: Value = serde_json::from_str(data).unwrap();
+    let joints = data["joints"].as_array().unwrap();
+    let names: Vec<&str> = joints.iter().map(|joint| joint["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["a", "b", "d", "e"], "a fixed joint has no slider");
+    assert_eq!((&joints[3]["leader"], &joints[3]["coefficients"][1]), (&Value::from(2), &Value::from(-0.5)));
+    let layers = |link: usize| -> Vec<&str> {
+        let shapes = data["links"][link]["shapes"].as_array().unwrap();
+        shapes.iter().map(|shape| shape["layer"].as_str().unwrap()).collect()
+    };
+    assert_eq!(layers(0), ["before", "before", "after", "after"]);
+    assert!(section(&page, "excluded").contains("|first|third|Default"), "what --exclude-pairs would write");
+    // Equal inputs give equal pages, and a page does not make its robot stale.
+    let again = run(folder.path(), &format!("{line} --json")).expect(0);
+    assert_eq!(again.json()[0]["status"], "fresh");
+    assert_eq!(fs::read_to_string(folder.path().join("page/r.html")).unwrap(), page);
+    run(folder.path(), "robot in/crowd.urdf in/arm.urdf --out out --report r.html").expect(2);
+    run(folder.path(), &format!("{line} --check")).expect(2);
+}
+
+/// The bracket protrudes from its solid by the most at the middle of the slope over its corner.
+#[test]
+fn protrusion_of_a_hull_is_reported_in_millimetres_of_the_robot() {
+    let folder = robots();
+    run(folder.path(), "robot in/crowd.urdf --out out --report r.html").expect(0);
+    let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
+    let links = section(&page, "links");
+    let cells: Vec<&str> = links.split("|tool|").nth(1).unwrap().split('|').collect();
+    // A foot of 4 x 1 x 1 and a post of 1 x 1 x 2 on it. The slope from (1, 3) to (4, 1) has the points
+    // (1 + 3 t, 3 - 2 t), at 3 t from the post and 2 - 2 t from the foot: the most is 1.2, of 50 mm.
+    let bound: f64 = cells[5].parse().unwrap();
+    assert!((60.0..60.6).contains(&bound), "{links}");
+}
+
+#[test]
+fn pairs_are_excluded_once() {
+    let folder = robots();
+    let line = "robot in/crowd.urdf in/crowd.xml --out out --exclude-pairs --json";
+    let rows = run(folder.path(), line).expect(0).json();
+    let pairs = |row: &Value| -> Vec<String> {
+        let pairs = row["excluded_pairs"].as_array().unwrap().iter();
+        let words = pairs.map(|pair| format!("{} {} {}", pair["links"][0], pair["links"][1], pair["reason"]));
+        words.map(|words| words.replace('"', "")).collect()
+    };
+    assert_eq!(pairs(&rows[1]), ["first third Default"], "fourth and second are excluded already");
+    let urdf = pairs(&rows[0]);
+    assert!(urdf.contains(&"second tool Adjacent".to_owned()), "by way of a fixed joint: {urdf:?}");
+    assert!(urdf.contains(&"second fourth Never".to_owned()), "half a metre apart: {urdf:?}");
+    let text = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let srdf = text("crowd.srdf");
+    assert_eq!(srdf.matches("<disable_collisions ").count(), urdf.len());
+    assert!(srdf.contains("<robot name=\"crowd\">") && srdf.contains("10000 random configurations (seed 0)"));
+    let mjcf = text("crowd.xml");
+    let added = "\n    <exclude body1=\"first\" body2=\"third\"/>\n  </contact>\n</mujoco>";
+    assert!(mjcf.contains(added), "{mjcf}");
+    let again = run(folder.path(), line).expect(0);
+    assert!(again.json().iter().all(|row| row["status"] == "fresh"), "{}", again.stdout);
+    let own = run(folder.path(), "robot out/crowd.xml --out out --exclude-pairs --json").expect(0);
+    assert_eq!((&own.json()[0]["status"], pairs(&own.json()[0]).len()), (&Value::from("fresh"), 0), "{}", own.stdout);
+    // Without samples, nothing is always or never so.
+    let few = run(folder.path(), "robot in/crowd.urdf --out few --exclude-pairs --samples 0 --json").expect(0);
+    assert!(pairs(&few.json()[0]).iter().all(|pair| !pair.ends_with("Never")));
+    // An SRDF file of the user's own.
+    fs::write(folder.path().join("out/crowd.srdf"), "<robot name='crowd'><group name='arm'/></robot>").unwrap();
+    let refused = run(folder.path(), line).expect(2);
+    assert!(refused.stderr.contains("crowd.srdf: exists, and was not written by bake"), "{}", refused.stderr);
+    run(folder.path(), "robot in/arm.sdf --out out --exclude-pairs").expect(2);
 }

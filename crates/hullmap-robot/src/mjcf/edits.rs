@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::excludes::exclude;
 use super::model::Geom;
 use super::tree::{Element, Tree};
 use crate::description::{Change, Description};
@@ -34,6 +35,9 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
     let named = tree.all().filter(|element| element.name() == "geom").filter_map(|geom| geom.node.attribute("name"));
     let mut geoms: BTreeSet<String> = named.map(str::to_owned).collect();
     for change in changes {
+        if let Change::Exclude { pairs, comment } = change {
+            result[0].extend(exclude(&tree, documents[0].text(), &description.links, pairs, comment));
+        }
         let Some((_, shape, meshes)) = change.parts(&description.links) else { continue };
         let key = (shape.document, shape.at);
         let (Some(&element), Some(geom)) = (nodes.get(&key), model.geoms.get(&key)) else { continue };
@@ -41,7 +45,7 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
         let writer = Writer { element, text: documents[shape.document].text() };
         let own = &mut result[shape.document];
         match change {
-            Change::Remove { .. } | Change::Inertia { .. } => {}
+            Change::Remove { .. } | Change::Inertia { .. } | Change::Exclude { .. } => {}
             Change::Replace { .. } => writer.replace(geom, &names, &mut geoms, own),
             Change::FromVisual { meshes: None, .. } => own.push(writer.as_collision(None)),
             Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),

@@ -9,6 +9,7 @@
 
 mod classes;
 mod edits;
+mod excludes;
 mod joints;
 pub(crate) mod model;
 mod pose;
@@ -99,13 +100,26 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let (links, geoms, chain) = reader.bodies()?;
     let references = references(&reader, &folder);
     let notes = reader.notes();
+    let name = reader.tree.root().node.attribute("model").unwrap_or_default().to_owned();
+    let excluded = excludes::excluded(&reader.tree, &links);
     let mesh_names = MeshNames { scheme: None, folder: compiler.folder("meshdir").to_owned(), strips };
     drop(reader);
     drop(compiler);
     drop(parsed);
     let mjcf = Some(Model { includes, geoms });
     let chain = chain.without_circular_couplings();
-    Ok(Description { format: Format::Mjcf, documents, links, references, notes, chain, mesh_names, mjcf })
+    Ok(Description {
+        format: Format::Mjcf,
+        name,
+        documents,
+        links,
+        references,
+        notes,
+        chain,
+        excluded,
+        mesh_names,
+        mjcf,
+    })
 }
 
 /// The meshes of the assets, by name.
@@ -321,6 +335,7 @@ impl<'a> Reader<'a> {
             geometry,
             pose: own.map(|own| frame * own),
             contact_bits,
+            is_drawn,
             stays_single: pinned.map(|by| format!("an element `{by}` names the geom")),
             at,
         };

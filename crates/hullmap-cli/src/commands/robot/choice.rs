@@ -1,12 +1,11 @@
 //! What becomes of each collision: a hull, parts, or what it is.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use hullmap_import::open_regular;
 use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Unresolved};
 
+use super::files::starts_with;
 use super::target::Target;
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
 use crate::config::{Chosen, Configs};
@@ -58,6 +57,14 @@ pub struct Choices {
     pub warnings: Vec<String>,
     /// Faults of the description, each with its line.
     pub errors: Vec<String>,
+}
+
+impl Choices {
+    /// The shape that a choice is about.
+    pub fn shape<'d>(&self, own: &ShapeChoice, description: &'d Description) -> &'d Shape {
+        let link = &description.links[own.link];
+        if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] }
+    }
 }
 
 /// Chooses for each collision of a description.
@@ -222,9 +229,7 @@ fn name(file: &Path, taken: &mut BTreeSet<String>) -> String {
 /// Whether a mesh was written by bake: hulls are not baked again, so that a second run changes
 /// nothing.
 fn is_own(file: &Path) -> bool {
-    let mut start = Vec::new();
-    let read = open_regular(file).and_then(|file| file.take(obj::FIRST_LINE.len() as u64).read_to_end(&mut start));
-    read.is_ok() && start == obj::FIRST_LINE.as_bytes()
+    starts_with(file, obj::FIRST_LINE)
 }
 
 fn set(layer: &mut OptionLayer, key: &str, value: Value) {
