@@ -461,16 +461,14 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
-    /// Replace the inertia of links by that of their meshes, for the mass that they state; URDF
-    /// and SDF
+    /// Replace the inertia of links by that of their meshes, for the mass that they state
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose, or always: in MJCF by
     /// `exclude`, of URDF in an SRDF file beside the output
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
-    /// Number of random configurations in which pairs of links are tested, for --exclude-pairs and
-    /// --report
+    /// Number of random configurations for the tests of pairs of links
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
     pub samples: u32,
     /// Seed of these configurations

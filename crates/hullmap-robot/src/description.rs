@@ -86,7 +86,7 @@ pub struct Link {
     pub(crate) at: usize,
     /// Whether a collision may be made from its visuals.
     pub takes_visuals: bool,
-    /// The mass that it states; not read in MJCF.
+    /// The mass that it states; in MJCF in `inertial`.
     pub mass: Option<f64>,
 }
 
@@ -183,7 +183,7 @@ pub enum Change {
         /// Names of the meshes; `None` for a primitive.
         meshes: Option<Vec<String>>,
     },
-    /// The inertia of a link that states its mass is replaced. Only in URDF.
+    /// The inertia of a link that states its mass is replaced.
     Inertia {
         /// Index of the link.
         link: usize,
@@ -199,7 +199,8 @@ pub enum Change {
         /// A comment before them.
         comment: String,
     },
-    /// A collision is removed. Not in MJCF, where a geom may be drawn and have mass, too.
+    /// A collision is removed. In MJCF, a geom that is drawn, has mass or is named by another
+    /// element stays, and does not collide any more.
     Remove {
         /// Index of the link.
         link: usize,

@@ -240,7 +240,8 @@ impl<'a> Reader<'a> {
             let message = format!("body `{name}` exists already, in line {first}; rename one of them");
             return Err(document.error(at, message));
         }
-        let has_inertial = self.tree.children(body).iter().any(|child| child.name() == "inertial");
+        let inertial = self.tree.children(body).into_iter().find(|child| child.name() == "inertial");
+        let has_inertial = inertial.is_some();
         let counts_mass = !is_world
             && (self.compiler.is("inertiafromgeom", "true")
                 || !has_inertial && !self.compiler.is("inertiafromgeom", "false"));
@@ -250,8 +251,10 @@ impl<'a> Reader<'a> {
             geoms.insert((geom.element.document, shape.at), facts);
             if collides { collisions.push(shape) } else { visuals.push(shape) }
         }
+        let mass = inertial.and_then(|own| own.node.attribute("mass")?.trim().parse().ok());
+        let mass = mass.filter(|mass: &f64| !counts_mass && *mass > 0.0 && mass.is_finite());
         let takes_visuals = !is_world;
-        Ok(Link { name, document: body.document, line, at, collisions, visuals, takes_visuals, mass: None })
+        Ok(Link { name, document: body.document, line, at, collisions, visuals, takes_visuals, mass })
     }
 
     fn joint(&self, link: usize, joint: Inside) -> Joint {
@@ -328,6 +331,7 @@ impl<'a> Reader<'a> {
         let is_drawn = number("group", 0) < FIRST_HIDDEN_GROUP;
         let at = geom.node.range().start;
         let own = ends.map(|(own, _)| own).or_else(|| self.compiler.angles().frame(get));
+        let is_named = pinned.is_some();
         let shape = Shape {
             name,
             document: geom.document,
@@ -340,7 +344,7 @@ impl<'a> Reader<'a> {
             at,
         };
         let asset = mesh.map(|(_, asset)| (asset.element.document, asset.element.node.range().start));
-        (shape, Geom { keeps_copy: is_drawn || counts_mass && has_mass, asset }, collides)
+        (shape, Geom { keeps_copy: is_drawn || counts_mass && has_mass, is_named, asset }, collides)
     }
 
     fn mesh(&self, asset: &Asset) -> Geometry {

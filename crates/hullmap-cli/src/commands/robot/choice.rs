@@ -84,8 +84,10 @@ impl Chooser<'_> {
         let (mut known, mut names) = (BTreeMap::new(), self.names_of_sources());
         for (index, link) in self.description.links.iter().enumerate() {
             let from_visual = self.takes_visuals(link);
-            for shape in 0..if from_visual { link.collisions.len() } else { 0 } {
-                choices.shapes.push(ShapeChoice { link: index, shape, from_visual: false, choice: Choice::Removed });
+            for (shape, own) in link.collisions.iter().enumerate().filter(|_| from_visual) {
+                // A geom that is named by another element, a pair for instance, keeps its contacts.
+                let choice = own.stays_single.clone().map_or(Choice::Removed, Choice::Kept);
+                choices.shapes.push(ShapeChoice { link: index, shape, from_visual: false, choice });
             }
             let shapes = if from_visual { &link.visuals } else { &link.collisions };
             for (shape_index, shape) in shapes.iter().enumerate() {
@@ -113,7 +115,7 @@ impl Chooser<'_> {
         link.takes_visuals
             && match self.args.from_visual {
                 FromVisual::Missing => link.collisions.is_empty(),
-                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped,
+                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped && !has_only_hulls(link),
                 FromVisual::Never => false,
             }
     }
@@ -195,6 +197,14 @@ impl Chooser<'_> {
         });
         meshes.map(|mesh| stem(Path::new(&mesh.written)).to_lowercase()).filter(|stem| is_ending(stem)).collect()
     }
+}
+
+/// Whether all collisions of a link were made by an earlier run.
+fn has_only_hulls(link: &Link) -> bool {
+    link.collisions.iter().all(|shape| match &shape.geometry {
+        Geometry::Mesh(mesh) => mesh.file.as_ref().is_ok_and(|file| is_own(file)),
+        _ => false,
+    })
 }
 
 /// Whether a glob matches the name of a link.

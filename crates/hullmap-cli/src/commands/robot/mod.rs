@@ -30,7 +30,7 @@ use std::time::Instant;
 
 use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, SRDF_FIRST_LINE, escaped, relative};
 
-use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
+use crate::args::{DECIDED_BY_ROBOTS, RobotArgs};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::interrupt;
@@ -154,15 +154,6 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
     let places = Places { packages: args.packages.clone(), roots };
     let description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
-    if args.from_visual == FromVisual::Always && description.format == Format::Mjcf {
-        let message =
-            "--from-visual always is for URDF and SDF: in MJCF a geom that collides may be drawn and have mass, too";
-        return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
-    }
-    if args.inertia && description.format == Format::Mjcf {
-        let message = "--inertia is for URDF and SDF; remove the flag, or set the inertia in the file";
-        return Err(one(Failure::usage(format!("{}: {message}", input.display()))));
-    }
     if args.exclude_pairs && description.format == Format::Sdf {
         let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
         return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
@@ -401,7 +392,7 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
         let body = |own: &choice::ShapeChoice| {
             let shape = choices.shape(own, description);
             let (Choice::Job(job), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
-            Some(inertia::Body { own: hulls[*job].mass?, scale: mesh.scale, pose: shape.pose? })
+            Some(inertia::Body { own: hulls[*job].mass?, mesh: mesh.clone(), pose: shape.pose? })
         };
         let bodies: Option<Vec<inertia::Body>> = own.map(body).collect();
         match bodies.and_then(|bodies| inertia::inertia(&bodies, mass)) {
