@@ -136,6 +136,17 @@ pub struct MeshUse {
     /// The frame in which the mesh is drawn and scaled, in that of its file: `refpos` and
     /// `refquat` of MJCF.
     pub reference: Frame,
+    /// The part of the file that is meant, of SDF; `None` for the whole file.
+    pub submesh: Option<Submesh>,
+}
+
+/// A part of a mesh file.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Submesh {
+    /// Its name in the file.
+    pub name: String,
+    /// Whether it is moved so that the centre of its box is the origin.
+    pub is_centered: bool,
 }
 
 impl MeshUse {
@@ -293,7 +304,7 @@ pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places,
         Err(fault) => ([1.0; 3], Some(fault)),
     };
     let file = fault.map_or_else(|| places.resolve(written, folder), |fault| Err(Unresolved::Failed(fault)));
-    MeshUse { written: written.to_owned(), file, scale, reference: Frame::IDENTITY }
+    MeshUse { written: written.to_owned(), file, scale, reference: Frame::IDENTITY, submesh: None }
 }
 
 /// A reference to an existing file by a relative path.

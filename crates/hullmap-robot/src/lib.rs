@@ -58,7 +58,7 @@ mod srdf;
 mod urdf;
 
 pub use chain::{COEFFICIENTS, Chain, Coupling, Displacement, Joint, Motion, Placement};
-pub use description::{Change, Description, Format, Geometry, Link, MeshUse, Reference, Shape};
+pub use description::{Change, Description, Format, Geometry, Link, MeshUse, Reference, Shape, Submesh};
 pub use document::Document;
 pub use element::escaped;
 pub use error::RobotError;

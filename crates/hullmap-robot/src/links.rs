@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use crate::chain::Chain;
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, scheme_of,
+    Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, folder_of, mesh_use, scheme_of,
 };
 use crate::document::Document;
 use crate::element::{child, children};
@@ -22,8 +22,10 @@ pub(crate) struct Dialect {
     pub(crate) primitives: &'static [&'static str],
     /// The name of a link in messages, from its element and the name there.
     pub(crate) link_name: fn(Node, &str) -> String,
-    /// The file and the scale that a `mesh` element states, or why it cannot be used.
-    pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> Result<[Option<&'a str>; 2], String>,
+    /// The file and the scale that a `mesh` element states.
+    pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> [Option<&'a str>; 2],
+    /// The part of the file that a `mesh` element states.
+    pub(crate) submesh: fn(Node) -> Option<Submesh>,
     /// The pose of an element in its link; `None` if it is not known.
     pub(crate) pose: fn(Node) -> Option<Frame>,
     /// The numbers of an attribute or element of a primitive; none if there is no such.
@@ -70,12 +72,11 @@ impl Dialect {
         let geometry = match geometry {
             None => Geometry::Other("it has no geometry".to_owned()),
             Some(element) => match element.tag_name().name() {
-                "mesh" => match (self.mesh)(element) {
-                    Ok([file, scale]) => {
-                        Geometry::Mesh(mesh_use(file.unwrap_or_default(), scale, places, folder_of(document.path())))
-                    }
-                    Err(reason) => Geometry::Other(reason),
-                },
+                "mesh" => {
+                    let [file, scale] = (self.mesh)(element);
+                    let own = mesh_use(file.unwrap_or_default(), scale, places, folder_of(document.path()));
+                    Geometry::Mesh(MeshUse { submesh: (self.submesh)(element), ..own })
+                }
                 name if self.primitives.contains(&name) => {
                     let solid = Solid::of_lengths(name, |size| (self.sizes)(element, size));
                     Geometry::Primitive(Primitive { name: name.to_owned(), solid })

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Unresolved};
+use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Submesh, Unresolved};
 
 use super::files::starts_with;
 use super::target::Target;
@@ -23,8 +23,8 @@ const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
 /// What becomes of a shape.
 #[derive(Debug)]
 pub enum Choice {
-    /// Hulls of the pack of this job.
-    Job(usize),
+    /// These hulls: an index among [`Choices::hulls`].
+    Hulls(usize),
     /// A primitive that is drawn becomes a collision.
     Primitive,
     /// A collision gives way to those from visuals.
@@ -46,13 +46,37 @@ pub struct ShapeChoice {
     pub choice: Choice,
 }
 
+/// Hulls of a job that stand for one mesh.
+#[derive(Debug)]
+pub struct HullsOf {
+    /// Index of the job.
+    pub job: usize,
+    /// Stem of the names of their files.
+    pub stem: String,
+    /// The mesh.
+    pub mesh: MeshUse,
+}
+
+/// Names and jobs that were given.
+#[derive(Default)]
+struct Known {
+    /// By file and options.
+    jobs: BTreeMap<(PathBuf, String), usize>,
+    /// By job and submesh.
+    hulls: BTreeMap<(usize, Option<Submesh>), usize>,
+    /// Stems that are taken.
+    stems: BTreeSet<String>,
+}
+
 /// The choices for a description, and the bakes that they need.
 #[derive(Debug, Default)]
 pub struct Choices {
     /// In the order of the description.
     pub shapes: Vec<ShapeChoice>,
-    /// One for each mesh and set of options.
+    /// One for each file and set of options.
     pub jobs: Vec<Job>,
+    /// One for each mesh and set of options.
+    pub hulls: Vec<HullsOf>,
     /// Findings to act on.
     pub warnings: Vec<String>,
     /// Faults of the description, each with its line.
@@ -81,7 +105,7 @@ impl Chooser<'_> {
     /// All choices. Fails if a `hullmap.toml` cannot be read.
     pub fn choose(&self, configs: &mut Configs) -> Result<Choices, Failure> {
         let mut choices = Choices::default();
-        let (mut known, mut names) = (BTreeMap::new(), self.names_of_sources());
+        let mut known = Known { stems: self.names_of_sources(), ..Known::default() };
         for (index, link) in self.description.links.iter().enumerate() {
             let from_visual = self.takes_visuals(link);
             for (shape, own) in link.collisions.iter().enumerate().filter(|_| from_visual) {
@@ -98,9 +122,7 @@ impl Chooser<'_> {
                     Geometry::Primitive(_) if from_visual => Choice::Primitive,
                     Geometry::Primitive(primitive) => Choice::Kept(primitive.name.clone()),
                     Geometry::Other(reason) => Choice::Kept(reason.clone()),
-                    Geometry::Mesh(mesh) => {
-                        self.of_mesh(link, shape, mesh, configs, (&mut known, &mut names), &mut choices)?
-                    }
+                    Geometry::Mesh(mesh) => self.of_mesh(link, shape, mesh, configs, &mut known, &mut choices)?,
                 };
                 choices.shapes.push(ShapeChoice { link: index, shape: shape_index, from_visual, choice });
             }
@@ -126,7 +148,7 @@ impl Chooser<'_> {
         shape: &Shape,
         mesh: &MeshUse,
         configs: &mut Configs,
-        (known, names): (&mut BTreeMap<(PathBuf, String), usize>, &mut BTreeSet<String>),
+        known: &mut Known,
         choices: &mut Choices,
     ) -> Result<Choice, Failure> {
         let place = || format!("{}:{}", self.description.documents[shape.document].path().display(), shape.line);
@@ -167,10 +189,13 @@ impl Chooser<'_> {
             set(&mut layer, "decompose", Value::Switch(false));
         }
         scale_lengths(&mut layer, mesh.stretch());
+        if mesh.submesh.is_some() {
+            set(&mut layer, "split", Value::Word("object"));
+        }
         let options = layer.resolve();
         let canonical = file.canonicalize().unwrap_or_else(|_| file.clone());
-        let job = *known.entry((canonical, options.to_string())).or_insert_with(|| {
-            let output = self.target.meshes.join(format!("{}.hullmap", name(file, names)));
+        let job = *known.jobs.entry((canonical, options.to_string())).or_insert_with(|| {
+            let output = self.target.meshes.join(format!("{}.hullmap", name(&stem(file), &mut known.stems)));
             choices.jobs.push(Job {
                 source: file.clone(),
                 place: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -184,7 +209,16 @@ impl Chooser<'_> {
             });
             choices.jobs.len() - 1
         });
-        Ok(Choice::Job(job))
+        let hulls = *known.hulls.entry((job, mesh.submesh.clone())).or_insert_with(|| {
+            let output = &choices.jobs[job].output;
+            let stem = match &mesh.submesh {
+                None => stem(output),
+                Some(submesh) => name(&format!("{}_{}", stem(output), submesh.name), &mut known.stems),
+            };
+            choices.hulls.push(HullsOf { job, stem, mesh: mesh.clone() });
+            choices.hulls.len() - 1
+        });
+        Ok(Choice::Hulls(hulls))
     }
 
     /// Stems that hulls must not have: programs that remove folders from names, as MuJoCo does in
@@ -221,9 +255,9 @@ fn is_ending(stem: &str) -> bool {
     stem.ends_with("_hull") || stem.contains("_part_")
 }
 
-/// The name of a mesh's pack: its stem, or with a number if that is taken.
-fn name(file: &Path, taken: &mut BTreeSet<String>) -> String {
-    let stem = token(&stem(file));
+/// The stem of a pack or of hulls: that of the mesh, or with a number if that is taken.
+fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
+    let stem = token(stem);
     let numbered = (2_u32..).map(|number| format!("{stem}_{number}"));
     let is_free = |name: &String| {
         let lower = name.to_lowercase();

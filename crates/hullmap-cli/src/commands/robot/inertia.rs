@@ -70,7 +70,7 @@ mod tests {
             ..MassProperties::default()
         };
         let (written, file) = (String::new(), Err(Unresolved::Remote));
-        let mesh = MeshUse { written, file, scale, reference: Frame::IDENTITY };
+        let mesh = MeshUse { written, file, scale, reference: Frame::IDENTITY, submesh: None };
         Body { own, mesh, pose: Frame::of_xyz_rpy(pose) }
     }
 

@@ -46,7 +46,7 @@ use crate::runner::rows as build_rows;
 use crate::terminal::Output;
 use choice::{Choice, Choices, Chooser};
 use files::State;
-use hulls::{Hulls, read_hulls};
+use hulls::{Fault, Hulls, read_hulls};
 use meshes::Meshes;
 use pairs::{Pairs, Sampling};
 use rows::{Collision, ExcludedPair, Row, Status};
@@ -229,12 +229,13 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         row.reason = own.reason.as_ref().map(|reason| format!("{}: {reason}", own.source));
         return Ok(Exit::Rejected);
     }
-    let mut hulls: Vec<Hulls> = choices.jobs.iter().map(read_hulls).collect::<Result<_, _>>()?;
+    let mut meshes = Meshes::new(args.limits.limits());
+    let read = choices.hulls.iter().map(|own| read_hulls(&choices.jobs, own, &mut meshes));
+    let mut hulls: Vec<Hulls> = read.collect::<Result<_, _>>()?;
     let mut changes = changes(&description, &target, &choices, &hulls, row)?;
     if args.inertia {
         changes.extend(inertias(&description, &choices, &hulls, row));
     }
-    let mut meshes = Meshes::new(args.limits.limits());
     let mut outputs = Vec::new();
     let mut page = None;
     if args.exclude_pairs || args.report.is_some() {
@@ -251,7 +252,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         }
     }
     let documents = description.changed(&changes).map_err(|error| failure(&error))?;
-    outputs.extend(hulls.iter_mut().filter(|own| !own.is_flat).flat_map(|own| std::mem::take(&mut own.files)));
+    outputs.extend(hulls.iter_mut().filter(|own| own.fault.is_none()).flat_map(|own| std::mem::take(&mut own.files)));
     outputs.extend(copies(&description, &target, &documents)?);
     let texts = described(&description, &target, documents)?;
     outputs.extend(texts);
@@ -345,16 +346,18 @@ fn changes(
                 collision.action = "primitive";
                 changes.push(Change::FromVisual { link: link_index, visual: index, meshes: None });
             }
-            Choice::Job(job) if hulls[*job].is_flat => {
-                let source = shown(&choices.jobs[*job].source);
-                row.warnings.push(format!(
-                    "{source}: its hull is flat, and programs reject flat meshes, so link `{}` keeps it; give the mesh a thickness, or use a box",
-                    link.name
-                ));
-                (collision.reason, collision.source) = (Some("its hull is flat".to_owned()), Some(source));
-            }
-            Choice::Job(job) => {
-                let own_hulls = &hulls[*job];
+            Choice::Hulls(at) => {
+                let own_hulls = &hulls[*at];
+                collision.source = Some(shown(&choices.jobs[choices.hulls[*at].job].source));
+                if let Some(fault) = &own_hulls.fault {
+                    let Fault { reason, remedy } = fault;
+                    let source = collision.source.as_deref().unwrap_or_default();
+                    let name = &link.name;
+                    row.warnings.push(format!("{source}: {reason}, so link `{name}` keeps it; {remedy}"));
+                    collision.reason = Some(reason.clone());
+                    row.collisions.push(collision);
+                    continue;
+                }
                 let name = |file: &files::Output| description.mesh_name(&file.path, &target.folder);
                 let meshes: Vec<String> =
                     own_hulls.files.iter().map(name).collect::<Result<_, _>>().map_err(|error| failure(&error))?;
@@ -364,7 +367,6 @@ fn changes(
                 };
                 let millimetres = |bound: Option<f64>| bound.map(|bound| bound * stretch * 1000.0);
                 collision.action = if own_hulls.is_parts { "parts" } else { "hull" };
-                collision.source = Some(shown(&choices.jobs[*job].source));
                 collision.pack = Some(shown(&own_hulls.file));
                 collision.meshes.clone_from(&meshes);
                 collision.vertices = Some(own_hulls.vertices);
@@ -391,8 +393,8 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
         let own = choices.shapes.iter().filter(|own| own.link == index && !matches!(own.choice, Choice::Removed));
         let body = |own: &choice::ShapeChoice| {
             let shape = choices.shape(own, description);
-            let (Choice::Job(job), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
-            Some(inertia::Body { own: hulls[*job].mass?, mesh: mesh.clone(), pose: shape.pose? })
+            let (Choice::Hulls(own), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
+            Some(inertia::Body { own: hulls[*own].mass?, mesh: mesh.clone(), pose: shape.pose? })
         };
         let bodies: Option<Vec<inertia::Body>> = own.map(body).collect();
         match bodies.and_then(|bodies| inertia::inertia(&bodies, mass)) {

@@ -8,7 +8,7 @@ use glam::DVec3;
 use hullmap_report::input::Remarks;
 use hullmap_report::robot as report;
 use hullmap_report::{DisplayMesh, robot_page};
-use hullmap_robot::{Chain, Description, Frame, Geometry, Joint, MeshUse, Motion, Shape, Solid};
+use hullmap_robot::{Chain, Description, Frame, Geometry, Joint, MeshUse, Motion, Shape, Solid, Submesh};
 
 use super::choice::{Choice, Choices, ShapeChoice};
 use super::hulls::Hulls;
@@ -21,13 +21,19 @@ use crate::geometry::polygons;
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
     /// A file.
-    File(PathBuf),
+    File(FileKey),
     /// The hull of a file.
-    HullOf(PathBuf),
-    /// A hull of a job.
+    HullOf(FileKey),
+    /// One of several hulls.
     Hull(usize, usize),
     /// A primitive.
     Solid(String),
+}
+
+type FileKey = (PathBuf, Option<Submesh>);
+
+fn key(mesh: &MeshUse) -> Option<FileKey> {
+    Some((mesh.file.as_ref().ok()?.clone(), mesh.submesh.clone()))
 }
 
 /// Gathers what the page draws.
@@ -36,7 +42,7 @@ pub struct Gatherer<'a> {
     pub description: &'a Description,
     /// What becomes of its collisions.
     pub choices: &'a Choices,
-    /// The packs of the jobs.
+    /// The hulls of the meshes.
     pub hulls: &'a [Hulls],
     /// Mesh files.
     pub meshes: &'a mut Meshes,
@@ -140,14 +146,14 @@ impl Canvas<'_> {
         let shape = self.gatherer.choices.shape(own, self.gatherer.description);
         match own.choice {
             Choice::Removed => None,
-            Choice::Job(job) if self.gatherer.hulls[job].is_parts => None,
+            Choice::Hulls(own) if self.gatherer.hulls[own].is_parts => None,
             _ => self.hull_protrusion_mm(shape),
         }
     }
 
     fn hull_protrusion_mm(&mut self, shape: &Shape) -> Option<f64> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return None };
-        let protrusion = self.gatherer.meshes.get(mesh.file.as_ref().ok()?)?.protrusion()?;
+        let protrusion = self.gatherer.meshes.get(mesh)?.protrusion()?;
         Some(protrusion * mesh.stretch() * 1000.0)
     }
 
@@ -156,11 +162,11 @@ impl Canvas<'_> {
         let shape = self.gatherer.choices.shape(own, self.gatherer.description);
         match (&own.choice, &shape.geometry) {
             (Choice::Removed, _) => Vec::new(),
-            (Choice::Job(job), Geometry::Mesh(mesh)) if !self.gatherer.hulls[*job].is_flat => {
-                let pack = self.gatherer.hulls[*job].pack.clone();
+            (Choice::Hulls(index), Geometry::Mesh(mesh)) if self.gatherer.hulls[*index].fault.is_none() => {
+                let pack = self.gatherer.hulls[*index].pack.clone();
                 let place = |(part, hull): (usize, hullmap::Hull)| {
                     let drawn = || DisplayMesh::of_hull(&hull, &polygons(&hull));
-                    self.placed(Key::Hull(*job, part), drawn, mesh, shape, report::Layer::After)
+                    self.placed(Key::Hull(*index, part), drawn, mesh, shape, report::Layer::After)
                 };
                 pack.hulls().enumerate().filter_map(place).collect()
             }
@@ -171,19 +177,17 @@ impl Canvas<'_> {
     /// A shape as it is drawn.
     fn as_is(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_solid(shape, layer) };
-        let file = mesh.file.as_ref().ok()?;
-        let own = self.gatherer.meshes.get(file)?;
-        self.placed(Key::File(file.clone()), || own.display.clone(), mesh, shape, layer)
+        let own = self.gatherer.meshes.get(mesh)?;
+        self.placed(Key::File(key(mesh)?), || own.display.clone(), mesh, shape, layer)
     }
 
     /// A shape as engines take it: a mesh by its hull.
     fn as_hull(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_solid(shape, layer) };
-        let file = mesh.file.as_ref().ok()?;
-        let own = self.gatherer.meshes.get(file)?;
+        let own = self.gatherer.meshes.get(mesh)?;
         let pack = own.hull().ok()?;
         let hull = pack.hull(0).ok()?;
-        self.placed(Key::HullOf(file.clone()), || DisplayMesh::of_hull(&hull, &polygons(&hull)), mesh, shape, layer)
+        self.placed(Key::HullOf(key(mesh)?), || DisplayMesh::of_hull(&hull, &polygons(&hull)), mesh, shape, layer)
     }
 
     fn as_solid(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {

@@ -142,8 +142,8 @@ fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: 
         let shape = choices.shape(own, description);
         let pieces = match (&own.choice, &shape.geometry) {
             (Choice::Removed, _) => Vec::new(),
-            (Choice::Job(job), Geometry::Mesh(mesh)) if !hulls[*job].is_flat => {
-                pieces(shape, bodies::hulls(&hulls[*job].pack, mesh).unwrap_or_default())
+            (Choice::Hulls(own), Geometry::Mesh(mesh)) if hulls[*own].fault.is_none() => {
+                pieces(shape, bodies::hulls(&hulls[*own].pack, mesh).unwrap_or_default())
             }
             _ => as_engines_do(shape, meshes),
         };
@@ -158,8 +158,7 @@ fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: 
 fn as_engines_do(shape: &Shape, meshes: &mut Meshes) -> Vec<Piece> {
     let shapes = match &shape.geometry {
         Geometry::Mesh(mesh) => {
-            let own = mesh.file.as_ref().ok().and_then(|file| meshes.get(file));
-            own.and_then(|own| bodies::hulls(own.hull().ok()?, mesh).ok()).unwrap_or_default()
+            meshes.get(mesh).and_then(|own| bodies::hulls(own.hull().ok()?, mesh).ok()).unwrap_or_default()
         }
         Geometry::Primitive(primitive) => {
             primitive.solid.and_then(|solid| bodies::solid(solid).ok()).into_iter().collect()
