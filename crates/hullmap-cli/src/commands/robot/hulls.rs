@@ -69,13 +69,15 @@ pub fn read_hulls(jobs: &[Job], own: &HullsOf, meshes: &mut Meshes) -> Result<Hu
         reason: "its hull is flat, and programs reject flat meshes".to_owned(),
         remedy: "give the mesh a thickness, or use a box",
     });
-    let pack = match &own.mesh.submesh {
+    if let Some(submesh) = own.mesh.submesh.as_ref().filter(|_| meant.is_empty()) {
+        fault = Some(no_submesh(submesh, &names));
+    }
+    let pack = match own.mesh.submesh.as_ref().filter(|_| fault.is_none()) {
         None => {
             drop(meant);
             Arc::new(whole)
         }
         Some(submesh) => {
-            fault = fault.or_else(|| meant.is_empty().then(|| no_submesh(submesh, &names)));
             let centre = meshes.get(&own.mesh).filter(|_| submesh.is_centered).map_or(DVec3::ZERO, |mesh| mesh.moved);
             if let Some(mass) = &mut mass {
                 mass.center_of_mass -= centre;
