@@ -464,10 +464,22 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
-    /// Replace the inertia of links by that of their meshes, for the mass that they state; URDF
-    /// and SDF
+    /// Replace the inertia of links by that of their meshes, for the mass that they state
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
+    /// Exclude contacts of pairs of links that touch in the neutral pose, or always: in MJCF by
+    /// `exclude`, of URDF in an SRDF file beside the output
+    #[arg(long, help_heading = FILES)]
+    pub exclude_pairs: bool,
+    /// Number of random configurations for the tests of pairs of links
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
+    pub samples: u32,
+    /// Seed of these configurations
+    #[arg(long, value_name = "SEED", default_value_t = 0, hide_short_help = true, help_heading = FILES)]
+    pub seed: u64,
+    /// Write a page of the robot: links in 3D, joints, protrusion, pairs of links that touch
+    #[arg(long, value_name = "FILE.html", conflicts_with = "check", help_heading = FILES)]
+    pub report: Option<PathBuf>,
     /// Read options from FILE [default: the nearest hullmap.toml above each description]
     #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,

@@ -85,6 +85,8 @@ mod selection;
 #[cfg(feature = "command")]
 mod source;
 #[cfg(feature = "command")]
+mod source_mesh;
+#[cfg(feature = "command")]
 mod table;
 #[cfg(feature = "command")]
 mod terminal;

@@ -17,9 +17,11 @@
 //! | `spans` | pixels of a row that have the same support vertex |
 //! | `census` | cost of queries over the sphere |
 //! | `display_mesh` | triangles and edges to draw |
+//! | `solid_mesh` | meshes of primitives |
 //! | `picture` | a still picture of them |
 //! | `parts_section`, `part_colours` | the parts of decomposed meshes |
 //! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
+//! | [`robot`], `robot_page` | a robot, and its page |
 //! | `html`, `encode` | text and numbers in a page |
 
 #![forbid(unsafe_code)]
@@ -39,7 +41,10 @@ mod pack_page;
 mod part_colours;
 mod parts_section;
 mod picture;
+pub mod robot;
+mod robot_page;
 mod sizes;
+mod solid_mesh;
 mod spans;
 #[cfg(test)]
 mod test_packs;
@@ -51,3 +56,4 @@ pub use gauss_map::gauss_map_json;
 pub use index_reader::ReadError;
 pub use input::Input;
 pub use pack_page::pack_page;
+pub use robot_page::robot_page;

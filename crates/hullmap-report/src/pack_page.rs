@@ -9,7 +9,7 @@ use crate::analysis::{Analysis, HullRow, MAX_HULLS};
 use crate::census::{Pace, mean};
 use crate::display_mesh::EncodedMesh;
 use crate::html::{count, escape, fill, json, link, short};
-use crate::input::VerifiedHull;
+use crate::input::{Remarks, VerifiedHull};
 use crate::parts_section::parts_section;
 
 const PAGE: &str = include_str!("page/pack.html");
@@ -50,7 +50,7 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
             ("crumb", &crumb),
             ("verdict", &Verdict::new(pack).html()),
             ("subtitle", &subtitle),
-            ("warnings", &warnings(pack)),
+            ("warnings", &warnings(&pack.remarks)),
             ("facts", &facts(pack)),
             ("picture", &pack.picture),
             ("picture_alt", alt),
@@ -146,16 +146,15 @@ impl Verdict {
     }
 }
 
-fn warnings(pack: &Analysis) -> String {
-    if pack.remarks.faults.is_empty() && pack.remarks.warnings.is_empty() && pack.remarks.notes.is_empty() {
+/// The section of faults, warnings and notes; empty if there are none.
+pub fn warnings(remarks: &Remarks) -> String {
+    if remarks.faults.is_empty() && remarks.warnings.is_empty() && remarks.notes.is_empty() {
         return String::new();
     }
     let mut out = "<section aria-labelledby=\"warnings-title\">\n<h2 id=\"warnings-title\">Warnings and notes</h2>\n<ul class=\"warnings\">\n".to_owned();
-    for (class, word, list) in [
-        ("bad", "Fault", &pack.remarks.faults),
-        ("odd", "Warning", &pack.remarks.warnings),
-        ("plain", "Note", &pack.remarks.notes),
-    ] {
+    for (class, word, list) in
+        [("bad", "Fault", &remarks.faults), ("odd", "Warning", &remarks.warnings), ("plain", "Note", &remarks.notes)]
+    {
         for text in list.iter().take(MAX_WARNINGS) {
             let _ = writeln!(out, "<li class=\"{class}\"><strong>{word}:</strong> {}</li>", escape(text));
         }

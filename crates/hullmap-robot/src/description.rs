@@ -2,10 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
+use crate::chain::Chain;
 use crate::document::Document;
 use crate::error::RobotError;
+use crate::frame::Frame;
 use crate::mjcf::model::Model;
 use crate::places::{Places, Scheme, Unresolved, package_of, relative};
+use crate::solid::Primitive;
 
 /// Format of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +39,8 @@ impl Format {
 pub struct Description {
     /// Its format.
     pub format: Format,
+    /// The name of the robot; may be empty.
+    pub name: String,
     /// The file, then the files that it includes.
     pub documents: Vec<Document>,
     /// The links, in the order of the file; bodies in MJCF.
@@ -42,6 +49,10 @@ pub struct Description {
     pub references: Vec<Reference>,
     /// What is left alone, and why.
     pub notes: Vec<String>,
+    /// How its joints move the links.
+    pub chain: Chain,
+    /// Pairs of links whose contacts it excludes: `contact` / `exclude` of MJCF.
+    pub excluded: Vec<[usize; 2]>,
     /// Where names of meshes start.
     pub(crate) mesh_names: MeshNames,
     pub(crate) mjcf: Option<Model>,
@@ -75,7 +86,7 @@ pub struct Link {
     pub(crate) at: usize,
     /// Whether a collision may be made from its visuals.
     pub takes_visuals: bool,
-    /// The mass that it states; not read in MJCF.
+    /// The mass that it states; in MJCF in `inertial`.
     pub mass: Option<f64>,
 }
 
@@ -90,8 +101,12 @@ pub struct Shape {
     pub line: u32,
     /// Its geometry.
     pub geometry: Geometry,
-    /// Its pose in the link: translation, then roll, pitch and yaw; not read in MJCF.
-    pub pose: Option<[f64; 6]>,
+    /// Its frame in the link's; `None` if it is not known.
+    pub pose: Option<Frame>,
+    /// The bits by which MuJoCo decides which geoms meet: `contype` and `conaffinity`.
+    pub contact_bits: [i32; 2],
+    /// Whether programs draw it: visuals, and geoms of a group that is shown by default.
+    pub is_drawn: bool,
     /// Why it must stay a single mesh, if so.
     pub stays_single: Option<String>,
     /// Where its element starts.
@@ -104,7 +119,7 @@ pub enum Geometry {
     /// A mesh.
     Mesh(MeshUse),
     /// A box, cylinder, sphere or another solid with a name.
-    Primitive(String),
+    Primitive(Primitive),
     /// What cannot become a hull, with the reason.
     Other(String),
 }
@@ -118,9 +133,28 @@ pub struct MeshUse {
     pub file: Result<PathBuf, Unresolved>,
     /// Factors along the axes of the mesh; negative ones mirror it.
     pub scale: [f64; 3],
+    /// The frame in which the mesh is drawn and scaled, in that of its file: `refpos` and
+    /// `refquat` of MJCF.
+    pub reference: Frame,
+    /// The part of the file that is meant, of SDF; `None` for the whole file.
+    pub submesh: Option<Submesh>,
+}
+
+/// A part of a mesh file.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Submesh {
+    /// Its name in the file.
+    pub name: String,
+    /// Whether it is moved so that the centre of its box is the origin.
+    pub is_centered: bool,
 }
 
 impl MeshUse {
+    /// A vertex of the file in the frame of the shape.
+    pub fn placed(&self, vertex: DVec3) -> DVec3 {
+        self.reference.inverse().apply(vertex) * DVec3::from_array(self.scale)
+    }
+
     /// The greatest factor: a length of the mesh is at most that many times longer in the robot.
     pub fn stretch(&self) -> f64 {
         self.scale.iter().fold(0.0, |max: f64, factor| max.max(factor.abs()))
@@ -160,7 +194,7 @@ pub enum Change {
         /// Names of the meshes; `None` for a primitive.
         meshes: Option<Vec<String>>,
     },
-    /// The inertia of a link that states its mass is replaced. Only in URDF.
+    /// The inertia of a link that states its mass is replaced.
     Inertia {
         /// Index of the link.
         link: usize,
@@ -169,7 +203,15 @@ pub enum Change {
         /// Rows of the tensor about it, in the axes of the link.
         inertia: [[f64; 3]; 3],
     },
-    /// A collision is removed. Not in MJCF, where a geom may be drawn and have mass, too.
+    /// Contacts of pairs of links are excluded. Only in MJCF, and of bodies with names.
+    Exclude {
+        /// Indices of the links.
+        pairs: Vec<[usize; 2]>,
+        /// A comment before them.
+        comment: String,
+    },
+    /// A collision is removed. In MJCF, a geom that is drawn, has mass or is named by another
+    /// element stays, and does not collide any more.
     Remove {
         /// Index of the link.
         link: usize,
@@ -182,7 +224,7 @@ impl Change {
     /// The link, the shape, and the meshes; `None` if no shape changes.
     pub(crate) fn parts<'a>(&'a self, links: &'a [Link]) -> Option<(&'a Link, &'a Shape, Option<&'a [String]>)> {
         Some(match self {
-            Self::Inertia { .. } => return None,
+            Self::Inertia { .. } | Self::Exclude { .. } => return None,
             Self::Replace { link, collision, meshes } => {
                 (&links[*link], &links[*link].collisions[*collision], Some(meshes))
             }
@@ -233,10 +275,15 @@ impl Description {
     }
 }
 
+/// Finite numbers, separated by white space; `None` for anything else.
+pub(crate) fn numbers(text: &str) -> Option<Vec<f64>> {
+    let numbers = text.split_whitespace().map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
+    numbers.collect()
+}
+
 /// Three numbers, separated by white space; `None` for anything else.
 pub(crate) fn triple(text: &str) -> Option<[f64; 3]> {
-    let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
-    <[f64; 3]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+    numbers(text)?.try_into().ok()
 }
 
 /// The factors that a scale states: three, or one for all axes.
@@ -257,7 +304,7 @@ pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places,
         Err(fault) => ([1.0; 3], Some(fault)),
     };
     let file = fault.map_or_else(|| places.resolve(written, folder), |fault| Err(Unresolved::Failed(fault)));
-    MeshUse { written: written.to_owned(), file, scale }
+    MeshUse { written: written.to_owned(), file, scale, reference: Frame::IDENTITY, submesh: None }
 }
 
 /// A reference to an existing file by a relative path.

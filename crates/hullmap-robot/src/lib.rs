@@ -14,6 +14,9 @@
 //! | `description` | links, shapes and changes, in every format |
 //! | `formats` | reading and editing in any format |
 //! | `urdf`, `sdf`, `mjcf` | one format each |
+//! | `chain`, `frame` | joints, and where they move links |
+//! | `solid` | sizes of primitives |
+//! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
 //! | `document` | bytes, encoding, and parsing within limits |
 //! | `lenient` | what robot programs accept and XML does not |
@@ -37,21 +40,30 @@
 
 #![forbid(unsafe_code)]
 
+mod chain;
 mod description;
 mod document;
 mod edit;
 mod element;
 mod error;
 mod formats;
+mod frame;
 mod lenient;
 mod links;
 mod mjcf;
 mod places;
 mod sdf;
+mod solid;
+mod srdf;
 mod urdf;
 
-pub use description::{Change, Description, Format, Geometry, Link, MeshUse, Reference, Shape};
+pub use chain::{COEFFICIENTS, Chain, Coupling, Displacement, Joint, Motion, Placement};
+pub use description::{Change, Description, Format, Geometry, Link, MeshUse, Reference, Shape, Submesh};
 pub use document::Document;
 pub use element::escaped;
 pub use error::RobotError;
+pub use frame::Frame;
+pub use glam;
 pub use places::{Places, Scheme, Unresolved, relative};
+pub use solid::{Primitive, Solid};
+pub use srdf::{DisabledPair, SRDF_FIRST_LINE, srdf};

@@ -4,13 +4,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
+use crate::chain::Chain;
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, scheme_of,
+    Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, folder_of, mesh_use, scheme_of,
 };
 use crate::document::Document;
 use crate::element::{child, children};
 use crate::error::RobotError;
+use crate::frame::Frame;
 use crate::places::Places;
+use crate::solid::{Primitive, Solid};
 
 /// How a format writes links.
 pub(crate) struct Dialect {
@@ -19,10 +22,14 @@ pub(crate) struct Dialect {
     pub(crate) primitives: &'static [&'static str],
     /// The name of a link in messages, from its element and the name there.
     pub(crate) link_name: fn(Node, &str) -> String,
-    /// The file and the scale that a `mesh` element states, or why it cannot be used.
-    pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> Result<[Option<&'a str>; 2], String>,
+    /// The file and the scale that a `mesh` element states.
+    pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> [Option<&'a str>; 2],
+    /// The part of the file that a `mesh` element states.
+    pub(crate) submesh: fn(Node) -> Option<Submesh>,
     /// The pose of an element in its link; `None` if it is not known.
-    pub(crate) pose: fn(Node) -> Option<[f64; 6]>,
+    pub(crate) pose: fn(Node) -> Option<Frame>,
+    /// The numbers of an attribute or element of a primitive; none if there is no such.
+    pub(crate) sizes: fn(Node, &str) -> Vec<f64>,
     /// The mass that a link states.
     pub(crate) mass: fn(Node) -> Option<f64>,
 }
@@ -51,7 +58,7 @@ impl Dialect {
                 );
             }
             let shapes = |kind: &'static str| -> Vec<Shape> {
-                children(node, kind).map(|node| self.shape(node, document, places)).collect()
+                children(node, kind).map(|node| self.shape(node, kind == "visual", document, places)).collect()
             };
             let (collisions, visuals) = (shapes("collision"), shapes("visual"));
             let mass = (self.mass)(node);
@@ -60,42 +67,58 @@ impl Dialect {
         Ok(links)
     }
 
-    fn shape(&self, node: Node, document: &Document, places: &Places) -> Shape {
+    fn shape(&self, node: Node, is_drawn: bool, document: &Document, places: &Places) -> Shape {
         let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
         let geometry = match geometry {
             None => Geometry::Other("it has no geometry".to_owned()),
             Some(element) => match element.tag_name().name() {
-                "mesh" => match (self.mesh)(element) {
-                    Ok([file, scale]) => {
-                        Geometry::Mesh(mesh_use(file.unwrap_or_default(), scale, places, folder_of(document.path())))
-                    }
-                    Err(reason) => Geometry::Other(reason),
-                },
-                name if self.primitives.contains(&name) => Geometry::Primitive(name.to_owned()),
+                "mesh" => {
+                    let [file, scale] = (self.mesh)(element);
+                    let own = mesh_use(file.unwrap_or_default(), scale, places, folder_of(document.path()));
+                    Geometry::Mesh(MeshUse { submesh: (self.submesh)(element), ..own })
+                }
+                name if self.primitives.contains(&name) => {
+                    let solid = Solid::of_lengths(name, |size| (self.sizes)(element, size));
+                    Geometry::Primitive(Primitive { name: name.to_owned(), solid })
+                }
                 name => Geometry::Other(format!("`{name}` is not a mesh")),
             },
         };
         let at = node.range().start;
         let name = node.attribute("name").unwrap_or_default().to_owned();
         let pose = (self.pose)(node);
-        Shape { name, document: 0, line: document.line(at), geometry, pose, stays_single: None, at }
+        Shape {
+            name,
+            document: 0,
+            line: document.line(at),
+            geometry,
+            pose,
+            contact_bits: [1, 1],
+            is_drawn,
+            stays_single: None,
+            at,
+        }
     }
 
     /// The description of a single document.
     pub(crate) fn description(
         &self,
-        document: Document,
+        (name, document): (String, Document),
         links: Vec<Link>,
         references: BTreeSet<Reference>,
         notes: Vec<String>,
+        chain: Chain,
     ) -> Description {
         let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
         Description {
             format: self.format,
+            name,
+            excluded: Vec::new(),
             documents: vec![document],
             links,
             references: references.into_iter().collect(),
             notes,
+            chain: chain.without_circular_couplings(),
             mesh_names,
             mjcf: None,
         }

@@ -3,12 +3,15 @@
 //! # Reference
 //! <http://sdformat.org/spec>
 
+mod joints;
+mod pose;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, folder_of, reference};
+use crate::description::{Change, Description, Format, Link, Reference, Submesh, folder_of, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, escaped, lead, removed, rename, set, unique};
@@ -21,7 +24,9 @@ const DIALECT: Dialect = Dialect {
     primitives: &["box", "cylinder", "sphere", "capsule", "ellipsoid", "cone"],
     link_name: qualified,
     mesh,
-    pose,
+    submesh,
+    pose: pose::in_link,
+    sizes: |node, name| child(node, name).and_then(|size| numbers(size.text()?)).unwrap_or_default(),
     mass,
 };
 
@@ -53,8 +58,11 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     }
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
     let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, folder)).collect();
+    let chain = joints::chain(tree.root_element(), &links, &document);
+    let model = tree.descendants().find(|node| node.has_tag_name("model"));
+    let name = model.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();
     drop(tree);
-    Ok(DIALECT.description(document, links, references, notes))
+    Ok(DIALECT.description((name, document), links, references, notes, chain))
 }
 
 /// The name with those of the models that hold the link, except a single model.
@@ -68,12 +76,17 @@ fn qualified(link: Node, name: &str) -> String {
 }
 
 /// The file and the scale of a `mesh` element.
-fn mesh<'a>(mesh: Node<'a, 'a>) -> Result<[Option<&'a str>; 2], String> {
-    if child(mesh, "submesh").is_some() {
-        return Err("it is a submesh, a part of a file; save it as a file of its own".to_owned());
-    }
+fn mesh<'a>(mesh: Node<'a, 'a>) -> [Option<&'a str>; 2] {
     let text = |name: &str| child(mesh, name).and_then(|element| element.text());
-    Ok([text("uri").map(str::trim), text("scale")])
+    [text("uri").map(str::trim), text("scale")]
+}
+
+/// The part of a file that a `mesh` element states.
+fn submesh(mesh: Node) -> Option<Submesh> {
+    let submesh = child(mesh, "submesh")?;
+    let text = |name: &str| child(submesh, name).and_then(|element| element.text()).map(str::trim);
+    let is_centered = matches!(text("center"), Some("1" | "true"));
+    Some(Submesh { name: text("name").unwrap_or_default().to_owned(), is_centered })
 }
 
 /// The mass that a link states, unless its inertia is computed from densities.
@@ -81,24 +94,6 @@ fn mass(link: Node) -> Option<f64> {
     let inertial = child(link, "inertial").filter(|node| node.attribute("auto") != Some("true"))?;
     let mass = child(inertial, "mass")?.text()?;
     mass.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
-}
-
-/// The pose of an element in its link; `None` if it is invalid, or relative to another frame.
-fn pose(node: Node) -> Option<[f64; 6]> {
-    let Some(pose) = child(node, "pose") else {
-        return Some([0.0; 6]);
-    };
-    let is_elsewhere = pose.attribute("relative_to").is_some_and(|frame| !frame.is_empty());
-    if is_elsewhere || pose.attribute("rotation_format").is_some_and(|format| format != "euler_rpy") {
-        return None;
-    }
-    let numbers: Vec<f64> =
-        pose.text().unwrap_or_default().split_whitespace().map(|word| word.parse().ok()).collect::<Option<_>>()?;
-    let mut pose_in_link = <[f64; 6]>::try_from(numbers).ok()?;
-    if pose.attribute("degrees") == Some("true") {
-        pose_in_link.iter_mut().skip(3).for_each(|angle| *angle = angle.to_radians());
-    }
-    Some(pose_in_link)
 }
 
 /// The edits that make these changes.
@@ -126,13 +121,12 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
             names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
         match change {
             Change::Remove { .. } => edits.push(removed(node, text)),
-            Change::Inertia { .. } => {}
+            Change::Inertia { .. } | Change::Exclude { .. } => {}
             Change::Replace { .. } => {
                 let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
-                edits.extend(uri_of(node).map(|span| Edit::replace(span, escaped(first))));
+                edits.extend(renamed(node, text, first));
                 for (index, mesh) in (1..).zip(others) {
-                    let mut own: Vec<Edit> =
-                        uri_of(node).map(|span| Edit::replace(span, escaped(mesh))).into_iter().collect();
+                    let mut own = renamed(node, text, mesh);
                     let name = format!("{}_part_{index:02}", shape.name);
                     own.push(set(node, text, "name", &unique(&name, names)));
                     let copy = text[lead(node, text)].to_owned() + &edited(text, node.range(), own);
@@ -148,7 +142,7 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
                     let only_visual = node.children().filter(|child| ONLY_VISUAL.contains(&child.tag_name().name()));
                     own.extend(only_visual.map(|child| removed(child, text)));
                     let mesh = meshes.and_then(|meshes| meshes.get(index));
-                    own.extend(mesh.and_then(|mesh| Some(Edit::replace(uri_of(node)?, escaped(mesh)))));
+                    own.extend(mesh.into_iter().flat_map(|mesh| renamed(node, text, mesh)));
                     let name = if count == 1 { shape.name.clone() } else { format!("{}_part_{index:02}", shape.name) };
                     own.push(set(node, text, "name", &unique(&name, names)));
                     edits.push(Edit::insert(at, text[lead(node, text)].to_owned() + &edited(text, node.range(), own)));
@@ -176,6 +170,13 @@ fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3
         None => Edit::insert(mass.range().end, format!("{space}{inertia}")),
     };
     vec![pose, inertia]
+}
+
+/// Edits that give a shape another mesh, which is a whole file.
+fn renamed(node: Node, text: &str, mesh: &str) -> Vec<Edit> {
+    let uri = uri_of(node).map(|span| Edit::replace(span, escaped(mesh)));
+    let submesh = child(node, "geometry").and_then(|geometry| child(child(geometry, "mesh")?, "submesh"));
+    uri.into_iter().chain(submesh.map(|submesh| removed(submesh, text))).collect()
 }
 
 /// The span of the text in a shape's `uri`.

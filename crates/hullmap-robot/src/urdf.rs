@@ -3,11 +3,14 @@
 //! # Reference
 //! <https://wiki.ros.org/urdf/XML/link>
 
+mod joints;
+mod origin;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, folder_of, reference, triple};
+use crate::description::{Change, Description, Format, Link, Reference, folder_of, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, children, lead, removed, rename, set, unique};
@@ -19,8 +22,10 @@ const DIALECT: Dialect = Dialect {
     format: Format::Urdf,
     primitives: &["box", "cylinder", "sphere", "capsule"],
     link_name: |_, name| name.to_owned(),
-    mesh: |mesh| Ok(["filename", "scale"].map(|name| mesh.attribute(name))),
-    pose,
+    mesh: |mesh| ["filename", "scale"].map(|name| mesh.attribute(name)),
+    submesh: |_| None,
+    pose: origin::pose,
+    sizes: |node, name| node.attribute(name).and_then(numbers).unwrap_or_default(),
     mass,
 };
 
@@ -34,8 +39,10 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let folder = folder_of(document.path());
     let named = tree.descendants().filter_map(|node| node.attribute("filename"));
     let references: BTreeSet<Reference> = named.filter_map(|name| reference(name, places, folder)).collect();
+    let chain = joints::chain(tree.root_element(), &links, &document);
+    let name = tree.root_element().attribute("name").unwrap_or_default().to_owned();
     drop(tree);
-    Ok(DIALECT.description(document, links, references, Vec::new()))
+    Ok(DIALECT.description((name, document), links, references, Vec::new(), chain))
 }
 
 /// The edits that make these changes.
@@ -60,7 +67,7 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
         let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
         match change {
             Change::Remove { .. } => edits.push(removed(node, text)),
-            Change::Inertia { .. } => {}
+            Change::Inertia { .. } | Change::Exclude { .. } => {}
             Change::Replace { .. } => {
                 let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
                 edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));
@@ -86,17 +93,6 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
 fn mass(link: Node) -> Option<f64> {
     let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
     value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
-}
-
-/// The pose that the `origin` of an element states; `None` if it is invalid.
-fn pose(node: Node) -> Option<[f64; 6]> {
-    let origin = child(node, "origin");
-    let stated = |name: &str| match origin.and_then(|origin| origin.attribute(name)) {
-        Some(text) => triple(text),
-        None => Some([0.0; 3]),
-    };
-    let ([x, y, z], [roll, pitch, yaw]) = (stated("xyz")?, stated("rpy")?);
-    Some([x, y, z, roll, pitch, yaw])
 }
 
 /// Edits of an `inertial`: the origin is the centre of mass, with the axes of the link.

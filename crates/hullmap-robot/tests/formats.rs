@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hullmap_robot::{Change, Description, Geometry, Places, RobotError};
+use hullmap_robot::{Change, Description, Frame, Geometry, Places, RobotError};
 
 /// A folder with these files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
@@ -27,7 +27,7 @@ fn kinds(description: &Description) -> Vec<(String, Vec<String>)> {
             Ok(file) => format!("mesh {}", file.file_name().unwrap().display()),
             Err(_) => "missing".to_owned(),
         },
-        Geometry::Primitive(kind) => kind.clone(),
+        Geometry::Primitive(primitive) => primitive.name.clone(),
         Geometry::Other(_) => "other".to_owned(),
     };
     let shapes = |link: &hullmap_robot::Link| link.collisions.iter().map(|shape| kind(&shape.geometry)).collect();
@@ -150,7 +150,7 @@ fn sdf_inertia() {
     assert_eq!(masses, [Some(2.0), Some(3.0), None]);
     let poses: Vec<_> = description.links[0].collisions.iter().map(|shape| shape.pose).collect();
     let quarter = std::f64::consts::FRAC_PI_2;
-    assert_eq!(poses, [Some([1.0, 2.0, 3.0, 0.0, 0.0, quarter]), None, None]);
+    assert_eq!(poses, [Some(Frame::of_xyz_rpy([1.0, 2.0, 3.0, 0.0, 0.0, quarter])), None, None]);
     let inertia = |link| Change::Inertia {
         link,
         center: [1.0, 0.5, 2.0],

@@ -117,8 +117,10 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
     fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
     let collision = "<collision><geometry><mesh filename='in/a.obj'/></geometry></collision>";
-    fs::write(folder.path().join("r.urdf"), format!("<robot name='r'><link name='l'>{collision}</link></robot>"))
-        .unwrap();
+    let link = |name: &str| format!("<link name='{name}'>{collision}</link>");
+    let joint = "<joint name='j' type='fixed'><parent link='l'/><child link='m'/></joint>";
+    let robot = format!("<robot name='r'>{}{}{joint}</robot>", link("l"), link("m"));
+    fs::write(folder.path().join("r.urdf"), robot).unwrap();
     fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
     for (name, lines) in [
@@ -139,7 +141,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
         ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices", "inspect q --json"]),
         ("export", &["export o/a.hullmap --format json"]),
-        ("robot", &["robot r.urdf --out o/r.urdf --json"]),
+        ("robot", &["robot r.urdf --out o/r.urdf --json", "robot r.urdf --out o/r.urdf --json --exclude-pairs"]),
         (
             "query",
             &[

@@ -11,7 +11,8 @@ use serde_json::Value;
 fn robots() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let source = workspace().join("tests/robots");
-    for name in ["arm.urdf", "arm.xml", "arm.sdf", "tip.xml", "wedge.urdf", "meshes/bracket.obj", "meshes/wedge.dae"] {
+    let descriptions = ["arm.urdf", "arm.xml", "arm.sdf", "tip.xml", "wedge.urdf", "crowd.xml", "crowd.urdf"];
+    for name in descriptions.into_iter().chain(["meshes/bracket.obj", "meshes/wedge.dae"]) {
         let target = folder.path().join("in").join(name);
         fs::create_dir_all(target.parent().unwrap()).unwrap();
         fs::copy(source.join(name), target).unwrap();
@@ -113,7 +114,6 @@ fn rules_and_flags_choose_for_each_link() {
     assert_eq!(actions(&found.json()[0]), ["removed", "removed", "hull", "hull", "primitive"]);
     let text = fs::read_to_string(folder.path().join("out/arm.urdf")).unwrap();
     assert!(!text.contains("foot") && text.matches("<collision").count() == 3, "{text}");
-    run(folder.path(), "robot in/arm.xml --out out --from-visual always").expect(2);
     run(folder.path(), "robot in/arm.urdf --out out --unit-scale 2").expect(2);
     run(folder.path(), "robot in/arm.urdf --out out --no-config --max-parts 2").expect(2);
     // A rule of links does not match meshes.
@@ -188,7 +188,22 @@ fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
     near(numbers("ixz=\"")[0], ixz);
     near(numbers("ixy=\"")[0], 0.0);
     assert!(left.contains("<mass value=\"2\"/>"));
-    run(folder.path(), "robot in/arm.xml --out out --inertia").expect(2);
+    // The body `left` of the model: the mass of its `inertial`, and no orientation beside the tensor.
+    run(folder.path(), "robot in/arm.xml --out out --inertia").expect(0);
+    let text = fs::read_to_string(folder.path().join("out/arm.xml")).unwrap();
+    let inertial = text.split("<inertial ").nth(1).unwrap().split("/>").next().unwrap();
+    assert!(inertial.contains("mass=\"2\"") && !inertial.contains("diaginertia"), "{inertial}");
+    let listed = |name: &str| -> Vec<f64> {
+        let value = inertial.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap();
+        value.split(' ').map(|number| number.parse().unwrap()).collect()
+    };
+    for (found, expected) in listed("pos").into_iter().zip([0.15, -0.05, 0.1]) {
+        assert!((found - expected).abs() < 1e-7, "{inertial}");
+    }
+    let tensor = listed("fullinertia");
+    for (at, expected) in [(0, ixx), (1, iyy), (3, 0.0), (4, ixz)] {
+        assert!((tensor[at] - expected).abs() < 1e-7, "{at}: {inertial}");
+    }
     // The same link in SDF, whose collision is made from its visual.
     run(folder.path(), "robot in/arm.sdf --out out --inertia").expect(0);
     let text = fs::read_to_string(folder.path().join("out/arm.sdf")).unwrap();
@@ -220,4 +235,174 @@ fn inputs_are_not_replaced_by_accident() {
     assert!(kept(&after) == kept(&before));
     run(folder.path(), "robot in/arm.urdf --out in --force").expect(0);
     run(folder.path(), "robot in/arm.urdf in/arm.xml --out in/x.urdf").expect(2);
+}
+
+/// The text of a section of a report page, without its tags.
+fn section(page: &str, id: &str) -> String {
+    let section = page.split(&format!("id=\"{id}\"")).nth(1).unwrap().split("</section>").next().unwrap();
+    let words = section.split('<').map(|tag| tag.split('>').next_back().unwrap().trim());
+    words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("|")
+}
+
+#[test]
+fn a_report_shows_links_joints_and_pairs_that_touch() {
+    let folder = robots();
+    let line = "robot in/crowd.urdf --out out --report page/r.html";
+    run(folder.path(), line).expect(0);
+    let page = fs::read_to_string(folder.path().join("page/r.html")).unwrap();
+    assert!(
+        !page.contains("http") && !page.contains(" src=\"/") && page.contains("connect") == page.contains("connected")
+    );
+    let touching = section(&page, "touching");
+    assert!(touching.contains("|first|third|touch|touch|") && !touching.contains("|second|fourth|"), "{touching}");
+    // A mesh of 6 volumes in a hull of 9: the worst link, and the only one with a bound.
+    let links = section(&page, "links");
+    let worst = links.split("uncovered, mm|").nth(1).unwrap();
+    assert!(worst.starts_with("tool|hull|1|1|10|"), "{links}");
+    let data = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let data: Value = serde_json::from_str(data).unwrap();
+    let joints = data["joints"].as_array().unwrap();
+    let names: Vec<&str> = joints.iter().map(|joint| joint["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["a", "b", "d", "e"], "a fixed joint has no slider");
+    assert_eq!((&joints[3]["leader"], &joints[3]["coefficients"][1]), (&Value::from(2), &Value::from(-0.5)));
+    let layers = |link: usize| -> Vec<&str> {
+        let shapes = data["links"][link]["shapes"].as_array().unwrap();
+        shapes.iter().map(|shape| shape["layer"].as_str().unwrap()).collect()
+    };
+    assert_eq!(layers(0), ["before", "before", "after", "after"]);
+    assert!(section(&page, "excluded").contains("|first|third|Default"), "what --exclude-pairs would write");
+    // Equal inputs give equal pages, and a page does not make its robot stale.
+    let again = run(folder.path(), &format!("{line} --json")).expect(0);
+    assert_eq!(again.json()[0]["status"], "fresh");
+    assert_eq!(fs::read_to_string(folder.path().join("page/r.html")).unwrap(), page);
+    run(folder.path(), "robot in/crowd.urdf in/arm.urdf --out out --report r.html").expect(2);
+    run(folder.path(), &format!("{line} --check")).expect(2);
+}
+
+/// The bracket protrudes from its solid by the most at the middle of the slope over its corner.
+#[test]
+fn protrusion_of_a_hull_is_reported_in_millimetres_of_the_robot() {
+    let folder = robots();
+    run(folder.path(), "robot in/crowd.urdf --out out --report r.html").expect(0);
+    let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
+    let links = section(&page, "links");
+    let cells: Vec<&str> = links.split("|tool|").nth(1).unwrap().split('|').collect();
+    // A foot of 4 x 1 x 1 and a post of 1 x 1 x 2 on it. The slope from (1, 3) to (4, 1) has the points
+    // (1 + 3 t, 3 - 2 t), at 3 t from the post and 2 - 2 t from the foot: the most is 1.2, of 50 mm.
+    let bound: f64 = cells[5].parse().unwrap();
+    assert!((60.0..60.6).contains(&bound), "{links}");
+}
+
+#[test]
+fn pairs_are_excluded_once() {
+    let folder = robots();
+    let line = "robot in/crowd.urdf in/crowd.xml --out out --exclude-pairs --json";
+    let rows = run(folder.path(), line).expect(0).json();
+    let pairs = |row: &Value| -> Vec<String> {
+        let pairs = row["excluded_pairs"].as_array().unwrap().iter();
+        let words = pairs.map(|pair| format!("{} {} {}", pair["links"][0], pair["links"][1], pair["reason"]));
+        words.map(|words| words.replace('"', "")).collect()
+    };
+    assert_eq!(pairs(&rows[1]), ["first third Default"], "fourth and second are excluded already");
+    let urdf = pairs(&rows[0]);
+    assert!(urdf.contains(&"second tool Adjacent".to_owned()), "by way of a fixed joint: {urdf:?}");
+    assert!(urdf.contains(&"second fourth Never".to_owned()), "half a metre apart: {urdf:?}");
+    let text = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let srdf = text("crowd.srdf");
+    assert_eq!(srdf.matches("<disable_collisions ").count(), urdf.len());
+    assert!(srdf.contains("<robot name=\"crowd\">") && srdf.contains("10000 random configurations (seed 0)"));
+    let mjcf = text("crowd.xml");
+    let added = "\n    <exclude body1=\"first\" body2=\"third\"/>\n  </contact>\n</mujoco>";
+    assert!(mjcf.contains(added), "{mjcf}");
+    let again = run(folder.path(), line).expect(0);
+    assert!(again.json().iter().all(|row| row["status"] == "fresh"), "{}", again.stdout);
+    let own = run(folder.path(), "robot out/crowd.xml --out out --exclude-pairs --json").expect(0);
+    assert_eq!((&own.json()[0]["status"], pairs(&own.json()[0]).len()), (&Value::from("fresh"), 0), "{}", own.stdout);
+    // Without samples, nothing is always or never so.
+    let few = run(folder.path(), "robot in/crowd.urdf --out few --exclude-pairs --samples 0 --json").expect(0);
+    assert!(pairs(&few.json()[0]).iter().all(|pair| !pair.ends_with("Never")));
+    // An SRDF file of the user's own.
+    fs::write(folder.path().join("out/crowd.srdf"), "<robot name='crowd'><group name='arm'/></robot>").unwrap();
+    let refused = run(folder.path(), line).expect(2);
+    assert!(refused.stderr.contains("crowd.srdf: exists, and was not written by bake"), "{}", refused.stderr);
+    run(folder.path(), "robot in/arm.sdf --out out --exclude-pairs").expect(2);
+}
+
+/// In MJCF, a geom that is drawn or has mass stays. A second run, and one on the output, change
+/// nothing.
+#[test]
+fn collisions_of_mjcf_are_made_from_visuals() {
+    let folder = robots();
+    let line = "robot in/arm.xml --out out --from-visual always --json";
+    let found = run(folder.path(), line).expect(0);
+    let left: Vec<String> = found.json()[0]["collisions"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|own| own["link"] == "left")
+        .map(|own| own["action"].to_string())
+        .collect();
+    assert_eq!(left, ["\"removed\"", "\"hull\""]);
+    let text = fs::read_to_string(folder.path().join("out/arm.xml")).unwrap();
+    let body = text.split("<body name=\"left\"").nth(1).unwrap();
+    assert!(!body.contains("name=\"left\" class=\"collision\""), "it was neither drawn nor had mass: {body}");
+    assert!(
+        body.contains("class=\"visual\" mesh=\"mirrored\"/>") && body.contains("contype=\"1\" conaffinity=\"1\""),
+        "{body}"
+    );
+    assert_eq!(run(folder.path(), line).expect(0).json()[0]["status"], "fresh");
+    let own = run(folder.path(), "robot out/arm.xml --out out --from-visual always --json").expect(0);
+    assert_eq!(own.json()[0]["status"], "fresh", "{}", own.stdout);
+}
+
+/// Two boxes in one file: one is used as it is, the other in the middle of its frame.
+#[test]
+fn submeshes_of_sdf_become_hulls_of_their_own() {
+    let folder = robots();
+    let cube = |name: &str, x: f64, first: usize| {
+        let corner = |i: usize| format!("v {} {} {}\n", x + (i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        let face = |corners: [usize; 4]| format!("f {}\n", corners.map(|c| (c + first).to_string()).join(" "));
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        format!("o {name}\n{}{}", (0..8).map(corner).collect::<String>(), faces.map(face).concat())
+    };
+    let both = cube("near", 0.0, 1) + &cube("far away", 10.0, 9);
+    fs::write(folder.path().join("in/both.obj"), both).unwrap();
+    let mesh = |submesh: &str| {
+        format!("<geometry><mesh><uri>both.obj</uri>\n    {submesh}<scale>1 2 1</scale></mesh></geometry>")
+    };
+    let text = [
+        "<sdf version='1.9'><model name='m'><link name='l'>\n <inertial><mass>3</mass></inertial>\n",
+        &format!(" <collision name='a'>{}</collision>\n", mesh("<submesh><name>near</name></submesh>")),
+        &format!(" <collision name='b'>{}</collision>\n", mesh("<submesh><name>gone</name></submesh>")),
+        "</link><link name='k'>\n <inertial><mass>3</mass></inertial>\n",
+        &format!(
+            " <collision name='c'>{}</collision>\n",
+            mesh("<submesh><name>far away</name><center>1</center></submesh>")
+        ),
+        "</link></model></sdf>\n",
+    ]
+    .concat();
+    fs::write(folder.path().join("in/m.sdf"), &text).unwrap();
+    let line = "robot in/m.sdf --out out --inertia --report r.html --json";
+    let found = run(folder.path(), line).expect(0);
+    let row = &found.json()[0];
+    assert_eq!((actions(row), &row["baked"]), (vec!["hull", "kept", "hull"], &Value::from(1)), "one bake for both");
+    assert!(found.stderr.contains("no submesh `gone` (it has near, far away)"), "{}", found.stderr);
+    let hull = |collision: usize| {
+        let name = row["collisions"][collision]["meshes"][0].as_str().unwrap();
+        let mesh = fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+        let first = |line: &str| -> f64 { line.split(' ').nth(1).unwrap().parse().unwrap() };
+        let xs: Vec<f64> = mesh.lines().filter(|line| line.starts_with("v ")).map(first).collect();
+        (
+            xs.len(),
+            xs.iter().copied().fold(f64::INFINITY, f64::min),
+            xs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        )
+    };
+    assert_eq!([hull(0), hull(2)], [(8, 0.0, 1.0), (8, -0.5, 0.5)]);
+    let after = fs::read_to_string(folder.path().join("out/m.sdf")).unwrap();
+    assert_eq!(after.matches("<submesh>").count(), 1, "{after}");
+    let centred = after.split("<link name='k'>").nth(1).unwrap();
+    assert!(centred.contains("<pose>0 0 0 0 0 0</pose>") || centred.contains("<pose>-0 "), "{centred}");
+    assert_eq!(run(folder.path(), line).expect(0).json()[0]["status"], "fresh");
 }

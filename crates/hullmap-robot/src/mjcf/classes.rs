@@ -8,7 +8,7 @@ use super::tree::{Element, Tree};
 type Attributes = BTreeMap<(&'static str, String), String>;
 
 /// The kinds of elements whose defaults matter here.
-const KINDS: [&str; 2] = ["geom", "mesh"];
+const KINDS: [&str; 3] = ["geom", "mesh", "joint"];
 
 /// All classes of a model, each with what it inherits.
 #[derive(Debug, Default)]

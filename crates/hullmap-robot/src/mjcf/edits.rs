@@ -4,16 +4,20 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::excludes::exclude;
 use super::model::Geom;
 use super::tree::{Element, Tree};
 use crate::description::{Change, Description};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
-use crate::element::{lead, set, unique, without};
+use crate::element::{lead, removed, set, unique, without};
 use crate::error::RobotError;
 
 /// Attributes of an asset that do not apply to a hull: arrays and a limit on vertices.
 const NOT_OF_HULLS: [&str; 6] = ["content_type", "maxhullvert", "vertex", "normal", "texcoord", "face"];
+
+/// Attributes of an `inertial` that `pos` and `fullinertia` replace.
+const OTHER_INERTIA: [&str; 6] = ["quat", "axisangle", "xyaxes", "zaxis", "euler", "diaginertia"];
 
 /// The group of the new geoms: hidden by default, as is usual for collisions.
 const GROUP: &str = "3";
@@ -34,6 +38,18 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
     let named = tree.all().filter(|element| element.name() == "geom").filter_map(|geom| geom.node.attribute("name"));
     let mut geoms: BTreeSet<String> = named.map(str::to_owned).collect();
     for change in changes {
+        if let Change::Exclude { pairs, comment } = change {
+            result[0].extend(exclude(&tree, documents[0].text(), &description.links, pairs, comment));
+        }
+        if let Change::Inertia { link, center, inertia } = change {
+            let link = &description.links[*link];
+            let body = nodes.get(&(link.document, link.at));
+            let inertial = body.and_then(|body| tree.children(*body).into_iter().find(|own| own.name() == "inertial"));
+            if let Some(own) = inertial {
+                let writer = Writer { element: own, text: documents[own.document].text() };
+                result[own.document].extend(writer.inertial(*center, *inertia));
+            }
+        }
         let Some((_, shape, meshes)) = change.parts(&description.links) else { continue };
         let key = (shape.document, shape.at);
         let (Some(&element), Some(geom)) = (nodes.get(&key), model.geoms.get(&key)) else { continue };
@@ -41,7 +57,12 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
         let writer = Writer { element, text: documents[shape.document].text() };
         let own = &mut result[shape.document];
         match change {
-            Change::Remove { .. } | Change::Inertia { .. } => {}
+            Change::Inertia { .. } | Change::Exclude { .. } => {}
+            Change::Remove { .. } if geom.keeps_copy || geom.is_named => {
+                let off = ["contype", "conaffinity"].map(|name| (name, Some("0".to_owned())));
+                own.extend(writer.merged(off.to_vec()));
+            }
+            Change::Remove { .. } => own.push(removed(element.node, writer.text)),
             Change::Replace { .. } => writer.replace(geom, &names, &mut geoms, own),
             Change::FromVisual { meshes: None, .. } => own.push(writer.as_collision(None)),
             Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),
@@ -131,6 +152,15 @@ impl Writer<'_> {
             own.extend([("group", Some(GROUP.to_owned())), ("mass", Some("0".to_owned()))]);
         }
         own
+    }
+
+    /// Edits of an `inertial`: the centre of mass, and the tensor in the axes of the body.
+    fn inertial(&self, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3]) -> Vec<Edit> {
+        let [[xx, xy, xz], [_, yy, yz], [.., zz]] = tensor;
+        let mut own: Vec<(&'static str, Option<String>)> = OTHER_INERTIA.map(|name| (name, None)).to_vec();
+        own.push(("pos", Some(format!("{x} {y} {z}"))));
+        own.push(("fullinertia", Some(format!("{xx} {yy} {zz} {xy} {xz} {yz}"))));
+        self.merged(own)
     }
 
     /// Attributes of a geom that only is drawn and has mass.

@@ -9,21 +9,28 @@
 
 mod classes;
 mod edits;
+mod excludes;
+mod joints;
 pub(crate) mod model;
+mod pose;
 mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use crate::chain::{Chain, Joint};
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, reference,
+    Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, numbers, reference,
 };
 use crate::document::Document;
 use crate::error::RobotError;
+use crate::frame::Frame;
 use crate::places::Places;
+use crate::solid::{Primitive, Solid};
 use classes::Classes;
 pub(crate) use edits::edits;
 use model::{Geom, Model};
+use pose::{Angles, between};
 use tree::{Element, Tree};
 
 /// Groups below this one are drawn unless the user hides them.
@@ -60,6 +67,11 @@ impl<'a> Compiler<'a> {
     fn is(&self, key: &str, value: &str) -> bool {
         self.0.get(key) == Some(&value)
     }
+
+    fn angles(&self) -> Angles<'a> {
+        let sequence = self.0.get("eulerseq").copied().unwrap_or("xyz");
+        Angles { are_degrees: !self.is("angle", "radian"), sequence }
+    }
 }
 
 /// Finds the bodies of a model.
@@ -85,15 +97,29 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         strips,
         tree,
     };
-    let (links, geoms) = reader.bodies()?;
+    let (links, geoms, chain) = reader.bodies()?;
     let references = references(&reader, &folder);
     let notes = reader.notes();
+    let name = reader.tree.root().node.attribute("model").unwrap_or_default().to_owned();
+    let excluded = excludes::excluded(&reader.tree, &links);
     let mesh_names = MeshNames { scheme: None, folder: compiler.folder("meshdir").to_owned(), strips };
     drop(reader);
     drop(compiler);
     drop(parsed);
     let mjcf = Some(Model { includes, geoms });
-    Ok(Description { format: Format::Mjcf, documents, links, references, notes, mesh_names, mjcf })
+    let chain = chain.without_circular_couplings();
+    Ok(Description {
+        format: Format::Mjcf,
+        name,
+        documents,
+        links,
+        references,
+        notes,
+        chain,
+        excluded,
+        mesh_names,
+        mjcf,
+    })
 }
 
 /// The meshes of the assets, by name.
@@ -137,107 +163,188 @@ struct Reader<'a> {
     strips: bool,
 }
 
-/// An element, and the class that it inherits.
-type Inherited<'a, 'c> = (Element<'a>, Option<&'c str>);
+/// An element in a body.
+#[derive(Clone, Copy)]
+struct Inside<'a, 'c> {
+    element: Element<'a>,
+    /// The class that it inherits.
+    childclass: Option<&'c str>,
+    /// The frame of the elements `frame` around it, in that of the body.
+    frame: Frame,
+}
+
+/// What a body holds.
+#[derive(Default)]
+struct Contents<'a, 'c> {
+    geoms: Vec<Inside<'a, 'c>>,
+    joints: Vec<Inside<'a, 'c>>,
+    bodies: Vec<Inside<'a, 'c>>,
+}
 
 type Geoms = BTreeMap<(usize, usize), Geom>;
 
 impl<'a> Reader<'a> {
-    fn bodies(&self) -> Result<(Vec<Link>, Geoms), RobotError> {
+    fn bodies(&self) -> Result<(Vec<Link>, Geoms, Chain), RobotError> {
         let (mut links, mut geoms) = (Vec::new(), Geoms::new());
+        let (mut placed, mut joints, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let mut names: BTreeMap<String, u32> = BTreeMap::new();
         let worlds = self.tree.children(self.tree.root()).into_iter().filter(|element| element.name() == "worldbody");
-        let mut waiting: Vec<(Element, Option<&str>)> = worlds.map(|world| (world, None)).collect();
+        let world = |element| (Inside { element, childclass: None, frame: Frame::IDENTITY }, None);
+        let mut waiting: Vec<(Inside, Option<usize>)> = worlds.map(world).collect();
         waiting.reverse();
-        while let Some((body, inherited)) = waiting.pop() {
-            let childclass = body.node.attribute("childclass").or(inherited);
-            let [own, bodies] = self.contents(body, childclass);
-            waiting.extend(bodies.into_iter().rev());
-            let document = &self.documents[body.document];
-            let line = document.line(body.node.range().start);
-            let is_world = body.name() == "worldbody";
-            let unnamed = || if is_world { "world".to_owned() } else { format!("body in line {line}") };
-            let name = body.node.attribute("name").map_or_else(unnamed, str::to_owned);
-            if let Some(first) = names.insert(name.clone(), line).filter(|_| !is_world) {
-                let message = format!("body `{name}` exists already, in line {first}; rename one of them");
-                return Err(document.error(body.node.range().start, message));
-            }
-            let has_inertial = self.tree.children(body).iter().any(|child| child.name() == "inertial");
-            let counts_mass = !is_world
-                && (self.compiler.is("inertiafromgeom", "true")
-                    || !has_inertial && !self.compiler.is("inertiafromgeom", "false"));
-            let (mut collisions, mut visuals) = (Vec::new(), Vec::new());
-            for (geom, childclass) in own {
-                let (shape, facts, collides) = self.geom(geom, childclass, counts_mass);
-                geoms.insert((geom.document, shape.at), facts);
-                if collides { collisions.push(shape) } else { visuals.push(shape) }
-            }
-            let at = body.node.range().start;
-            links.push(Link {
-                name,
-                document: body.document,
-                line,
-                at,
-                collisions,
-                visuals,
-                takes_visuals: !is_world,
-                mass: None,
+        while let Some((body, parent)) = waiting.pop() {
+            let index = links.len();
+            let childclass = body.element.node.attribute("childclass").or(body.childclass);
+            let own = self.contents(body.element, childclass);
+            waiting.extend(own.bodies.into_iter().rev().map(|body| (body, Some(index))));
+            let link = self.link(body.element, own.geoms, &mut geoms, &mut names)?;
+            let rest = self.compiler.angles().frame(|name| body.element.node.attribute(name)).unwrap_or_else(|| {
+                notes.push(format!(
+                    "line {}: the pose of body `{}` is invalid; it is taken as 0 here",
+                    link.line, link.name
+                ));
+                Frame::IDENTITY
             });
+            placed.push((parent, body.frame * rest));
+            joints.extend(own.joints.into_iter().map(|joint| self.joint(index, joint)));
+            links.push(link);
         }
-        Ok((links, geoms))
+        let mut chain = Chain::new(links.len());
+        for (index, (parent, rest)) in placed.into_iter().enumerate() {
+            match parent {
+                // A body has one parent, which comes before it.
+                Some(parent) => chain.attach(index, parent, rest).unwrap_or_default(),
+                None => chain.links[index].is_world = true,
+            }
+        }
+        (chain.joints, chain.notes) = (joints, notes);
+        joints::couple(&self.tree, &mut chain);
+        Ok((links, geoms, chain))
     }
 
-    /// The geoms of a body, and the bodies in it, each with its inherited class.
-    fn contents<'c>(&self, body: Element<'a>, childclass: Option<&'c str>) -> [Vec<Inherited<'a, 'c>>; 2]
+    /// A body as a link. Adds what its edits need to know of its geoms.
+    fn link(
+        &self,
+        body: Element<'a>,
+        own: Vec<Inside>,
+        geoms: &mut Geoms,
+        names: &mut BTreeMap<String, u32>,
+    ) -> Result<Link, RobotError> {
+        let document = &self.documents[body.document];
+        let at = body.node.range().start;
+        let line = document.line(at);
+        let is_world = body.name() == "worldbody";
+        let unnamed = || if is_world { "world".to_owned() } else { format!("body in line {line}") };
+        let name = body.node.attribute("name").map_or_else(unnamed, str::to_owned);
+        if let Some(first) = names.insert(name.clone(), line).filter(|_| !is_world) {
+            let message = format!("body `{name}` exists already, in line {first}; rename one of them");
+            return Err(document.error(at, message));
+        }
+        let inertial = self.tree.children(body).into_iter().find(|child| child.name() == "inertial");
+        let has_inertial = inertial.is_some();
+        let counts_mass = !is_world
+            && (self.compiler.is("inertiafromgeom", "true")
+                || !has_inertial && !self.compiler.is("inertiafromgeom", "false"));
+        let (mut collisions, mut visuals) = (Vec::new(), Vec::new());
+        for geom in own {
+            let (shape, facts, collides) = self.geom(geom, counts_mass);
+            geoms.insert((geom.element.document, shape.at), facts);
+            if collides { collisions.push(shape) } else { visuals.push(shape) }
+        }
+        let mass = inertial.and_then(|own| own.node.attribute("mass")?.trim().parse().ok());
+        let mass = mass.filter(|mass: &f64| !counts_mass && *mass > 0.0 && mass.is_finite());
+        let takes_visuals = !is_world;
+        Ok(Link { name, document: body.document, line, at, collisions, visuals, takes_visuals, mass })
+    }
+
+    fn joint(&self, link: usize, joint: Inside) -> Joint {
+        let name = joint.element.node.attribute("name").unwrap_or_default();
+        if joint.element.name() == "freejoint" {
+            let is_free = |name: &str| (name == "type").then_some("free");
+            return joints::joint(link, name, joint.frame, self.compiler.angles(), false, is_free);
+        }
+        let auto_limits = !self.compiler.is("autolimits", "false");
+        let get = |name: &str| self.classes.get(&joint.element, joint.childclass, name);
+        joints::joint(link, name, joint.frame, self.compiler.angles(), auto_limits, get)
+    }
+
+    /// The geoms, joints and bodies of a body, in the order of the file.
+    fn contents<'c>(&self, body: Element<'a>, childclass: Option<&'c str>) -> Contents<'a, 'c>
     where
         'a: 'c,
     {
-        let (mut geoms, mut bodies) = (Vec::new(), Vec::new());
-        let mut waiting = vec![(body, childclass)];
-        while let Some((parent, childclass)) = waiting.pop() {
-            for child in self.tree.children(parent) {
-                match child.name() {
-                    "geom" => geoms.push((child, childclass)),
-                    "body" => bodies.push((child, childclass)),
+        let mut found = Contents::default();
+        let mut waiting = vec![Inside { element: body, childclass, frame: Frame::IDENTITY }];
+        while let Some(parent) = waiting.pop() {
+            for element in self.tree.children(parent.element) {
+                let own = Inside { element, ..parent };
+                match element.name() {
+                    "geom" => found.geoms.push(own),
+                    "joint" | "freejoint" => found.joints.push(own),
+                    "body" => found.bodies.push(own),
                     name if TRANSPARENT.contains(&name) => {
-                        waiting.push((child, child.node.attribute("childclass").or(childclass)));
+                        let childclass = element.node.attribute("childclass").or(parent.childclass);
+                        let pose = if name == "frame" {
+                            self.compiler.angles().frame(|name| element.node.attribute(name))
+                        } else {
+                            // The first copy is where the element is.
+                            None
+                        };
+                        let frame = parent.frame * pose.unwrap_or(Frame::IDENTITY);
+                        waiting.push(Inside { element, childclass, frame });
                     }
                     _ => {}
                 }
             }
         }
-        [geoms, bodies]
+        found
     }
 
     /// A geom, and whether it collides.
-    fn geom(&self, geom: Element<'a>, childclass: Option<&str>, counts_mass: bool) -> (Shape, Geom, bool) {
+    fn geom(&self, geom: Inside<'a, '_>, counts_mass: bool) -> (Shape, Geom, bool) {
+        let Inside { element: geom, childclass, frame } = geom;
         let get = |name: &str| self.classes.get(&geom, childclass, name);
         let number = |name: &str, default: i32| get(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
         let name = geom.node.attribute("name").unwrap_or_default().to_owned();
         let pinned = self.pinned.get(&name).filter(|_| !name.is_empty());
         let is_paired = pinned.is_some_and(|by| by == "pair");
-        let collides = number("contype", 1) != 0 || number("conaffinity", 1) != 0 || is_paired;
+        let contact_bits = [number("contype", 1), number("conaffinity", 1)];
+        let collides = contact_bits != [0, 0] || is_paired;
         let mesh = get("mesh").and_then(|name| Some((name, self.assets.get(name)?)));
+        let ends = get("fromto").and_then(between);
         let geometry = match (get("type").unwrap_or("sphere"), mesh) {
             ("mesh", Some((_, asset))) => self.mesh(asset),
             ("mesh", None) => {
                 Geometry::Other(format!("its mesh `{}` is not among the assets", get("mesh").unwrap_or_default()))
             }
             (kind @ ("plane" | "hfield" | "sdf"), _) => Geometry::Other(format!("`{kind}` is not a mesh")),
-            (kind, _) => Geometry::Primitive(kind.to_owned()),
+            (kind, _) => {
+                let size = get("size").and_then(numbers).unwrap_or_default();
+                let solid = if mesh.is_some() { None } else { solid(kind, size, ends.map(|(_, half)| half)) };
+                Geometry::Primitive(Primitive { name: kind.to_owned(), solid })
+            }
         };
         let has_mass = match get("mass") {
             Some(mass) => mass.trim().parse() != Ok(0.0),
             None => get("density").is_none_or(|density| density.trim().parse() != Ok(0.0)),
         };
         let is_drawn = number("group", 0) < FIRST_HIDDEN_GROUP;
-        let document = &self.documents[geom.document];
         let at = geom.node.range().start;
-        let stays_single = pinned.map(|by| format!("an element `{by}` names the geom"));
-        let shape =
-            Shape { name, document: geom.document, line: document.line(at), geometry, pose: None, stays_single, at };
+        let own = ends.map(|(own, _)| own).or_else(|| self.compiler.angles().frame(get));
+        let is_named = pinned.is_some();
+        let shape = Shape {
+            name,
+            document: geom.document,
+            line: self.documents[geom.document].line(at),
+            geometry,
+            pose: own.map(|own| frame * own),
+            contact_bits,
+            is_drawn,
+            stays_single: pinned.map(|by| format!("an element `{by}` names the geom")),
+            at,
+        };
         let asset = mesh.map(|(_, asset)| (asset.element.document, asset.element.node.range().start));
-        (shape, Geom { keeps_copy: is_drawn || counts_mass && has_mass, asset }, collides)
+        (shape, Geom { keeps_copy: is_drawn || counts_mass && has_mass, is_named, asset }, collides)
     }
 
     fn mesh(&self, asset: &Asset) -> Geometry {
@@ -249,6 +356,12 @@ impl<'a> Reader<'a> {
             if self.strips { Path::new(file).file_name().and_then(|name| name.to_str()).unwrap_or(file) } else { file };
         let mut mesh = mesh_use(name, scale, self.places, self.mesh_folder);
         mesh.written = file.to_owned();
+        let reference = |name: &str| match name {
+            "pos" => self.classes.get(&asset.element, None, "refpos"),
+            "quat" => self.classes.get(&asset.element, None, "refquat"),
+            _ => None,
+        };
+        mesh.reference = self.compiler.angles().frame(reference).unwrap_or(Frame::IDENTITY);
         Geometry::Mesh(mesh)
     }
 
@@ -260,6 +373,15 @@ impl<'a> Reader<'a> {
         };
         self.tree.all().filter(is_other).map(note).collect()
     }
+}
+
+/// The solid of a geom; `half_length` is that between its two points, if it states these.
+fn solid(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> Option<Solid> {
+    if let (Some(half_length), Some(&radius)) = (half_length, size.first()) {
+        let is_long = matches!(kind, "box" | "ellipsoid");
+        size = if is_long { vec![radius, radius, half_length] } else { vec![radius, half_length] };
+    }
+    Solid::new(kind, &size)
 }
 
 /// Files that the model names by relative paths.

@@ -19,6 +19,8 @@ pub struct Model {
 pub struct Geom {
     /// Whether a copy must be drawn, or keep the mass.
     pub keeps_copy: bool,
+    /// Whether another element names it.
+    pub is_named: bool,
     /// Document and start of its mesh asset.
     pub asset: Option<(usize, usize)>,
 }

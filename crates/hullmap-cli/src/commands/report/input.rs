@@ -9,7 +9,6 @@ use hullmap_report::input::{self as report, Remarks, Verification, VerifiedHull}
 use hullmap_report::{Analysis, Input, analyse};
 
 use super::remarks::remarks;
-use super::source_mesh::source_meshes;
 use crate::args::ReportArgs;
 use crate::estimates::PartsEstimates;
 use crate::geometry::polygons;
@@ -18,6 +17,7 @@ use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
+use crate::source_mesh::display_mesh;
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
 /// Maximum number of warnings about one pack.
@@ -61,7 +61,12 @@ pub fn analyse_pack(
     let source = source.map(|source| report::Source {
         name: source_name(&source, &pack),
         point_count: source.point_sets.iter().map(|set| set.positions.len()).sum(),
-        meshes: source_meshes(&source),
+        meshes: source
+            .point_sets
+            .iter()
+            .zip(&source.faces)
+            .map(|(set, faces)| display_mesh(&set.positions, faces))
+            .collect(),
     });
     let input =
         Input { path: &place.path, pack: &pack, open_time, source, verification, remarks, polygons, up: args.up };

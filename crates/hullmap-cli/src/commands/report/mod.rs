@@ -9,7 +9,6 @@
 mod input;
 mod remarks;
 mod shards;
-mod source_mesh;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

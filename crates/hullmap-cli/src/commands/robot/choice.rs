@@ -1,12 +1,11 @@
 //! What becomes of each collision: a hull, parts, or what it is.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use hullmap_import::open_regular;
-use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Unresolved};
+use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Submesh, Unresolved};
 
+use super::files::starts_with;
 use super::target::Target;
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
 use crate::config::{Chosen, Configs};
@@ -24,8 +23,8 @@ const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
 /// What becomes of a shape.
 #[derive(Debug)]
 pub enum Choice {
-    /// Hulls of the pack of this job.
-    Job(usize),
+    /// These hulls: an index among [`Choices::hulls`].
+    Hulls(usize),
     /// A primitive that is drawn becomes a collision.
     Primitive,
     /// A collision gives way to those from visuals.
@@ -47,17 +46,49 @@ pub struct ShapeChoice {
     pub choice: Choice,
 }
 
+/// Hulls of a job that stand for one mesh.
+#[derive(Debug)]
+pub struct HullsOf {
+    /// Index of the job.
+    pub job: usize,
+    /// Stem of the names of their files.
+    pub stem: String,
+    /// The mesh.
+    pub mesh: MeshUse,
+}
+
+/// Names and jobs that were given.
+#[derive(Default)]
+struct Known {
+    /// By file and options.
+    jobs: BTreeMap<(PathBuf, String), usize>,
+    /// By job and submesh.
+    hulls: BTreeMap<(usize, Option<Submesh>), usize>,
+    /// Stems that are taken.
+    stems: BTreeSet<String>,
+}
+
 /// The choices for a description, and the bakes that they need.
 #[derive(Debug, Default)]
 pub struct Choices {
     /// In the order of the description.
     pub shapes: Vec<ShapeChoice>,
-    /// One for each mesh and set of options.
+    /// One for each file and set of options.
     pub jobs: Vec<Job>,
+    /// One for each mesh and set of options.
+    pub hulls: Vec<HullsOf>,
     /// Findings to act on.
     pub warnings: Vec<String>,
     /// Faults of the description, each with its line.
     pub errors: Vec<String>,
+}
+
+impl Choices {
+    /// The shape that a choice is about.
+    pub fn shape<'d>(&self, own: &ShapeChoice, description: &'d Description) -> &'d Shape {
+        let link = &description.links[own.link];
+        if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] }
+    }
 }
 
 /// Chooses for each collision of a description.
@@ -74,11 +105,13 @@ impl Chooser<'_> {
     /// All choices. Fails if a `hullmap.toml` cannot be read.
     pub fn choose(&self, configs: &mut Configs) -> Result<Choices, Failure> {
         let mut choices = Choices::default();
-        let (mut known, mut names) = (BTreeMap::new(), self.names_of_sources());
+        let mut known = Known { stems: self.names_of_sources(), ..Known::default() };
         for (index, link) in self.description.links.iter().enumerate() {
             let from_visual = self.takes_visuals(link);
-            for shape in 0..if from_visual { link.collisions.len() } else { 0 } {
-                choices.shapes.push(ShapeChoice { link: index, shape, from_visual: false, choice: Choice::Removed });
+            for (shape, own) in link.collisions.iter().enumerate().filter(|_| from_visual) {
+                // A geom that is named by another element, a pair for instance, keeps its contacts.
+                let choice = own.stays_single.clone().map_or(Choice::Removed, Choice::Kept);
+                choices.shapes.push(ShapeChoice { link: index, shape, from_visual: false, choice });
             }
             let shapes = if from_visual { &link.visuals } else { &link.collisions };
             for (shape_index, shape) in shapes.iter().enumerate() {
@@ -87,11 +120,9 @@ impl Chooser<'_> {
                         Choice::Kept("--skip".to_owned())
                     }
                     Geometry::Primitive(_) if from_visual => Choice::Primitive,
-                    Geometry::Primitive(kind) => Choice::Kept(kind.clone()),
+                    Geometry::Primitive(primitive) => Choice::Kept(primitive.name.clone()),
                     Geometry::Other(reason) => Choice::Kept(reason.clone()),
-                    Geometry::Mesh(mesh) => {
-                        self.of_mesh(link, shape, mesh, configs, (&mut known, &mut names), &mut choices)?
-                    }
+                    Geometry::Mesh(mesh) => self.of_mesh(link, shape, mesh, configs, &mut known, &mut choices)?,
                 };
                 choices.shapes.push(ShapeChoice { link: index, shape: shape_index, from_visual, choice });
             }
@@ -106,7 +137,7 @@ impl Chooser<'_> {
         link.takes_visuals
             && match self.args.from_visual {
                 FromVisual::Missing => link.collisions.is_empty(),
-                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped,
+                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped && !has_only_hulls(link),
                 FromVisual::Never => false,
             }
     }
@@ -117,7 +148,7 @@ impl Chooser<'_> {
         shape: &Shape,
         mesh: &MeshUse,
         configs: &mut Configs,
-        (known, names): (&mut BTreeMap<(PathBuf, String), usize>, &mut BTreeSet<String>),
+        known: &mut Known,
         choices: &mut Choices,
     ) -> Result<Choice, Failure> {
         let place = || format!("{}:{}", self.description.documents[shape.document].path().display(), shape.line);
@@ -158,10 +189,13 @@ impl Chooser<'_> {
             set(&mut layer, "decompose", Value::Switch(false));
         }
         scale_lengths(&mut layer, mesh.stretch());
+        if mesh.submesh.is_some() {
+            set(&mut layer, "split", Value::Word("object"));
+        }
         let options = layer.resolve();
         let canonical = file.canonicalize().unwrap_or_else(|_| file.clone());
-        let job = *known.entry((canonical, options.to_string())).or_insert_with(|| {
-            let output = self.target.meshes.join(format!("{}.hullmap", name(file, names)));
+        let job = *known.jobs.entry((canonical, options.to_string())).or_insert_with(|| {
+            let output = self.target.meshes.join(format!("{}.hullmap", name(&stem(file), &mut known.stems)));
             choices.jobs.push(Job {
                 source: file.clone(),
                 place: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -175,7 +209,16 @@ impl Chooser<'_> {
             });
             choices.jobs.len() - 1
         });
-        Ok(Choice::Job(job))
+        let hulls = *known.hulls.entry((job, mesh.submesh.clone())).or_insert_with(|| {
+            let output = &choices.jobs[job].output;
+            let stem = match &mesh.submesh {
+                None => stem(output),
+                Some(submesh) => name(&format!("{}_{}", stem(output), submesh.name), &mut known.stems),
+            };
+            choices.hulls.push(HullsOf { job, stem, mesh: mesh.clone() });
+            choices.hulls.len() - 1
+        });
+        Ok(Choice::Hulls(hulls))
     }
 
     /// Stems that hulls must not have: programs that remove folders from names, as MuJoCo does in
@@ -188,6 +231,14 @@ impl Chooser<'_> {
         });
         meshes.map(|mesh| stem(Path::new(&mesh.written)).to_lowercase()).filter(|stem| is_ending(stem)).collect()
     }
+}
+
+/// Whether all collisions of a link were made by an earlier run.
+fn has_only_hulls(link: &Link) -> bool {
+    link.collisions.iter().all(|shape| match &shape.geometry {
+        Geometry::Mesh(mesh) => mesh.file.as_ref().is_ok_and(|file| is_own(file)),
+        _ => false,
+    })
 }
 
 /// Whether a glob matches the name of a link.
@@ -204,9 +255,9 @@ fn is_ending(stem: &str) -> bool {
     stem.ends_with("_hull") || stem.contains("_part_")
 }
 
-/// The name of a mesh's pack: its stem, or with a number if that is taken.
-fn name(file: &Path, taken: &mut BTreeSet<String>) -> String {
-    let stem = token(&stem(file));
+/// The stem of a pack or of hulls: that of the mesh, or with a number if that is taken.
+fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
+    let stem = token(stem);
     let numbered = (2_u32..).map(|number| format!("{stem}_{number}"));
     let is_free = |name: &String| {
         let lower = name.to_lowercase();
@@ -222,9 +273,7 @@ fn name(file: &Path, taken: &mut BTreeSet<String>) -> String {
 /// Whether a mesh was written by bake: hulls are not baked again, so that a second run changes
 /// nothing.
 fn is_own(file: &Path) -> bool {
-    let mut start = Vec::new();
-    let read = open_regular(file).and_then(|file| file.take(obj::FIRST_LINE.len() as u64).read_to_end(&mut start));
-    read.is_ok() && start == obj::FIRST_LINE.as_bytes()
+    starts_with(file, obj::FIRST_LINE)
 }
 
 fn set(layer: &mut OptionLayer, key: &str, value: Value) {

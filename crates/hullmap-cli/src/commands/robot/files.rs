@@ -50,6 +50,11 @@ impl Output {
         Ok(if bytes == self.bytes { State::Same } else { State::Other })
     }
 
+    /// Writes a file that the user named, unless it has these bytes already.
+    pub fn write_if_changed(&self) -> Result<(), Failure> {
+        if self.state()? == State::Same { Ok(()) } else { self.write(folder_of(&self.path)) }
+    }
+
     /// Writes the file, whose folder is made, unless it is below a link in `out`.
     pub fn write(&self, out: &Path) -> Result<(), Failure> {
         let folder = folder_of(&self.path);
@@ -65,16 +70,18 @@ impl Output {
     }
 }
 
+/// Whether a regular file starts with a text.
+pub fn starts_with(path: &Path, text: &str) -> bool {
+    let mut start = Vec::new();
+    let read = open_regular(path).and_then(|file| file.take(text.len() as u64).read_to_end(&mut start));
+    read.is_ok() && start == text.as_bytes()
+}
+
 /// Hulls in a folder that are not in use: of links or parts that are gone.
 pub fn left_over(folder: &Path, used: &BTreeSet<PathBuf>) -> usize {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_hull = |path: &PathBuf| {
-        let mut start = Vec::new();
-        path.extension().is_some_and(|extension| extension == "obj")
-            && open_regular(path)
-                .and_then(|file| file.take(obj::FIRST_LINE.len() as u64).read_to_end(&mut start))
-                .is_ok()
-            && start == obj::FIRST_LINE.as_bytes()
+        path.extension().is_some_and(|extension| extension == "obj") && starts_with(path, obj::FIRST_LINE)
     };
     entries.filter(is_hull).filter(|path| !used.contains(path)).count()
 }

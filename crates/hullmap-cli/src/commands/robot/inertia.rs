@@ -3,18 +3,19 @@
 //! Second moments C = ∫ x xᵀ about the centroid follow linear maps: a mesh that is drawn by A has
 //! |det A| A C Aᵀ. The inertia tensor is tr(C) E − C.
 
-use glam::{DMat3, DQuat, DVec3, EulerRot};
+use glam::{DMat3, DVec3};
 use hullmap::MassProperties;
+use hullmap_robot::{Frame, MeshUse};
 
 /// A mesh in a link: its mass properties at density 1, in its own frame, and how it is drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Body {
     /// At density 1.
     pub own: MassProperties,
-    /// Factors along the axes of the mesh.
-    pub scale: [f64; 3],
-    /// Translation, then roll, pitch and yaw in radians.
-    pub pose: [f64; 6],
+    /// The mesh, which states how it is scaled.
+    pub mesh: MeshUse,
+    /// Its frame in the link's.
+    pub pose: Frame,
 }
 
 /// Centre of mass and inertia tensor about it, in the frame and the axes of the link, of bodies
@@ -37,13 +38,12 @@ pub fn inertia(bodies: &[Body], mass: f64) -> Option<(DVec3, DMat3)> {
 
 /// Volume, centroid, and second moments about it, in the frame of the link.
 fn placed(body: &Body) -> (f64, DVec3, DMat3) {
-    let [x, y, z, roll, pitch, yaw] = body.pose;
-    // Fixed axes x, y, z: the rotation about z is applied last.
-    let rotation = DMat3::from_quat(DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll));
-    let drawn = rotation * DMat3::from_diagonal(DVec3::from_array(body.scale));
+    let scaled = DMat3::from_diagonal(DVec3::from_array(body.mesh.scale));
+    let drawn =
+        DMat3::from_quat(body.pose.rotation) * scaled * DMat3::from_quat(body.mesh.reference.rotation.inverse());
     let factor = drawn.determinant().abs();
     let moments = DMat3::IDENTITY * (trace(body.own.inertia) / 2.0) - body.own.inertia;
-    let centre = drawn * body.own.center_of_mass + DVec3::new(x, y, z);
+    let centre = body.pose.apply(body.mesh.placed(body.own.center_of_mass));
     (body.own.mass * factor, centre, drawn * moments * drawn.transpose() * factor)
 }
 
@@ -57,6 +57,8 @@ fn outer(v: DVec3) -> DMat3 {
 
 #[cfg(test)]
 mod tests {
+    use hullmap_robot::Unresolved;
+
     use super::*;
 
     /// A unit cube at the origin of its frame, in the octant of positive coordinates.
@@ -67,7 +69,9 @@ mod tests {
             inertia: DMat3::IDENTITY / 6.0,
             ..MassProperties::default()
         };
-        Body { own, scale, pose }
+        let (written, file) = (String::new(), Err(Unresolved::Remote));
+        let mesh = MeshUse { written, file, scale, reference: Frame::IDENTITY, submesh: None };
+        Body { own, mesh, pose: Frame::of_xyz_rpy(pose) }
     }
 
     /// Inertia of a box about its centre, by the textbook.
@@ -85,6 +89,10 @@ mod tests {
         let turn = std::f64::consts::FRAC_PI_2;
         let drawn = cube([2.0, 3.0, 4.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_near(inertia(&[drawn], 5.0).unwrap(), [2.0, 1.5, 2.0], of_box(5.0, [2.0, 3.0, 4.0]));
+        // Turned before it is scaled: its second axis is the third of the file.
+        let mut sheared = cube([2.0, 3.0, 4.0], [0.0; 6]);
+        sheared.mesh.reference = Frame::of_xyz_rpy([0.0, 0.0, 0.0, turn, 0.0, 0.0]);
+        assert_near(inertia(&[sheared], 5.0).unwrap(), [1.0, 1.5, -2.0], of_box(5.0, [2.0, 3.0, 4.0]));
         let mirrored = cube([2.0, -3.0, 4.0], [0.0; 6]);
         assert_near(inertia(&[mirrored], 5.0).unwrap(), [1.0, -1.5, 2.0], of_box(5.0, [2.0, 3.0, 4.0]));
         // Roll first, then yaw: x, y, z of the mesh become z... of the link.

@@ -10,28 +10,31 @@
 //! A description that fails is reported, nothing of it is written except packs, and the others go
 //! on.
 
+mod bodies;
 mod choice;
 mod files;
+mod hulls;
 mod inertia;
+mod meshes;
+mod page;
+mod pairs;
 mod rows;
+mod sampling;
 mod target;
+mod touching;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullmap::MassProperties;
-use hullmap_import::UpAxis;
-use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, escaped, relative};
+use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, SRDF_FIRST_LINE, escaped, relative};
 
-use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
+use crate::args::{DECIDED_BY_ROBOTS, RobotArgs};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::interrupt;
 use crate::jobs::Job;
-use crate::mesh_file::{body::Body, obj};
-use crate::open::open_pack;
 use crate::options::flag;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, plain, shown_from, sweep};
@@ -43,7 +46,10 @@ use crate::runner::rows as build_rows;
 use crate::terminal::Output;
 use choice::{Choice, Choices, Chooser};
 use files::State;
-use rows::{Collision, Row, Status};
+use hulls::{Fault, Hulls, read_hulls};
+use meshes::Meshes;
+use pairs::{Pairs, Sampling};
+use rows::{Collision, ExcludedPair, Row, Status};
 use target::Target;
 
 /// A description that was read, and what becomes of it.
@@ -53,23 +59,6 @@ struct Robot {
     choices: Choices,
     /// Index of its first job among those of all descriptions.
     first_job: usize,
-}
-
-/// The hulls of a pack.
-struct Hulls {
-    /// The pack.
-    pack: PathBuf,
-    /// Absolute paths of the meshes, and their bytes.
-    files: Vec<files::Output>,
-    vertices: usize,
-    is_parts: bool,
-    /// Bounds in units of the mesh.
-    protrusion: Option<f64>,
-    uncovered: Option<f64>,
-    /// Whether a hull has no volume.
-    is_flat: bool,
-    /// Of the mesh, at density 1; `None` if it is not closed.
-    mass: Option<MassProperties>,
 }
 
 /// Runs the command. Fails if flags are wrong or a `hullmap.toml` cannot be read. Failures of
@@ -144,6 +133,10 @@ fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
             args.out.display()
         )));
     }
+    if args.report.is_some() && !is_single {
+        let message = "--report writes the page of one description, but there are several; run it once for each";
+        return Err(Failure::usage(message.to_owned()));
+    }
     if let Some(missing) = args.packages.iter().find(|package| !package.is_dir()) {
         return Err(Failure::usage(format!(
             "--package-path {}: is not a folder; name a folder of packages",
@@ -161,14 +154,9 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
     let places = Places { packages: args.packages.clone(), roots };
     let description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
-    if args.from_visual == FromVisual::Always && description.format == Format::Mjcf {
-        let message =
-            "--from-visual always is for URDF and SDF: in MJCF a geom that collides may be drawn and have mass, too";
+    if args.exclude_pairs && description.format == Format::Sdf {
+        let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
         return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
-    }
-    if args.inertia && description.format == Format::Mjcf {
-        let message = "--inertia is for URDF and SDF; remove the flag, or set the inertia in the file";
-        return Err(one(Failure::usage(format!("{}: {message}", input.display()))));
     }
     let target = Target::new(args, &description).map_err(one)?;
     let chooser = Chooser { args, description: &description, target: &target };
@@ -241,24 +229,68 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         row.reason = own.reason.as_ref().map(|reason| format!("{}: {reason}", own.source));
         return Ok(Exit::Rejected);
     }
-    let mut hulls: Vec<Hulls> = choices.jobs.iter().map(read_hulls).collect::<Result<_, _>>()?;
+    let mut meshes = Meshes::new(args.limits.limits());
+    let read = choices.hulls.iter().map(|own| read_hulls(&choices.jobs, own, &mut meshes));
+    let mut hulls: Vec<Hulls> = read.collect::<Result<_, _>>()?;
     let mut changes = changes(&description, &target, &choices, &hulls, row)?;
     if args.inertia {
         changes.extend(inertias(&description, &choices, &hulls, row));
     }
+    let mut outputs = Vec::new();
+    let mut page = None;
+    if args.exclude_pairs || args.report.is_some() {
+        let sampling = Sampling { count: args.samples, seed: args.seed };
+        let pairs = Pairs::new(&description, &choices, &hulls, &mut meshes, sampling);
+        if args.exclude_pairs {
+            changes.push(pairs.change());
+            outputs.extend(exclude(args, &description, &target, &pairs, row)?);
+        }
+        if args.report.is_some() {
+            let gatherer =
+                page::Gatherer { description: &description, choices: &choices, hulls: &hulls, meshes: &mut meshes };
+            page = Some(page::page(gatherer, &pairs, row));
+        }
+    }
     let documents = description.changed(&changes).map_err(|error| failure(&error))?;
-    let mut outputs: Vec<files::Output> =
-        hulls.iter_mut().filter(|own| !own.is_flat).flat_map(|own| std::mem::take(&mut own.files)).collect();
+    outputs.extend(hulls.iter_mut().filter(|own| own.fault.is_none()).flat_map(|own| std::mem::take(&mut own.files)));
     outputs.extend(copies(&description, &target, &documents)?);
     let texts = described(&description, &target, documents)?;
     outputs.extend(texts);
     check_inputs(args, &description, &outputs)?;
     let exit = settle(args, &target, &outputs, row)?;
+    if let Some((file, page)) = args.report.as_ref().zip(page) {
+        files::Output { path: file.clone(), bytes: page.into_bytes() }.write_if_changed()?;
+    }
     let count = files::left_over(&target.meshes, &used(&description, &outputs));
     if count > 0 && description.mesh_folder(&target.folder).is_none() {
         row.notes.push(format!("{}: {count} hulls of earlier runs are not in use; remove them", shown(&target.meshes)));
     }
     Ok(exit)
+}
+
+/// Lists the pairs that are excluded. Those of a URDF file are a file of their own.
+///
+/// # Errors
+/// That file exists and was not written by this command.
+fn exclude(
+    args: &RobotArgs,
+    description: &Description,
+    target: &Target,
+    pairs: &Pairs,
+    row: &mut Row,
+) -> Result<Option<files::Output>, Failure> {
+    row.excluded_pairs = Some(pairs.excluded.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
+    row.notes.push(format!("{} pairs of links are excluded. {}", pairs.excluded.len(), pairs.in_words()));
+    if description.format != Format::Urdf {
+        return Ok(None);
+    }
+    let output =
+        files::Output { path: target.file.with_extension("srdf"), bytes: pairs.srdf(description).into_bytes() };
+    if !args.force && output.path.exists() && !files::starts_with(&output.path, SRDF_FIRST_LINE) {
+        let message = "exists, and was not written by bake: copy its other elements elsewhere, or pass --force";
+        return Err(Failure::usage(format!("{}: {message}", shown(&output.path))));
+    }
+    Ok(Some(output))
 }
 
 /// The meshes that the edited description may name.
@@ -277,30 +309,6 @@ fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// The hulls of a pack as meshes.
-fn read_hulls(job: &Job) -> Result<Hulls, Failure> {
-    let pack = open_pack(&job.output)?;
-    let stem = job.output.with_extension("");
-    let stem = stem.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let is_parts = pack.hulls().any(|hull| hull.part_count() > 1);
-    let (mut files, mut vertices, mut is_flat) = (Vec::new(), 0, false);
-    for (index, hull) in pack.hulls().enumerate() {
-        let name = if is_parts { format!("{stem}_part_{index:02}.obj") } else { format!("{stem}_hull.obj") };
-        is_flat |= hull.rank() < 3;
-        vertices += hull.vertex_count();
-        let mut body = Body::new(&hull, UpAxis::Keep);
-        body.name = name.trim_end_matches(".obj").to_owned();
-        files.push(files::Output { path: job.output.with_file_name(name), bytes: obj::write(&[body], false) });
-    }
-    let worst = |bounds: Vec<Option<f64>>| {
-        bounds.into_iter().collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(0.0, f64::max))
-    };
-    let protrusion = worst(pack.hulls().map(|hull| hull.protrusion()).collect());
-    let uncovered = worst(pack.hulls().map(|hull| hull.uncovered()).collect());
-    let mass = pack.hulls().next().and_then(|hull| hull.mesh_mass_properties(1.0));
-    Ok(Hulls { pack: job.output.clone(), files, vertices, is_parts, protrusion, uncovered, is_flat, mass })
-}
-
 /// The changes of the description, and a row for each collision.
 fn changes(
     description: &Description,
@@ -312,7 +320,7 @@ fn changes(
     let mut changes = Vec::new();
     for own in &choices.shapes {
         let link = &description.links[own.link];
-        let shape = if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] };
+        let shape = choices.shape(own, description);
         let mut collision = Collision {
             link: link.name.clone(),
             name: shape.name.clone(),
@@ -338,16 +346,18 @@ fn changes(
                 collision.action = "primitive";
                 changes.push(Change::FromVisual { link: link_index, visual: index, meshes: None });
             }
-            Choice::Job(job) if hulls[*job].is_flat => {
-                let source = shown(&choices.jobs[*job].source);
-                row.warnings.push(format!(
-                    "{source}: its hull is flat, and programs reject flat meshes, so link `{}` keeps it; give the mesh a thickness, or use a box",
-                    link.name
-                ));
-                (collision.reason, collision.source) = (Some("its hull is flat".to_owned()), Some(source));
-            }
-            Choice::Job(job) => {
-                let own_hulls = &hulls[*job];
+            Choice::Hulls(at) => {
+                let own_hulls = &hulls[*at];
+                collision.source = Some(shown(&choices.jobs[choices.hulls[*at].job].source));
+                if let Some(fault) = &own_hulls.fault {
+                    let Fault { reason, remedy } = fault;
+                    let source = collision.source.as_deref().unwrap_or_default();
+                    let name = &link.name;
+                    row.warnings.push(format!("{source}: {reason}, so link `{name}` keeps it; {remedy}"));
+                    collision.reason = Some(reason.clone());
+                    row.collisions.push(collision);
+                    continue;
+                }
                 let name = |file: &files::Output| description.mesh_name(&file.path, &target.folder);
                 let meshes: Vec<String> =
                     own_hulls.files.iter().map(name).collect::<Result<_, _>>().map_err(|error| failure(&error))?;
@@ -357,8 +367,7 @@ fn changes(
                 };
                 let millimetres = |bound: Option<f64>| bound.map(|bound| bound * stretch * 1000.0);
                 collision.action = if own_hulls.is_parts { "parts" } else { "hull" };
-                collision.source = Some(shown(&choices.jobs[*job].source));
-                collision.pack = Some(shown(&own_hulls.pack));
+                collision.pack = Some(shown(&own_hulls.file));
                 collision.meshes.clone_from(&meshes);
                 collision.vertices = Some(own_hulls.vertices);
                 collision.protrusion_mm = millimetres(own_hulls.protrusion);
@@ -383,9 +392,9 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
         let Some(mass) = link.mass else { continue };
         let own = choices.shapes.iter().filter(|own| own.link == index && !matches!(own.choice, Choice::Removed));
         let body = |own: &choice::ShapeChoice| {
-            let shape = if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] };
-            let (Choice::Job(job), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
-            Some(inertia::Body { own: hulls[*job].mass?, scale: mesh.scale, pose: shape.pose? })
+            let shape = choices.shape(own, description);
+            let (Choice::Hulls(own), Geometry::Mesh(mesh)) = (&own.choice, &shape.geometry) else { return None };
+            Some(inertia::Body { own: hulls[*own].mass?, mesh: mesh.clone(), pose: shape.pose? })
         };
         let bodies: Option<Vec<inertia::Body>> = own.map(body).collect();
         match bodies.and_then(|bodies| inertia::inertia(&bodies, mass)) {

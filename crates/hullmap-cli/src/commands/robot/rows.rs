@@ -1,5 +1,7 @@
 //! Results of `bake robot`, as JSON and as text.
 
+use hullmap_report::robot::Excluded;
+use hullmap_robot::Description;
 use serde::Serialize;
 
 use crate::outcome::Failure;
@@ -41,6 +43,8 @@ pub struct Row {
     pub baked: usize,
     /// Every collision.
     pub collisions: Vec<Collision>,
+    /// Pairs of links whose contacts are excluded, with `--exclude-pairs`.
+    pub excluded_pairs: Option<Vec<ExcludedPair>>,
     /// Findings of interest.
     pub notes: Vec<String>,
     /// Findings to act on.
@@ -81,6 +85,22 @@ pub struct Collision {
     pub uncovered_mm: Option<f64>,
 }
 
+/// A pair of links whose contacts are excluded.
+#[derive(Debug, Serialize)]
+pub struct ExcludedPair {
+    /// Names of the links.
+    pub links: [String; 2],
+    /// `Adjacent`, `Default`, `Always` or `Never`.
+    pub reason: &'static str,
+}
+
+impl ExcludedPair {
+    /// A pair of a description.
+    pub fn new(pair: &Excluded, description: &Description) -> Self {
+        Self { links: pair.links.map(|link| description.links[link].name.clone()), reason: pair.reason }
+    }
+}
+
 impl Row {
     /// A description that has not been read.
     pub fn new(file: String) -> Self {
@@ -93,6 +113,7 @@ impl Row {
             links: None,
             baked: 0,
             collisions: Vec::new(),
+            excluded_pairs: None,
             notes: Vec::new(),
             warnings: Vec::new(),
             errors: Vec::new(),

@@ -1,18 +1,13 @@
-//! The faces of a source mesh as triangles and edges for the report to draw.
+//! The faces of a source mesh as triangles and edges for a page to draw.
 
 use hullmap_import::Polygons;
 use hullmap_report::DisplayMesh;
 
-use crate::source::Source;
-
-/// The mesh of each point set of the source: its faces if the file has any, otherwise its points
-/// alone. Complexity: O(corners), except for concave polygons.
-pub fn source_meshes(source: &Source) -> Vec<DisplayMesh> {
-    let pairs = source.point_sets.iter().zip(&source.faces);
-    pairs.map(|(set, faces)| display_mesh(&set.positions, faces)).collect()
-}
-
-fn display_mesh(points: &[[f32; 3]], faces: &Polygons) -> DisplayMesh {
+/// The mesh of a point set: its faces if there are any, otherwise its points alone.
+///
+/// # Complexity
+/// O(corners), except for concave polygons.
+pub fn display_mesh(points: &[[f32; 3]], faces: &Polygons) -> DisplayMesh {
     let triangles = faces.triangles(points);
     let mut mesh = DisplayMesh { points: points.to_vec(), triangles, ..DisplayMesh::default() };
     for face in 0..faces.len() {

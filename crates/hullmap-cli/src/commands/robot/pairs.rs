@@ -1,0 +1,174 @@
+//! Which pairs of links touch in the neutral pose, before and after, and which should be excluded.
+
+use std::collections::BTreeSet;
+
+use hullmap_report::robot::{Excluded, Touching};
+use hullmap_robot::{Change, Description, DisabledPair, Format, Frame, Geometry, Shape, srdf};
+use rayon::prelude::*;
+
+use super::bodies::{self, Piece};
+use super::choice::{Choice, Choices};
+use super::hulls::Hulls;
+use super::meshes::Meshes;
+use super::sampling::{Seen, sample};
+use super::touching::{Bodies, Neighbours};
+
+/// Maximum number of links whose pairs are tested.
+const MAX_LINKS: usize = 1500;
+
+/// How random configurations are chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampling {
+    /// Their number.
+    pub count: u32,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// The pairs of a robot.
+pub struct Pairs {
+    /// Its collisions: meshes by their hulls.
+    pub before: Bodies,
+    /// Its new collisions.
+    pub after: Bodies,
+    /// Pairs that touch in the neutral pose.
+    pub touching: Vec<Touching>,
+    /// Pairs to exclude.
+    pub excluded: Vec<Excluded>,
+    neutral: Vec<Frame>,
+    sampling: Sampling,
+    format: Format,
+    /// Whether there are so many links that no pair was tested.
+    is_cut: bool,
+}
+
+impl Pairs {
+    /// Tests all pairs of links of one robot in the neutral pose, and in random ones.
+    pub fn new(
+        description: &Description,
+        choices: &Choices,
+        hulls: &[Hulls],
+        meshes: &mut Meshes,
+        sampling: Sampling,
+    ) -> Self {
+        let chain = &description.chain;
+        let mut displacements = chain.neutral();
+        chain.follow(&mut displacements);
+        let neutral = chain.poses(&displacements);
+        let before = description.links.iter().map(|link| {
+            let shapes = link.collisions.iter();
+            shapes.flat_map(|shape| as_engines_do(shape, meshes)).collect()
+        });
+        let before = Bodies::new(before.collect());
+        let after = Bodies::new(after(description, choices, hulls, meshes));
+        let neighbours = Neighbours::new(chain);
+        let is_cut = description.links.len() > MAX_LINKS;
+        let all = if is_cut { Vec::new() } else { neighbours.pairs(&before, &after) };
+        let known: BTreeSet<[usize; 2]> = description.excluded.iter().map(|[a, b]| [*a.min(b), *a.max(b)]).collect();
+        let tested: Vec<Touching> = all
+            .par_iter()
+            .map(|&links| {
+                let touches = [&before, &after].map(|bodies| bodies.touch(links, &neutral));
+                let is_untested = neighbours.are_adjacent(links) || known.contains(&links);
+                Touching { links, touches, is_untested }
+            })
+            .collect();
+        let seen = sample(chain, &after, &all, sampling.count, sampling.seed);
+        let reason = |(pair, seen): (&Touching, &Seen)| {
+            let reason = reason(description.format, pair, *seen)?;
+            Some(Excluded { links: pair.links, reason })
+        };
+        let excluded = tested.iter().zip(&seen).filter_map(reason).collect();
+        let touching = tested.into_iter().filter(|pair| pair.touches != [false, false]).collect();
+        Self { before, after, touching, excluded, neutral, sampling, format: description.format, is_cut }
+    }
+
+    /// The frame of each link in the neutral pose.
+    pub fn neutral(&self) -> &[Frame] {
+        &self.neutral
+    }
+
+    /// How the pairs to exclude were found.
+    pub fn in_words(&self) -> String {
+        if self.is_cut {
+            return format!("Not tested: the description has more than {MAX_LINKS} links.");
+        }
+        let Sampling { count, seed } = self.sampling;
+        let sampled = format!("in {count} random configurations (seed {seed})");
+        match self.format {
+            Format::Mjcf => {
+                format!("Default: the two touch in the neutral pose. Always: they touch {sampled}, without exception.")
+            }
+            _ => format!(
+                "Adjacent: the two are neighbours in the chain. Default: they touch in the neutral pose. Always: they touch \
+                 {sampled}, without exception. Never: they touch in none of these, which is no proof."
+            ),
+        }
+    }
+
+    /// The change of an MJCF file that excludes the pairs.
+    pub fn change(&self) -> Change {
+        Change::Exclude { pairs: self.excluded.iter().map(|pair| pair.links).collect(), comment: self.in_words() }
+    }
+
+    /// The SRDF file of a URDF file.
+    pub fn srdf(&self, description: &Description) -> String {
+        let name = |link: usize| description.links[link].name.as_str();
+        let pair = |pair: &Excluded| DisabledPair { links: pair.links.map(name), reason: pair.reason };
+        let pairs: Vec<DisabledPair> = self.excluded.iter().map(pair).collect();
+        srdf(&description.name, &self.in_words(), &pairs)
+    }
+}
+
+/// Why a pair is excluded. MuJoCo does not test neighbours, and finds pairs that are far from each
+/// other by their boxes: to exclude pairs that never touched would save nothing, and lose contacts
+/// that the random configurations missed.
+fn reason(format: Format, pair: &Touching, seen: Seen) -> Option<&'static str> {
+    let is_always = seen == Seen { together: true, apart: false };
+    match format {
+        Format::Mjcf if pair.is_untested => None,
+        Format::Urdf | Format::Sdf if pair.is_untested => Some("Adjacent"),
+        _ if pair.touches[1] => Some("Default"),
+        _ if is_always => Some("Always"),
+        Format::Urdf | Format::Sdf if seen == (Seen { together: false, apart: true }) => Some("Never"),
+        _ => None,
+    }
+}
+
+/// The pieces of the edited description.
+fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: &mut Meshes) -> Vec<Vec<Piece>> {
+    let mut after: Vec<Vec<Piece>> = description.links.iter().map(|_| Vec::new()).collect();
+    for own in &choices.shapes {
+        let shape = choices.shape(own, description);
+        let pieces = match (&own.choice, &shape.geometry) {
+            (Choice::Removed, _) => Vec::new(),
+            (Choice::Hulls(own), Geometry::Mesh(mesh)) if hulls[*own].fault.is_none() => {
+                pieces(shape, bodies::hulls(&hulls[*own].pack, mesh).unwrap_or_default())
+            }
+            _ => as_engines_do(shape, meshes),
+        };
+        // A geom that was only drawn collides with everything now.
+        let contact_bits = |piece: &Piece| if own.from_visual { [1, 1] } else { piece.contact_bits };
+        after[own.link].extend(pieces.into_iter().map(|piece| Piece { contact_bits: contact_bits(&piece), ..piece }));
+    }
+    after
+}
+
+/// The pieces of a shape of a description: engines take a mesh by its convex hull.
+fn as_engines_do(shape: &Shape, meshes: &mut Meshes) -> Vec<Piece> {
+    let shapes = match &shape.geometry {
+        Geometry::Mesh(mesh) => {
+            meshes.get(mesh).and_then(|own| bodies::hulls(own.hull().ok()?, mesh).ok()).unwrap_or_default()
+        }
+        Geometry::Primitive(primitive) => {
+            primitive.solid.and_then(|solid| bodies::solid(solid).ok()).into_iter().collect()
+        }
+        Geometry::Other(_) => Vec::new(),
+    };
+    pieces(shape, shapes)
+}
+
+fn pieces(shape: &Shape, shapes: Vec<bodies::AnyShape>) -> Vec<Piece> {
+    let Some(in_link) = shape.pose else { return Vec::new() };
+    shapes.into_iter().map(|own| Piece { shape: own, in_link, contact_bits: shape.contact_bits }).collect()
+}

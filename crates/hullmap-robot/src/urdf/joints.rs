@@ -1,0 +1,102 @@
+//! Joints of URDF.
+//!
+//! # Reference
+//! <https://wiki.ros.org/urdf/XML/joint>
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use roxmltree::Node;
+
+use super::origin::pose;
+use crate::chain::{Chain, Coupling, Joint, Motion, neutral};
+use crate::description::{Link, triple};
+use crate::document::Document;
+use crate::element::{child, children};
+use crate::frame::Frame;
+
+/// The chain of a robot. What cannot be read is a note.
+pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
+    let index: HashMap<&str, usize> = links.iter().enumerate().map(|(at, link)| (link.name.as_str(), at)).collect();
+    let mut chain = Chain::new(links.len());
+    let mut mimics = Vec::new();
+    for node in children(robot, "joint") {
+        let name = node.attribute("name").unwrap_or_default();
+        let mut note = |message: &str| {
+            let line = document.line(node.range().start);
+            chain.notes.push(format!("line {line}: joint `{name}`: {message}"));
+        };
+        let end = |kind| child(node, kind).and_then(|end| end.attribute("link")).and_then(|link| index.get(link));
+        let (Some(&parent), Some(&link)) = (end("parent"), end("child")) else {
+            note("its parent or child is no link; it is left out here");
+            continue;
+        };
+        let rest = pose(node).unwrap_or_else(|| {
+            note("its origin is not three numbers each; it is taken as 0 here");
+            Frame::IDENTITY
+        });
+        let kind = node.attribute("type").unwrap_or_default();
+        if matches!(kind, "floating" | "planar") {
+            note("it is not moved here, since it has no single axis");
+        }
+        if let Err(reason) = chain.attach(link, parent, rest) {
+            chain.notes.push(format!(
+                "line {}: joint `{name}`: {reason}; it is left out here",
+                document.line(node.range().start)
+            ));
+            continue;
+        }
+        let Some(joint) = joint(node, name, kind, link) else { continue };
+        if let Some(mimic) = child(node, "mimic") {
+            mimics.push((chain.joints.len(), mimic));
+        }
+        chain.joints.push(joint);
+    }
+    let names: HashMap<String, usize> =
+        chain.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
+    for (follower, mimic) in mimics {
+        let number = |name: &str, default: f64| {
+            mimic
+                .attribute(name)
+                .and_then(|text| text.trim().parse().ok())
+                .filter(|n: &f64| n.is_finite())
+                .unwrap_or(default)
+        };
+        match mimic.attribute("joint").and_then(|leader| names.get(leader)) {
+            Some(&leader) => {
+                let coefficients = [number("offset", 0.0), number("multiplier", 1.0), 0.0, 0.0, 0.0];
+                chain.joints[follower].coupling = Some(Coupling { leader: Some(leader), coefficients });
+            }
+            None => {
+                let line = document.line(mimic.range().start);
+                chain.notes.push(format!("line {line}: this mimic names no joint that moves; it is left out here"));
+            }
+        }
+    }
+    chain
+}
+
+/// A joint with a single axis; `None` for any other.
+fn joint(node: Node, name: &str, kind: &str, link: usize) -> Option<Joint> {
+    let motion = match kind {
+        "revolute" | "continuous" => Motion::Hinge,
+        "prismatic" => Motion::Slide,
+        _ => return None,
+    };
+    let axis = child(node, "axis").and_then(|axis| triple(axis.attribute("xyz")?)).map_or(DVec3::X, DVec3::from_array);
+    let limits = child(node, "limit").filter(|_| kind != "continuous").map(|limit| {
+        ["lower", "upper"].map(|name| limit.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(0.0))
+    });
+    let limits = limits.filter(|[low, high]: &[f64; 2]| low <= high && low.is_finite() && high.is_finite());
+    Some(Joint {
+        name: name.to_owned(),
+        link,
+        motion,
+        axis: axis.try_normalize().unwrap_or(DVec3::X),
+        anchor: DVec3::ZERO,
+        limits,
+        reference: 0.0,
+        neutral: neutral(limits),
+        coupling: None,
+    })
+}
