@@ -245,6 +245,7 @@ pub mod batch;
 pub mod cascade;
 pub mod compound;
 mod continuous;
+mod derivatives;
 mod facets;
 mod hull;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
@@ -261,6 +262,7 @@ pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use continuous::cast_motion::cast_motion;
 pub use continuous::clear::clear;
 pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact, Verdict};
+pub use derivatives::{Derivatives, Differentiability, PoseDerivative};
 #[doc(hidden)]
 pub use facets::Facets;
 pub use glam;
