@@ -244,7 +244,9 @@
 pub mod batch;
 pub mod cascade;
 pub mod compound;
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 mod continuous;
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 mod derivatives;
 mod facets;
 mod hull;
