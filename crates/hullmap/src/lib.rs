@@ -244,7 +244,10 @@
 pub mod batch;
 pub mod cascade;
 pub mod compound;
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 mod continuous;
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
+mod derivatives;
 mod facets;
 mod file;
 mod hull;
@@ -263,6 +266,7 @@ pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use continuous::cast_motion::cast_motion;
 pub use continuous::clear::clear;
 pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact, Verdict};
+pub use derivatives::{Derivatives, Differentiability, PoseDerivative};
 #[doc(hidden)]
 pub use facets::Facets;
 pub use glam;

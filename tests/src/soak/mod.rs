@@ -17,6 +17,7 @@
 //! | [`planes`] | half-spaces, and their certificates |
 //! | [`manifolds`] | manifolds of moving pairs, and their certificates |
 //! | [`motions`] | times of impact of shapes that move and turn, and their certificates |
+//! | [`derivatives`] | derivatives of answers about hulls, against central differences |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
 //! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
@@ -25,6 +26,7 @@
 pub mod bodies;
 pub mod body;
 mod claims;
+pub mod derivatives;
 pub mod judge;
 pub mod lines;
 pub mod manifolds;
@@ -68,6 +70,8 @@ pub enum Queries {
     Manifolds,
     /// Times of impact of pairs that move and turn.
     Motions,
+    /// Derivatives of distances, depths, rays and shape casts.
+    Derivatives,
 }
 
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the
@@ -120,5 +124,6 @@ fn judge_line(queries: Queries, pair: &BodyPair<'_, '_>, tally: &mut Tally) {
         Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
         Queries::Manifolds => manifolds::judge(pair, &mut rng, tally),
         Queries::Motions => motions::judge(pair, &mut rng, tally),
+        Queries::Derivatives => derivatives::judge(pair, &mut rng, tally),
     }
 }

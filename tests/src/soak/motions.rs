@@ -5,9 +5,12 @@
 //! | the shapes do not meet before `t_lower`, or at all | distances and contacts at many times |
 //! | they meet by `t_upper` | the same queries at that time |
 //! | at `t_lower` they are within the tolerance | the same |
+//! | a motion is free, with a clearance | the distance at the same times |
 //!
 //! Distances and contacts have certificates of their own. Some pairs are judged at all times: by
 //! intervals that are divided until a bound on the speed of all points excludes a meeting.
+//!
+//! One query in four is about a half-space and a shape.
 //!
 //! At one time the pair is in a pose of the soak of pairs, so most motions graze, or lead to a
 //! contact of faces or edges. The judge has the poses from rotations of its own.
@@ -15,7 +18,12 @@
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
-use hullmap::{Cache, MotionSettings, Pose, RigidMotion, Settings, TimeOfImpact, cast_motion, contact, distance};
+use hullmap::shapes::HalfSpace;
+use hullmap::{
+    Cache, ClearSettings, Contact, Distance, MotionSettings, Pose, RigidMotion, Settings, TimeOfImpact, Verdict,
+    cast_motion, clear, contact, distance,
+};
+use hullmap_testkit::reach::{Placed, Reach};
 use shapes::rng::SplitMix64;
 
 use super::bodies::BodyPair;
@@ -93,6 +101,9 @@ impl Course {
     }
 }
 
+/// Settings of the judge's queries.
+const ACCURATE: Settings = Settings { tolerance: 1e-9, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
+
 /// Whether two bodies are within the target distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Nearness {
@@ -106,33 +117,82 @@ enum Nearness {
 
 struct Case<'s, 'p> {
     bodies: [&'s Body<'p>; 2],
+    /// In place of A.
+    plane: Option<HalfSpace>,
     courses: [Course; 2],
     target: f64,
     slack: f64,
 }
 
 impl Case<'_, '_> {
-    fn nearness(&self, t: f64) -> Nearness {
+    fn b_in_a(&self, t: f64) -> Pose {
+        Pose::relative(self.courses[0].at(t), self.courses[1].at(t)).expect("in range")
+    }
+
+    fn distance(&self, t: f64) -> Distance {
         let [a, b] = self.bodies.map(Body::shape);
-        let [pose_a, pose_b] = [0, 1].map(|i| self.courses[i].at(t));
-        let b_in_a = Pose::relative(pose_a, pose_b).expect("in range");
-        let settings = Settings { tolerance: 1e-9, ..Settings::default() };
-        let gap = distance(a, b, b_in_a, &settings, &mut Cache::new());
+        match &self.plane {
+            Some(plane) => plane.distance(b, self.b_in_a(t)),
+            None => distance(a, b, self.b_in_a(t), &ACCURATE, &mut Cache::new()),
+        }
+    }
+
+    fn contact(&self, t: f64) -> Contact {
+        let [a, b] = self.bodies.map(Body::shape);
+        match &self.plane {
+            Some(plane) => plane.contact(b, self.b_in_a(t)),
+            None => contact(a, b, self.b_in_a(t), &ACCURATE, &mut Cache::new()),
+        }
+    }
+
+    fn nearness(&self, t: f64) -> Nearness {
+        let gap = self.distance(t);
         if gap.lower > self.target + self.slack {
             return Nearness::Apart(gap.lower - self.target - self.slack);
         }
         let has_met = if self.target > 0.0 {
             gap.upper + self.slack < self.target
         } else {
-            gap.distance == 0.0 && contact(a, b, b_in_a, &settings, &mut Cache::new()).depth_lower > self.slack
+            gap.distance == 0.0 && self.contact(t).depth_lower > self.slack
         };
         if has_met { Nearness::Met } else { Nearness::Open }
+    }
+
+    /// Upper bound of the speed at which the bodies can approach each other.
+    fn speed(&self) -> f64 {
+        let [a, b] = &self.courses;
+        let speed_b = b.speed(self.bodies[1]);
+        match &self.plane {
+            // The speed of the plane where B is.
+            Some(_) => {
+                let far = a.center.distance(b.center) + a.linear.length() + b.linear.length();
+                let inside = b.pose.transform_point(self.bodies[1].shape().interior_point());
+                let reach = far + inside.distance(b.center) + self.bodies[1].shape().outer_radius();
+                a.linear.length() + a.turn.1 * reach + speed_b
+            }
+            None => a.speed(self.bodies[0]) + speed_b,
+        }
+    }
+
+    /// The answers of both queries.
+    fn answers(&self, settings: &MotionSettings) -> (TimeOfImpact, Option<hullmap::Clearance>) {
+        let ([a, b], [motion_a, motion_b]) = (self.bodies.map(Body::shape), self.motions());
+        if let Some(plane) = &self.plane {
+            return (plane.cast_motion(&motion_a, b, &motion_b, settings), None);
+        }
+        let found = cast_motion(a, &motion_a, b, &motion_b, settings, &mut Cache::new());
+        let settings = ClearSettings { motion: *settings, ..ClearSettings::default() };
+        (found, Some(clear(a, &motion_a, b, &motion_b, &settings, &mut Cache::new())))
+    }
+
+    fn motions(&self) -> [RigidMotion; 2] {
+        [self.courses[0].motion(), self.courses[1].motion()]
     }
 
     /// A time before `end` at which the bodies surely meet, from intervals that are divided until
     /// the speed excludes a meeting.
     fn meeting_before(&self, end: f64) -> Option<f64> {
-        let speed = self.courses[0].speed(self.bodies[0]) + self.courses[1].speed(self.bodies[1]);
+        let speed = self.speed();
         let mut open = vec![(0.0, end)];
         for _ in 0..INTERVALS {
             let (from, to) = open.pop()?;
@@ -159,16 +219,24 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         Course::random(rng, a, world, through, size(b)),
         Course::random(rng, b, world.compose(pair.b_in_a).expect("finite"), through, size(a)),
     ];
-    let sizes = size(a) + size(b);
+    // A plane that touches B, nearly, when the pair is in its pose.
+    let plane = (rng.below(4) == 0).then(|| {
+        let normal = DVec3::from_array(rng.direction());
+        let lowest = -Placed::new(&b.model, pair.b_in_a).reach(-normal);
+        let near = [0.0, 1e-12, 1e-6, 1e-2, 1.0][rng.below(5)] * rng.between(-1.0, 1.0);
+        HalfSpace::new(normal, lowest + near * size(b)).ok()
+    });
+    let plane = plane.flatten();
+    let sizes = if plane.is_some() { size(b) } else { size(a) + size(b) };
     let target = [0.0, 0.0, 0.0, 1e-3, 0.5][rng.below(5)] * sizes;
     let settings = MotionSettings { target_distance: target, ..MotionSettings::default() };
     let lengths = a.model.greatest + b.model.greatest;
     let spin = 1.0 + courses[0].turn.1 + courses[1].turn.1;
     let lengths = lengths * spin + courses[0].length() + courses[1].length();
+    let lengths = lengths + plane.map_or(0.0, |plane| spin * plane.offset().abs());
     let slack = 4.0 * ROUNDING_UNITS * f64::EPSILON * lengths + a.shape().support_error() + b.shape().support_error();
-    let case = Case { bodies: [a, b], courses, target, slack };
-    let [motion_a, motion_b] = [0, 1].map(|i| case.courses[i].motion());
-    let found = cast_motion(a.shape(), &motion_a, b.shape(), &motion_b, &settings, &mut Cache::new());
+    let case = Case { bodies: [a, b], plane, courses, target, slack };
+    let (found, clearance) = case.answers(&settings);
     let mut judge = Claims { wrong: None, tightest: 0.0, queries: "motions", tally };
     judge_times(&mut judge, &found);
     // The times at which they surely do not meet, by the answer.
@@ -176,7 +244,18 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let spread = (0..SAMPLES).map(|i| until * (i as f64 + rng.unit()) / SAMPLES as f64);
     let near = [1.0 - 1e-9, 1.0 - 1e-6, 1.0 - 1e-3].map(|share| until * share);
     let times = spread.chain(near).chain([until, through].into_iter().filter(|t| *t <= until));
-    let early = times.into_iter().filter(|_| until > 0.0).find(|t| case.nearness(*t) == Nearness::Met);
+    let times: Vec<f64> = times.filter(|_| until > 0.0).collect();
+    let early = times.iter().copied().find(|t| case.nearness(*t) == Nearness::Met);
+    if let Some(clearance) = clearance {
+        let is_free = clearance.verdict == Verdict::Free;
+        judge.demand("clear and cast_motion contradict each other", is_free != found.hit);
+        let is_met = clearance.verdict == Verdict::Hit;
+        judge.demand("a hit without an upper bound", is_met == (found.t_upper <= 1.0));
+        let nearer = times.iter().map(|t| case.distance(*t).upper).fold(f64::INFINITY, f64::min);
+        judge.demand("nearer than the clearance", !is_free || clearance.clearance <= nearer + slack);
+        judge.demand("a clearance below the margin", !is_free || clearance.clearance >= target);
+        judge.demand("an interval without lengths", !is_free || clearance.clearance <= clearance.nearest);
+    }
     let is_whole = pair.index.is_multiple_of(WHOLE);
     let early = early.or_else(|| (is_whole && until > 0.0).then(|| case.meeting_before(until)).flatten());
     judge.demand(if found.hit { "they meet before" } else { "they meet" }, early.is_none());
@@ -199,8 +278,14 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     *tally.lines.entry(many).or_default() += 1;
     tally.iterations[0] = tally.iterations[0].max(found.iterations);
     tally.support_calls[0] = tally.support_calls[0].max(found.support_calls);
+    if case.plane.is_some() {
+        *tally.lines.entry("half-spaces").or_default() += 1;
+    }
     judge.finish(pair, || {
-        format!("early {early:?} {settings:?}\n  {motion_a:?}\n  {motion_b:?}\n  {found:?}\n  slack {slack:e}")
+        let ([motion_a, motion_b], plane) = (case.motions(), &case.plane);
+        format!(
+            "early {early:?} {settings:?} {plane:?}\n  {motion_a:?}\n  {motion_b:?}\n  {found:?} {clearance:?}\n  slack {slack:e}"
+        )
     });
 }
 

@@ -20,14 +20,14 @@
 #![forbid(unsafe_code)]
 
 mod ahead;
-mod edges;
 mod in_flight;
+mod moving_pair;
 mod pair;
 mod plan;
 #[cfg(test)]
 mod tests;
 
-pub use self::edges::{Edge, clear, clear_compounds};
+pub use self::moving_pair::{MovingPair, clear, clear_compounds};
 pub use self::pair::{Pair, SupportQuery};
 use self::plan::Plan;
 use crate::manifold::{Manifold, ManifoldSettings};

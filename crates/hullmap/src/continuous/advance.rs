@@ -31,12 +31,16 @@ const MAX_TURN: f64 = std::f64::consts::FRAC_PI_2;
 const LONGEST_TURN: f64 = 0.999 * MAX_TURN;
 
 /// Rounding error of a separation and of the bulge, in units of `f64::EPSILON` times the lengths
-/// from which they are computed: docs/intervals.md, section 15, derives 237. Each radian of the
-/// motions adds [`TURN_ROUNDINGS`].
-const ROUNDINGS: f64 = 280.0;
+/// from which they are computed: docs/intervals.md, section 15, derives 137. Each radian of the
+/// motion adds [`TURN_ROUNDINGS`].
+const ROUNDINGS: f64 = 160.0;
 
-/// Rounding error for each radian of both motions, in the same unit. The section derives 1.42.
-const TURN_ROUNDINGS: f64 = 1.5;
+/// Rounding error for each radian of the motion, in the same unit. The section derives 0.71.
+const TURN_ROUNDINGS: f64 = 1.0;
+
+/// The same beyond that along a direction that turns, for the lengths of both shapes. The section
+/// derives 100.
+const TURNING: f64 = 120.0;
 
 /// Support errors of a shape in a separation and in the bulge, whose factor is below 0.42.
 const SHORTFALLS: f64 = 1.5;
@@ -64,11 +68,15 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
         self.motion.angle() > 0.0
     }
 
-    /// Upper bound of the rounding error of a height of the shape: a length. `angles` is the sum of
-    /// those of both shapes.
-    fn noise(&self, angles: f64) -> f64 {
-        let lengths = self.motion.extent() + self.shape.interior_point().length() + self.shape.outer_radius();
-        (ROUNDINGS + TURN_ROUNDINGS * angles) * f64::EPSILON * lengths + SHORTFALLS * self.shape.support_error()
+    /// Greatest length from which heights of the shape are computed.
+    fn length(&self) -> f64 {
+        self.motion.extent() + self.shape.interior_point().length() + self.shape.outer_radius()
+    }
+
+    /// Upper bound of the rounding error of a height of the shape: a length.
+    fn noise(&self) -> f64 {
+        let units = ROUNDINGS + TURN_ROUNDINGS * self.motion.angle();
+        units * f64::EPSILON * self.length() + SHORTFALLS * self.shape.support_error()
     }
 
     /// The maximum height of the core along `dir`, in the common frame, over its point `from`.
@@ -143,7 +151,7 @@ impl Direction {
 
 /// Two moving shapes.
 #[derive(Debug)]
-pub(super) struct MovingPair<'s, A: ?Sized, B: ?Sized> {
+pub(super) struct Approach<'s, A: ?Sized, B: ?Sized> {
     pub(super) a: Moving<'s, A>,
     pub(super) b: Moving<'s, B>,
     /// A is a point of the plane of a half-space. The only direction is the normal, which turns
@@ -175,11 +183,23 @@ pub(super) enum Step {
 /// A try to end a step at a time, and by how much the bound exceeds the target.
 type Try = (f64, f64);
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
-    /// Upper bound of the rounding error of a separation: a length.
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
+    /// Upper bound of the rounding error of the poses, and of a separation along a direction that is
+    /// fixed in space or is the only one: a length.
     pub(super) fn noise(&self) -> f64 {
-        let angles = self.a.motion.angle() + self.b.motion.angle();
-        self.a.noise(angles) + self.b.noise(angles)
+        self.noise_in(if self.is_plane && self.a.turns() { Frame::A } else { Frame::Space })
+    }
+
+    /// Upper bound of the rounding error of a separation along a direction that is fixed to
+    /// `frame`.
+    fn noise_in(&self, frame: Frame) -> f64 {
+        let own = self.a.noise() + self.b.noise();
+        let angle = match frame {
+            Frame::Space => return own,
+            Frame::A => self.a.motion.angle(),
+            Frame::B => self.b.motion.angle(),
+        };
+        own + (TURNING + TURN_ROUNDINGS * angle) * f64::EPSILON * (self.a.length() + self.b.length())
     }
 
     /// The poses at time `t`.
@@ -256,7 +276,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
             Frame::A => by(angle_a, extent(1)) + curve(angle_a) * a.drift(b, normal(), from.t),
             Frame::B => by(angle_b, extent(0)) + curve(angle_b) * b.drift(a, normal(), from.t),
         };
-        from.gap.min(to.gap) - bulge - self.noise()
+        from.gap.min(to.gap) - bulge - self.noise_in(direction.frame)
     }
 
     /// Time from `t` on until which the separation along `normal` surely stays above `target`, by
@@ -309,24 +329,23 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> MovingPair<'_, A, B> {
         }
         // The frame in which the bound is the highest where the shapes may meet.
         let probe = if meeting > t && meeting < end { meeting } else { end };
-        let mut best: Option<(Direction, Separation, Try)> = None;
+        let mut best: Option<(Direction, Separation, f64, Try)> = None;
         for frame in self.frames() {
             let direction = self.direction(frame, normal, t);
             let from = self.separation(&direction, t, support_calls);
+            let start = self.least(&direction, &from, &from) - target;
+            // NaN takes the failing branch.
+            if !(start > 0.0) {
+                continue;
+            }
             let to = self.separation(&direction, probe, support_calls);
             let above = self.least(&direction, &from, &to) - target;
-            // NaN takes the failing branch.
-            if best.as_ref().is_none_or(|(_, _, found)| above > found.1) {
-                best = Some((direction, from, (probe, above)));
+            if best.as_ref().is_none_or(|(.., found)| above > found.1) {
+                best = Some((direction, from, start, (probe, above)));
             }
         }
-        let Some((direction, from, tried)) = best else { return Step::Nowhere };
+        let Some((direction, from, start, tried)) = best else { return Step::Nowhere };
         let above = |to: &Separation| self.least(&direction, &from, to) - target;
-        let start = above(&from);
-        // NaN takes the failing branch.
-        if !(start > 0.0) {
-            return Step::Nowhere;
-        }
         let found = longest((t, start), tried, end, |t| above(&self.separation(&direction, t, support_calls)));
         match found {
             (later, above) if later == until => Step::Apart(target + above),

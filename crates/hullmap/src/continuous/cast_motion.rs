@@ -1,6 +1,6 @@
 //! Time of impact of two shapes that move and turn (continuous collision detection).
 
-use super::advance::{Moving, MovingPair};
+use super::advance::{Approach, Moving};
 use super::rigid_motion::RigidMotion;
 use super::search::{DIRECTIONS, Goal, Queries, Search};
 use super::time_of_impact::TimeOfImpact;
@@ -107,7 +107,7 @@ pub(crate) fn search_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> TimeOfImpact {
     let moving = (Moving { shape: a, motion: motion_a }, Moving { shape: b, motion: motion_b });
-    let pair = MovingPair { a: moving.0, b: moving.1, is_plane: false };
+    let pair = Approach { a: moving.0, b: moving.1, is_plane: false };
     Search::run(pair, ShapeQueries { a, b, settings, cache }, tolerance, goal, window)
 }
 

@@ -1,4 +1,4 @@
-//! Whether two bodies stay clear of each other during a motion: the edge of a motion planner.
+//! Whether two bodies stay clear of each other during a motion, as planners ask.
 //!
 //! # Steps
 //! 1. Search for the first time at which they are within the margin, as
@@ -124,7 +124,7 @@ impl Default for Clearance {
 ///
 /// # Reference
 /// Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
-/// articulated robots in complex environments", 2005, for edges that are proven instead of sampled.
+/// articulated robots in complex environments", 2005, for motions that are proven instead of sampled.
 /// docs/intervals.md, section 15, proves the bounds.
 ///
 /// # Examples
@@ -137,16 +137,16 @@ impl Default for Clearance {
 /// // A rod of length 2 turns by 90 degrees, past a ball that its end does not reach.
 /// let (rod, ball) = (Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?, Sphere::new(0.25)?);
 /// let end = Pose::new(DVec3::ZERO, DQuat::from_rotation_z(FRAC_PI_2))?;
-/// let edge = RigidMotion::between(Pose::IDENTITY, end)?;
+/// let turning = RigidMotion::between(Pose::IDENTITY, end)?;
 /// let at = |x: f64| Pose::from_translation(DVec3::new(x, x, 0.0)).map(RigidMotion::still);
 /// let settings = ClearSettings::default();
-/// let found = clear(&rod, &edge, &ball, &at(1.0)?, &settings, &mut Cache::new());
+/// let found = clear(&rod, &turning, &ball, &at(1.0)?, &settings, &mut Cache::new());
 /// assert_eq!(found.verdict, Verdict::Free);
 /// // The centre is √2 from the axis.
 /// let least = 2.0_f64.sqrt() - 0.25 - 1.0001_f64.sqrt();
 /// assert!(0.5 * least < found.clearance && found.clearance <= least);
 ///
-/// let found = clear(&rod, &edge, &ball, &at(0.7)?, &settings, &mut Cache::new());
+/// let found = clear(&rod, &turning, &ball, &at(0.7)?, &settings, &mut Cache::new());
 /// assert_eq!(found.verdict, Verdict::Hit);
 /// assert!(found.t_lower < found.t_upper && found.t_upper < 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

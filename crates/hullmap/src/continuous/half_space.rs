@@ -4,7 +4,7 @@
 //! As for two shapes (`search`). The only direction is the normal of the plane, which turns with
 //! the half-space; the support point of the shape below it gives distance and depth in closed form.
 
-use super::advance::{Moving, MovingPair};
+use super::advance::{Approach, Moving};
 use super::cast_motion::MotionSettings;
 use super::rigid_motion::RigidMotion;
 use super::search::{Goal, Queries, Search};
@@ -67,7 +67,7 @@ impl HalfSpace {
         let foot = self.foot();
         let (a, b) = (Moving { shape: &foot, motion }, Moving { shape: b, motion: motion_b });
         let queries = PlaneQueries { plane: self, b: b.shape };
-        Search::run(MovingPair { a, b, is_plane: true }, queries, tolerance, goal, window)
+        Search::run(Approach { a, b, is_plane: true }, queries, tolerance, goal, window)
     }
 }
 

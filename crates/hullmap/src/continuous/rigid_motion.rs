@@ -142,7 +142,7 @@ impl RigidMotion {
     }
 
     /// The velocity of the point of the shape that is at `point` at time `t`.
-    pub(super) fn velocity_at(&self, t: f64, point: DVec3) -> DVec3 {
+    pub(crate) fn velocity_at(&self, t: f64, point: DVec3) -> DVec3 {
         self.velocity + (self.axis * self.angle).cross(point - self.center_at(t))
     }
 

@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use super::advance::{Direction, MovingPair, Step};
+use super::advance::{Approach, Direction, Step};
 use super::time_of_impact::TimeOfImpact;
 use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Settings, Status};
@@ -86,7 +86,7 @@ pub(crate) trait Queries {
 
 /// A search in a window of time.
 pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
-    pair: MovingPair<'s, A, B>,
+    pair: Approach<'s, A, B>,
     queries: Q,
     noise: f64,
     /// The separation may exceed the margin by this length.
@@ -105,7 +105,7 @@ where
     /// The first time in the `window` at which the distance is at most the goal's target. Before
     /// the window, the distance surely is above it. A miss is one until the end of the window.
     pub(super) fn run(
-        pair: MovingPair<'s, A, B>,
+        pair: Approach<'s, A, B>,
         queries: Q,
         tolerance: f64,
         goal: &'g mut Goal,
@@ -168,7 +168,7 @@ where
     /// Speed at which the closest points approach each other at time `t`.
     fn speed(&self, t: f64) -> f64 {
         let TimeOfImpact { normal, point_a, point_b, .. } = self.found;
-        let MovingPair { a, b, .. } = &self.pair;
+        let Approach { a, b, .. } = &self.pair;
         (a.motion.velocity_at(t, point_a) - b.motion.velocity_at(t, point_b)).dot(normal)
     }
 

@@ -10,7 +10,7 @@ use crate::pose::Pose;
 use crate::support::{SupportMap, SupportPoint};
 
 /// A point as a shape.
-pub(super) struct Dot;
+pub(crate) struct Dot;
 
 impl SupportMap for Dot {
     #[inline(always)]

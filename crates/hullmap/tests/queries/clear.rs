@@ -1,9 +1,9 @@
-//! Edges of a motion planner: free ones are free at every time, with the clearance that they claim.
+//! Motions of a planner: free ones are free at every time, with the clearance that they claim.
 
 use crate::compound::pack;
 use crate::motions_of_parts::motion;
 use glam::DVec3;
-use hullmap::batch::{self, Edge};
+use hullmap::batch::{self, MovingPair};
 use hullmap::compound::CompoundAnswer;
 use hullmap::shapes::{Cuboid, Sphere};
 use hullmap::{
@@ -14,7 +14,7 @@ use shapes::rng::SplitMix64;
 
 const SEED: u64 = 0xed6e;
 
-/// Number of times at which an edge is sampled.
+/// Number of times at which a motion is sampled.
 const SAMPLES: u32 = 200;
 
 fn settings(margin: f64, share: f64, max_iterations: u32) -> ClearSettings {
@@ -48,7 +48,7 @@ fn judge(found: &Clearance, margin: f64, mut gap: impl FnMut(f64) -> hullmap::Di
 }
 
 #[test]
-fn free_edges_are_free_and_hits_hit() {
+fn free_motions_are_free_and_hits_hit() {
     let (mut rng, pack) = (SplitMix64::new(SEED), pack(8, 1.0, 41));
     let hulls: Vec<Hull<'_>> = pack.hulls().collect();
     let (mut counts, mut queries) = ([0; 3], [0; 2]);
@@ -88,10 +88,10 @@ fn compounds_are_clear_if_all_their_parts_are() {
     let (mut rng, a, b) = (SplitMix64::new(SEED + 1), pack(6, 1.0, 42), pack(7, 1.0, 43));
     let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
     let mut counts = [0; 3];
-    let mut edges = Vec::new();
+    let mut pairs = Vec::new();
     for number in 0..150 {
         let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 4.0));
-        edges.push(Edge { a: &whole_a, motion_a, b: &whole_b, motion_b });
+        pairs.push(MovingPair { a: &whole_a, motion_a, b: &whole_b, motion_b });
         let margin = [0.0, 0.02][number % 2];
         let settings = settings(margin, 0.5, 5_000);
         let found = compound::clear(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut CompoundCache::new(4));
@@ -120,32 +120,32 @@ fn compounds_are_clear_if_all_their_parts_are() {
 
     // A batch has the bits of single queries.
     let settings = settings(0.0, 0.5, 5_000);
-    let mut caches = vec![CompoundCache::new(1); edges.len()];
-    let mut found = vec![CompoundAnswer::<Clearance>::default(); edges.len()];
-    batch::clear_compounds(&edges, &settings, &mut caches, &mut found).unwrap();
-    for (edge, found) in edges.iter().zip(&found) {
+    let mut caches = vec![CompoundCache::new(1); pairs.len()];
+    let mut found = vec![CompoundAnswer::<Clearance>::default(); pairs.len()];
+    batch::clear_compounds(&pairs, &settings, &mut caches, &mut found).unwrap();
+    for (pair, found) in pairs.iter().zip(&found) {
         let mut cache = CompoundCache::new(1);
-        let single = compound::clear(edge.a, &edge.motion_a, edge.b, &edge.motion_b, &settings, &mut cache);
+        let single = compound::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, &settings, &mut cache);
         assert_eq!(*found, single);
     }
-    assert!(batch::clear_compounds(&edges, &settings, &mut caches[1..], &mut found).is_err());
+    assert!(batch::clear_compounds(&pairs, &settings, &mut caches[1..], &mut found).is_err());
 }
 
 #[test]
-fn batches_of_edges_have_the_bits_of_single_queries() {
+fn batches_of_moving_pairs_have_the_bits_of_single_queries() {
     let (ball, cube) = (Sphere::new(0.4).unwrap(), Cuboid::new(DVec3::new(0.2, 0.5, 1.0)).unwrap());
     let mut rng = SplitMix64::new(SEED + 2);
-    let edges: Vec<_> = (0..300)
-        .map(|_| Edge { a: &cube, motion_a: motion(&mut rng, 0.5), b: &ball, motion_b: motion(&mut rng, 2.0) })
+    let pairs: Vec<_> = (0..300)
+        .map(|_| MovingPair { a: &cube, motion_a: motion(&mut rng, 0.5), b: &ball, motion_b: motion(&mut rng, 2.0) })
         .collect();
     let settings = ClearSettings::default();
-    let (mut caches, mut found) = (vec![Cache::new(); edges.len()], vec![Clearance::default(); edges.len()]);
-    batch::clear(&edges, &settings, &mut caches, &mut found).unwrap();
-    for (edge, found) in edges.iter().zip(&found) {
-        let single = clear(edge.a, &edge.motion_a, edge.b, &edge.motion_b, &settings, &mut Cache::new());
+    let (mut caches, mut found) = (vec![Cache::new(); pairs.len()], vec![Clearance::default(); pairs.len()]);
+    batch::clear(&pairs, &settings, &mut caches, &mut found).unwrap();
+    for (pair, found) in pairs.iter().zip(&found) {
+        let single = clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, &settings, &mut Cache::new());
         assert_eq!(*found, single);
     }
-    let error = batch::clear(&edges, &settings, &mut caches, &mut found[1..]).unwrap_err();
+    let error = batch::clear(&pairs, &settings, &mut caches, &mut found[1..]).unwrap_err();
     assert_eq!((error.pairs, error.caches, error.answers), (300, 300, 299));
 }
 

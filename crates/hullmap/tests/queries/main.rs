@@ -6,6 +6,7 @@ mod cascade;
 mod clear;
 mod compound;
 mod defaults;
+mod derivatives;
 mod entry;
 mod features;
 mod half_space;

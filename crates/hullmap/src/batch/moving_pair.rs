@@ -1,4 +1,4 @@
-//! Many motions at once: the edges of a motion planner.
+//! Many motions at once, as planners ask.
 //!
 //! They are searched one after the other on each thread: a search makes several queries of the same
 //! two shapes, so there is no memory to wait for after the first.
@@ -15,19 +15,19 @@ use crate::solver::Cache;
 ///
 /// # Examples
 /// ```
-/// use hullmap::batch::Edge;
+/// use hullmap::batch::MovingPair;
 /// use hullmap::shapes::{Cuboid, Sphere};
 /// use hullmap::{Pose, RigidMotion, Shape, glam::DVec3};
 ///
 /// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
 /// let still = RigidMotion::still(Pose::IDENTITY);
-/// type AnyEdge<'s> = Edge<'s, dyn Shape + Sync, dyn Shape + Sync>;
-/// let edge: AnyEdge = Edge { a: &ball, motion_a: still, b: &cube, motion_b: still };
-/// assert_eq!(edge.motion_a.at(0.5), Pose::IDENTITY);
+/// type AnyPair<'s> = MovingPair<'s, dyn Shape + Sync, dyn Shape + Sync>;
+/// let pair: AnyPair = MovingPair { a: &ball, motion_a: still, b: &cube, motion_b: still };
+/// assert_eq!(pair.motion_a.at(0.5), Pose::IDENTITY);
 /// # Ok::<(), hullmap::ShapeError>(())
 /// ```
 #[derive(Debug)]
-pub struct Edge<'s, A: ?Sized, B: ?Sized> {
+pub struct MovingPair<'s, A: ?Sized, B: ?Sized> {
     /// The first body.
     pub a: &'s A,
     /// Its motion.
@@ -38,25 +38,25 @@ pub struct Edge<'s, A: ?Sized, B: ?Sized> {
     pub motion_b: RigidMotion,
 }
 
-impl<A: ?Sized, B: ?Sized> Clone for Edge<'_, A, B> {
+impl<A: ?Sized, B: ?Sized> Clone for MovingPair<'_, A, B> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<A: ?Sized, B: ?Sized> Copy for Edge<'_, A, B> {}
+impl<A: ?Sized, B: ?Sized> Copy for MovingPair<'_, A, B> {}
 
-/// Writes whether each `edges[i]` is [`clear`](crate::clear()) to `out[i]`, using `caches[i]`.
+/// Writes whether each `pairs[i]` is [`clear`](crate::clear()) to `out[i]`, using `caches[i]`.
 ///
 /// # Errors
 /// [`BatchError`] if the slices differ in length. Nothing is written in that case.
 ///
 /// # Complexity
-/// The sum over the single queries, divided among the threads. No allocation per edge.
+/// The sum over the single queries, divided among the threads. No allocation per pair.
 ///
 /// # Examples
 /// ```
-/// use hullmap::batch::{self, Edge};
+/// use hullmap::batch::{self, MovingPair};
 /// use hullmap::glam::DVec3;
 /// use hullmap::shapes::Sphere;
 /// use hullmap::{Cache, ClearSettings, Clearance, Pose, RigidMotion, Verdict};
@@ -64,18 +64,18 @@ impl<A: ?Sized, B: ?Sized> Copy for Edge<'_, A, B> {}
 /// let ball = Sphere::new(1.0)?;
 /// let at = |x, y| Pose::from_translation(DVec3::new(x, y, 0.0));
 /// let still = RigidMotion::still(Pose::IDENTITY);
-/// let mut edges = Vec::new();
+/// let mut pairs = Vec::new();
 /// for end in [-5.0, 5.0] {
 ///     let motion_b = RigidMotion::between(at(-5.0, 3.0)?, at(5.0, end)?)?;
-///     edges.push(Edge { a: &ball, motion_a: still, b: &ball, motion_b });
+///     pairs.push(MovingPair { a: &ball, motion_a: still, b: &ball, motion_b });
 /// }
 /// let (mut caches, mut found) = (vec![Cache::new(); 2], vec![Clearance::default(); 2]);
-/// batch::clear(&edges, &ClearSettings::default(), &mut caches, &mut found)?;
+/// batch::clear(&pairs, &ClearSettings::default(), &mut caches, &mut found)?;
 /// assert_eq!([found[0].verdict, found[1].verdict], [Verdict::Hit, Verdict::Free]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn clear<A, B>(
-    edges: &[Edge<'_, A, B>],
+    pairs: &[MovingPair<'_, A, B>],
     settings: &ClearSettings,
     caches: &mut [Cache],
     out: &mut [Clearance],
@@ -84,28 +84,28 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    check_lengths(edges.len(), caches.len(), out.len())?;
-    each(edges, caches, out, |edge, cache, out| {
-        *out = clear_pair(edge.a, &edge.motion_a, edge.b, &edge.motion_b, settings, cache);
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    each(pairs, caches, out, |pair, cache, out| {
+        *out = clear_pair(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache);
     });
     Ok(())
 }
 
-/// Writes whether each `edges[i]` of compounds is [`clear`](compound::clear()) to `out[i]`, using
+/// Writes whether each `pairs[i]` of compounds is [`clear`](compound::clear()) to `out[i]`, using
 /// `caches[i]`, which may be small: `CompoundCache::new(1)`.
 ///
 /// # Errors
 /// [`BatchError`] if the slices differ in length. Nothing is written in that case.
 ///
 /// # Complexity
-/// The sum over the single queries, divided among the threads. No allocation per edge.
+/// The sum over the single queries, divided among the threads. No allocation per pair.
 ///
 /// # Examples
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let pack = two_cubes();
-/// use hullmap::batch::{self, Edge};
+/// use hullmap::batch::{self, MovingPair};
 /// use hullmap::compound::CompoundAnswer;
 /// use hullmap::glam::DVec3;
 /// use hullmap::shapes::Sphere;
@@ -115,21 +115,21 @@ where
 /// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
 /// let motion_a = RigidMotion::still(Pose::IDENTITY);
 /// let at = |x, z| Pose::from_translation(DVec3::new(x, 0.5, z));
-/// let mut edges = Vec::new();
+/// let mut pairs = Vec::new();
 /// for x in [0.5, 2.0] {
 ///     let motion_b = RigidMotion::between(at(x, 5.0)?, at(x, -5.0)?)?;
-///     edges.push(Edge { a: &cubes, motion_a, b: &ball, motion_b });
+///     pairs.push(MovingPair { a: &cubes, motion_a, b: &ball, motion_b });
 /// }
-/// let mut caches = vec![CompoundCache::new(1); edges.len()];
-/// let mut found = vec![CompoundAnswer::<Clearance>::default(); edges.len()];
-/// batch::clear_compounds(&edges, &ClearSettings::default(), &mut caches, &mut found)?;
+/// let mut caches = vec![CompoundCache::new(1); pairs.len()];
+/// let mut found = vec![CompoundAnswer::<Clearance>::default(); pairs.len()];
+/// batch::clear_compounds(&pairs, &ClearSettings::default(), &mut caches, &mut found)?;
 /// assert_eq!(found[0].answer.verdict, Verdict::Hit);
 /// assert_eq!(found[1].answer.verdict, Verdict::Free);
 /// # Ok(())
 /// # }
 /// ```
 pub fn clear_compounds<A, B>(
-    edges: &[Edge<'_, A, B>],
+    pairs: &[MovingPair<'_, A, B>],
     settings: &ClearSettings,
     caches: &mut [CompoundCache],
     out: &mut [CompoundAnswer<Clearance>],
@@ -138,9 +138,9 @@ where
     A: Parts + Sync + ?Sized,
     B: Parts + Sync + ?Sized,
 {
-    check_lengths(edges.len(), caches.len(), out.len())?;
-    each(edges, caches, out, |edge, cache, out| {
-        *out = compound::clear(edge.a, &edge.motion_a, edge.b, &edge.motion_b, settings, cache);
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    each(pairs, caches, out, |pair, cache, out| {
+        *out = compound::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache);
     });
     Ok(())
 }

@@ -1,0 +1,220 @@
+//! Derivatives of distances, depths and signed distances.
+//!
+//! The distance is n · (b − a), with the normal n and the witness points a and b. To first order,
+//! it changes as if these points moved with their shapes and n did not change. The depth is
+//! n · (a − b).
+
+use glam::DVec3;
+
+use super::pose_derivative::{Derivatives, Differentiability, PoseDerivative};
+use super::witness::{closest_points, meeting_points};
+use crate::pose::Pose;
+use crate::solver::queries::contact;
+use crate::solver::ray::Dot;
+use crate::solver::{Cache, Contact, Distance, Settings, SignedDistance, Status};
+use crate::support::SupportMap;
+
+/// How much deeper B is moved to find other normals of the same depth, as a fraction of the sum of
+/// the outer radii. Along another normal n′, the depth grows by n · n′ of that.
+const DEEPER: f64 = 1e-6;
+
+/// Multiples of the width of the interval by which B is moved at least.
+const WIDTHS: f64 = 64.0;
+
+/// Two normals are the same if they differ by less than this.
+const SAME_NORMAL: f64 = 1e-7;
+
+/// Derivatives of the height of b over a along `normal`.
+fn between(normal: DVec3, [point_a, point_b]: [DVec3; 2], b_in_a: Pose, status: Differentiability) -> Derivatives {
+    Derivatives {
+        status,
+        of_a: PoseDerivative::of_height(-normal, point_a, DVec3::ZERO),
+        of_b: PoseDerivative::of_height(normal, point_b, b_in_a.translation()),
+    }
+}
+
+/// Whether an answer with this status is as accurate as its settings ask for.
+fn is_accurate(status: Status) -> bool {
+    matches!(status, Status::Exact | Status::Within)
+}
+
+impl Distance {
+    /// Upper bound of the length of the difference of the normal and the true direction.
+    ///
+    /// The nearest point of the difference of the shapes is within √(u² − l²) of the point found,
+    /// for an interval from l to u.
+    fn normal_error(&self) -> f64 {
+        ((self.upper - self.lower) * (self.upper + self.lower)).max(0.0).sqrt() / self.lower
+    }
+
+    /// Derivatives of the distance by the poses of `a` and of `b`, which is at `b_in_a`: of the
+    /// shapes of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
+    ///
+    /// They are as accurate as normal and points. With a tolerance of 0 that is rounding error;
+    /// with a tolerance of ε, the normal is off by up to √(2 ε), mostly by much less.
+    ///
+    /// # Complexity
+    /// 3 support queries where A has a vertex, up to 10 otherwise. No allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::{Cuboid, Sphere};
+    /// use hullmap::{Cache, Differentiability, Pose, Settings, distance};
+    ///
+    /// let (cube, ball) = (Cuboid::new(DVec3::ONE)?, Sphere::new(0.5)?);
+    /// let b_in_a = Pose::from_translation(DVec3::new(4.0, 0.5, 0.0))?;
+    /// let gap = distance(&cube, &ball, b_in_a, &Settings::default(), &mut Cache::new());
+    /// let by = gap.derivatives(&cube, &ball, b_in_a);
+    /// assert_eq!(by.status, Differentiability::Unique);
+    /// assert!(by.of_b.linear.distance(DVec3::X) < 1e-12 && by.of_b.angular.length() < 1e-12);
+    /// // Where the cube turns about z, its face at (1, 0.5, 0) recedes from the ball.
+    /// assert!((by.of_a.angular.z - 0.5).abs() < 1e-12);
+    ///
+    /// // Two parallel faces.
+    /// let gap = distance(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new());
+    /// assert_eq!(gap.derivatives(&cube, &cube, b_in_a).status, Differentiability::Parallel);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+    ) -> Derivatives {
+        // NaN takes the failing branch.
+        let status = if !(self.lower > 0.0) {
+            Differentiability::Touching
+        } else if !is_accurate(self.status) {
+            Differentiability::Inaccurate
+        } else {
+            closest_points((a, b, b_in_a), self.normal, self.normal_error())
+        };
+        between(self.normal, [self.point_a, self.point_b], b_in_a, status)
+    }
+}
+
+impl Contact {
+    /// Derivatives of the depth by the poses of `a` and of `b`, which is at `b_in_a`: of the shapes
+    /// of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
+    ///
+    /// Whether other normals have the same depth is decided by a second contact query, with B
+    /// deeper by 1e-6 of the outer radii, and `settings` and `cache` as for the first.
+    ///
+    /// # Complexity
+    /// A [`contact`](crate::contact()), and 6 to 20 support queries of each shape. No allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::{Cuboid, Sphere};
+    /// use hullmap::{Cache, Differentiability, Pose, Settings, contact};
+    ///
+    /// let (cube, ball) = (Cuboid::new(DVec3::ONE)?, Sphere::new(0.5)?);
+    /// let (settings, mut cache) = (Settings::default(), Cache::new());
+    /// let mut by = |y: f64| {
+    ///     let b_in_a = Pose::from_translation(DVec3::new(0.75, y, 0.25)).expect("in range");
+    ///     let found = contact(&cube, &ball, b_in_a, &settings, &mut cache);
+    ///     found.derivatives(&cube, &ball, b_in_a, &settings, &mut cache)
+    /// };
+    /// assert_eq!(by(0.5).status, Differentiability::Unique);
+    /// assert!(by(0.5).of_b.linear.distance(DVec3::NEG_X) < 1e-9);
+    /// // As deep along y as along x.
+    /// assert_eq!(by(0.75).status, Differentiability::Normals);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Derivatives {
+        if !self.hit {
+            return Derivatives::none(Differentiability::Missing);
+        }
+        // NaN takes the failing branch.
+        let status = if !(self.depth_lower > 0.0) {
+            Differentiability::Touching
+        } else if !is_accurate(self.status) {
+            Differentiability::Inaccurate
+        } else if self.has_other_normal(a, b, b_in_a, settings, cache) {
+            Differentiability::Normals
+        } else {
+            meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b])
+        };
+        between(-self.normal, [self.point_a, self.point_b], b_in_a, status)
+    }
+
+    /// Whether B, deeper along the normal, is less deep along another one than along this one.
+    fn has_other_normal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> bool {
+        let width = self.depth_upper - self.depth_lower;
+        let deeper = (DEEPER * (a.outer_radius() + b.outer_radius())).max(WIDTHS * width);
+        let found = contact(a, b, b_in_a.moved(-self.normal * deeper), settings, cache);
+        // Of smooth shapes, the normal is as accurate as the tolerance.
+        let is_same = found.normal.distance(self.normal) <= SAME_NORMAL
+            || found.depth_upper >= self.depth_lower + deeper * (1.0 - SAME_NORMAL);
+        !is_same
+    }
+}
+
+impl SignedDistance {
+    /// Derivatives of the signed distance by the pose of `shape`, and by the position of `point`,
+    /// which has no angular part: of the shape and the point of this answer. In the shape's frame.
+    ///
+    /// # Complexity
+    /// None outside of the shape; inside, that of [`Contact::derivatives`].
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::Cuboid;
+    /// use hullmap::{Cache, Differentiability, Settings, signed_distance};
+    ///
+    /// let (cube, settings, mut cache) = (Cuboid::new(DVec3::ONE)?, Settings::default(), Cache::new());
+    /// let point = DVec3::new(0.75, 0.25, 0.0);
+    /// let inside = signed_distance(&cube, point, &settings, &mut cache)?;
+    /// let by = inside.derivatives(&cube, point, &settings, &mut cache);
+    /// assert_eq!(by.status, Differentiability::Unique);
+    /// assert!(by.of_b.linear.distance(DVec3::X) < 1e-9 && by.of_a.linear.distance(DVec3::NEG_X) < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn derivatives<S: SupportMap + ?Sized>(
+        &self,
+        shape: &S,
+        point: DVec3,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Derivatives {
+        let at_point = Pose::from_checked(point);
+        let status = if !is_accurate(self.status) && self.status != Status::Touching {
+            Differentiability::Inaccurate
+        } else if self.lower > 0.0 {
+            // A point has one nearest point of a convex shape.
+            Differentiability::Unique
+        } else if self.upper < 0.0 {
+            let as_contact = Contact {
+                hit: true,
+                status: self.status,
+                depth_lower: -self.upper,
+                depth_upper: -self.lower,
+                normal: self.normal,
+                point_a: self.point,
+                point_b: point,
+                ..Contact::default()
+            };
+            as_contact.derivatives(shape, &Dot, at_point, settings, cache).status
+        } else {
+            Differentiability::Touching
+        };
+        between(self.normal, [self.point, point], at_point, status)
+    }
+}

@@ -1,0 +1,22 @@
+//! Derivatives of answers by the poses of both shapes.
+//!
+//! | where | what |
+//! |---|---|
+//! | `pose_derivative` | a derivative by one pose, and by both; why there is none |
+//! | `witness` | whether a pair of closest points is the only one |
+//! | `lengths` | of distance, depth and signed distance |
+//! | `times` | of rays, and of times of impact |
+//!
+//! # Reference
+//! The envelope theorem (Danskin 1966): the derivative of an optimum is that of the function at the
+//! optimal points, if they are the only ones. So the normal and the witness points of an answer are
+//! all that is needed. docs/intervals.md, section 16.
+
+#![forbid(unsafe_code)]
+
+mod lengths;
+mod pose_derivative;
+mod times;
+mod witness;
+
+pub use pose_derivative::{Derivatives, Differentiability, PoseDerivative};

@@ -1,0 +1,140 @@
+//! Derivative of a length or a time by the poses of two shapes.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::pose::Pose;
+
+/// Derivative of a length or a time by the pose of a shape: how much it changes when the shape
+/// moves by a small twist.
+///
+/// A twist moves the shape by `v` and turns it by the rotation vector `w` about the origin of its
+/// own frame. Both are in the frame of the answer, so the turn is applied on the left of the
+/// shape's rotation. The change is `linear · v + angular · w`, to first order.
+///
+/// # Examples
+/// ```
+/// use hullmap::{Pose, PoseDerivative, glam::DVec3};
+///
+/// let derivative = PoseDerivative { linear: DVec3::X, angular: DVec3::new(0.0, 0.0, 0.5) };
+/// assert_eq!(derivative.to_array(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PoseDerivative {
+    /// By the translation: per unit of length.
+    pub linear: DVec3,
+    /// By the rotation about the origin of the shape's frame: per radian.
+    pub angular: DVec3,
+}
+
+impl PoseDerivative {
+    /// Of the height of a point of the shape along `direction`, for a shape whose frame has its
+    /// origin at `origin`.
+    pub(super) fn of_height(direction: DVec3, point: DVec3, origin: DVec3) -> Self {
+        Self { linear: direction, angular: (point - origin).cross(direction) }
+    }
+
+    pub(super) fn times(self, factor: f64) -> Self {
+        Self { linear: self.linear * factor, angular: self.angular * factor }
+    }
+
+    /// The linear part and the angular part.
+    pub fn to_array(&self) -> [f64; 6] {
+        let (l, a) = (self.linear, self.angular);
+        [l.x, l.y, l.z, a.x, a.y, a.z]
+    }
+
+    fn rotated(&self, pose: &Pose) -> Self {
+        Self { linear: pose.transform_vector(self.linear), angular: pose.transform_vector(self.angular) }
+    }
+}
+
+/// Whether a length or a time has a derivative, or the reason why it has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Differentiability {
+    /// There is one pair of points and one normal within the interval of the answer.
+    Unique,
+    /// The shapes touch, or it is not certain that they do not: distance and depth have a kink at
+    /// 0.
+    Touching,
+    /// Faces or edges are parallel within the interval, so several pairs of points have the same
+    /// distance: a rotation moves each of them differently.
+    Parallel,
+    /// Several normals have the same depth within the interval, or a line meets a vertex or an
+    /// edge.
+    Normals,
+    /// A ray or a motion is parallel to the surface where it meets it, as far as rounding error can
+    /// tell.
+    Grazing,
+    /// There is nothing to differentiate: no hit, an overlap at the start of a motion, or a
+    /// separated pair of which the depth is wanted.
+    Missing,
+    /// The answer is less accurate than its settings ask for.
+    Inaccurate,
+}
+
+impl Differentiability {
+    /// The status as one lower-case word, for JSON and tables. The names are stable.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Unique => "unique",
+            Self::Touching => "touching",
+            Self::Parallel => "parallel",
+            Self::Normals => "normals",
+            Self::Grazing => "grazing",
+            Self::Missing => "missing",
+            Self::Inaccurate => "inaccurate",
+        }
+    }
+}
+
+impl fmt::Display for Differentiability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// Derivatives of a length or a time by the poses of A and of B, in the frame of the answer.
+///
+/// If the status is not [`Unique`](Differentiability::Unique), they belong to the normal and the
+/// points of the answer, which are some of several: a direction for an optimiser, and no
+/// derivative. They are 0 if there is nothing to differentiate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derivatives {
+    /// Whether these are derivatives.
+    pub status: Differentiability,
+    /// By the pose of A.
+    pub of_a: PoseDerivative,
+    /// By the pose of B, or of the point or the ray.
+    pub of_b: PoseDerivative,
+}
+
+impl Derivatives {
+    /// No derivatives.
+    pub(super) fn none(status: Differentiability) -> Self {
+        Self { status, of_a: PoseDerivative::default(), of_b: PoseDerivative::default() }
+    }
+
+    /// The same in a common frame, in which A is at `a_in_world`.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::{DQuat, DVec3};
+    /// use hullmap::shapes::Sphere;
+    /// use hullmap::{Cache, Pose, Settings, distance};
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// // A's x is the world's y.
+    /// let a_in_world = Pose::new(DVec3::ONE, DQuat::from_rotation_z(FRAC_PI_2))?;
+    /// let (ball, b_in_a) = (Sphere::new(1.0)?, Pose::from_translation(DVec3::X * 3.0)?);
+    /// let gap = distance(&ball, &ball, b_in_a, &Settings::default(), &mut Cache::new());
+    /// let by = gap.derivatives(&ball, &ball, b_in_a).in_world(a_in_world);
+    /// assert!(by.of_b.linear.distance(DVec3::Y) < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn in_world(&self, a_in_world: Pose) -> Self {
+        Self { of_a: self.of_a.rotated(&a_in_world), of_b: self.of_b.rotated(&a_in_world), ..*self }
+    }
+}

@@ -1,0 +1,191 @@
+//! Whether the witness points of an answer, and its normal, are the only ones within its interval.
+//!
+//! # Steps
+//! 1. Support points in directions that are tilted slightly from the normal. If they are at one
+//!    place, the shape meets the other at a vertex, or at a curved place. Then there is only one
+//!    pair of points.
+//! 2. The same for the other shape. If neither is at a vertex, the points of each are on an edge or
+//!    a face. Support points across the longest chord distinguish them.
+//! 3. Two edges that are not parallel have one pair of closest points. An edge and a face, or two
+//!    faces, have many.
+//! 4. Where a line meets the Minkowski difference of two polytopes, and where this difference is
+//!    closest to a point inside, a normal is the only one if the place is inside a face of the
+//!    difference. The support points of the face, relative to the place, are a polygon around it:
+//!    EPA in the plane, which ends as soon as the polygon contains a small disc.
+
+use glam::{DVec2, DVec3};
+
+use super::pose_derivative::Differentiability;
+use crate::pose::Pose;
+use crate::support::SupportMap;
+use crate::vector::perpendicular;
+
+/// Tangent of the least angle by which directions are tilted. Rounding errors move the witness
+/// points of features at this angle by less than 1e-7 of their size.
+const LEAST_TILT: f64 = 1e-7;
+
+/// Greatest tilt, of answers with wide intervals.
+const GREATEST_TILT: f64 = 0.1;
+
+/// Support points that are nearer to each other than this many tilts times the outer radius are at
+/// one place: a curved surface has others for tilted directions.
+const SAME_PLACE: f64 = 8.0;
+
+/// Sine of the angle below which two edges count as parallel, in tilts.
+const PARALLEL: f64 = 16.0;
+
+/// Three directions at equal angles, up to rounding error.
+const THIRDS: [DVec2; 3] = [DVec2::X, DVec2::new(-0.5, 0.866), DVec2::new(-0.5, -0.866)];
+
+/// Maximum number of corners of the polygon in a face. 3 to 6 are common.
+const MAX_CORNERS: usize = 16;
+
+/// What faces a direction, if it is no vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Facing {
+    /// An edge, along this unit direction.
+    Edge(DVec3),
+    Face,
+}
+
+/// A shape at a pose, of which only the core counts.
+struct Placed<'s, S: ?Sized> {
+    shape: &'s S,
+    pose: Pose,
+    tilt: f64,
+}
+
+impl<S: SupportMap + ?Sized> Placed<'_, S> {
+    fn support(&self, dir: DVec3) -> DVec3 {
+        self.pose.transform_point(self.shape.core_support_point(self.pose.inverse_transform_vector(dir)).point)
+    }
+
+    /// The longest chord of the support points around `normal`; `None` at a vertex.
+    fn chord(&self, normal: DVec3) -> Option<DVec3> {
+        let x = perpendicular(normal);
+        let y = normal.cross(x);
+        let [p, q, r] = THIRDS.map(|side| self.support(normal + (x * side.x + y * side.y) * self.tilt));
+        let longest =
+            [q - p, r - q, p - r].into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+        longest.filter(|chord| chord.length() > self.same_place())
+    }
+
+    fn same_place(&self) -> f64 {
+        SAME_PLACE * self.tilt * self.shape.core_radii()[1]
+    }
+
+    /// What faces `normal`, if its support points have this chord.
+    fn along(&self, normal: DVec3, chord: DVec3) -> Facing {
+        let along = chord.normalize();
+        let across = normal.cross(along);
+        let [p, q] = [across, -across].map(|side| self.support(normal + side * self.tilt));
+        if (p - q).dot(across) > self.same_place() { Facing::Face } else { Facing::Edge(along) }
+    }
+
+    /// Whether the shape is a polytope whose support mapping knows its vertices.
+    fn is_polytope(&self, normal: DVec3) -> bool {
+        let feature = self.shape.support_point(self.pose.inverse_transform_vector(normal)).feature;
+        !(self.shape.convex_radius() > 0.0) && self.shape.point(feature).is_some()
+    }
+}
+
+fn tilt(error: f64) -> f64 {
+    (2.0 * error).clamp(LEAST_TILT, GREATEST_TILT)
+}
+
+/// The shapes at their poses, for a normal whose error is at most `error`.
+fn placed<'s, A: ?Sized, B: ?Sized>(
+    (a, b, b_in_a): (&'s A, &'s B, Pose),
+    error: f64,
+) -> (Placed<'s, A>, Placed<'s, B>) {
+    let tilt = tilt(error);
+    (Placed { shape: a, pose: Pose::IDENTITY, tilt }, Placed { shape: b, pose: b_in_a, tilt })
+}
+
+/// Whether there is one pair of closest points along `normal`, from A to B, in A's frame. `error`
+/// is an upper bound of the error of the normal.
+pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    shapes: (&A, &B, Pose),
+    normal: DVec3,
+    error: f64,
+) -> Differentiability {
+    let (a, b) = placed(shapes, error);
+    let Some(chord_a) = a.chord(normal) else { return Differentiability::Unique };
+    let Some(chord_b) = b.chord(-normal) else { return Differentiability::Unique };
+    match (a.along(normal, chord_a), b.along(-normal, chord_b)) {
+        (Facing::Edge(a), Facing::Edge(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
+        _ => Differentiability::Parallel,
+    }
+}
+
+/// Whether there is one pair of points that meet along `normal`, and no other normal there.
+/// `points` are the points of A and of B.
+pub(super) fn meeting_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    shapes: (&A, &B, Pose),
+    normal: DVec3,
+    points: [DVec3; 2],
+) -> Differentiability {
+    let (a, b) = placed(shapes, 0.0);
+    if a.is_polytope(normal) && b.is_polytope(-normal) && !is_inside_face(&a, &b, normal, points) {
+        return Differentiability::Normals;
+    }
+    closest_points(shapes, normal, 0.0)
+}
+
+/// Whether the difference of the points is inside the face of A − B that faces `normal`.
+fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &Placed<'_, A>,
+    b: &Placed<'_, B>,
+    normal: DVec3,
+    [point_a, point_b]: [DVec3; 2],
+) -> bool {
+    let (x, y) = (perpendicular(normal), normal.cross(perpendicular(normal)));
+    let reach = a.same_place() + b.same_place();
+    let corner = |side: DVec2| {
+        let dir = normal + (x * side.x + y * side.y) * a.tilt;
+        let corner = (a.support(dir) - point_a) - (b.support(-dir) - point_b);
+        DVec2::new(corner.dot(x), corner.dot(y))
+    };
+    let mut polygon = Polygon { corners: [DVec2::ZERO; MAX_CORNERS], len: 0 };
+    for side in THIRDS {
+        polygon.insert(polygon.len, corner(side));
+    }
+    while polygon.len < MAX_CORNERS {
+        let Some((at, height, outward)) = polygon.nearest_side() else { return false };
+        if height > reach {
+            return true;
+        }
+        let found = corner(outward);
+        // NaN takes the failing branch.
+        if !(found.dot(outward) > height + reach) {
+            return false;
+        }
+        polygon.insert(at + 1, found);
+    }
+    false
+}
+
+/// A convex polygon, counter-clockwise. Corners may coincide.
+struct Polygon {
+    corners: [DVec2; MAX_CORNERS],
+    len: usize,
+}
+
+impl Polygon {
+    /// The side whose line has the least height over the origin: its index, that height, and its
+    /// outward unit normal. `None` if all corners are at one place.
+    fn nearest_side(&self) -> Option<(usize, f64, DVec2)> {
+        let sides = (0..self.len).filter_map(|at| {
+            let (from, to) = (self.corners[at], self.corners[(at + 1) % self.len]);
+            let outward = DVec2::new(to.y - from.y, from.x - to.x).try_normalize()?;
+            Some((at, outward.dot(from), outward))
+        });
+        sides.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn insert(&mut self, at: usize, corner: DVec2) {
+        self.corners[at..=self.len].rotate_right(1);
+        self.corners[at] = corner;
+        self.len += 1;
+    }
+}
