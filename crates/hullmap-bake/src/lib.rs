@@ -85,6 +85,9 @@ pub struct BakedHull {
     /// Mass properties of the solid that the source object's mesh bounds; `None` if it is unknown.
     /// Of the parts of an object, the first one's counts.
     pub mesh_mass: Option<mass::Mass>,
+    /// Share of that solid that lies in no part; `None` if it is unknown. Of the parts of an object,
+    /// the first one's counts.
+    pub voids: Option<fit::VoidsShare>,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
@@ -182,6 +185,7 @@ pub fn bake_hull_in(
         part_count: 0,
         fit: None,
         mesh_mass,
+        voids: None,
         hull,
         mass,
         interior,

@@ -4,7 +4,7 @@
 use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
+use hullmap_bake::fit::{Looseness, Solid, VoidsShare, looseness_of_parts, overlap, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 #[cfg(feature = "command")]
@@ -83,8 +83,8 @@ impl PartsEstimates {
         if let Some(volume) = volume {
             // Unreachable space is not the mesh's.
             let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
-            let Voids { volume: empty, error } = voids(own.as_ref().unwrap_or(solid), parts);
-            (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
+            let VoidsShare { share, error } = voids(own.as_ref().unwrap_or(solid), parts).relative_to(volume);
+            (found.voids, found.voids_error) = (Some(share), Some(error));
         }
         (found, means)
     }
@@ -93,6 +93,11 @@ impl PartsEstimates {
     pub fn without_mesh(parts: &[&Hull]) -> Self {
         let overlap = (parts.len() <= MAX_PARTS).then(|| overlap(parts));
         Self { overlap, symmetry: symmetry(parts), ..Self::default() }
+    }
+
+    /// The voids, if they were estimated.
+    pub fn voids_share(&self) -> Option<VoidsShare> {
+        Some(VoidsShare { share: self.voids?, error: self.voids_error? })
     }
 
     /// What a sentence states of them, if the parts were compared.

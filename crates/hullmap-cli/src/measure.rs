@@ -112,7 +112,7 @@ fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Rema
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
-/// mesh. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
+/// mesh and the voids of its solid. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
 /// proof. Estimates how the parts of a mesh that was divided fit together; `cover` are its
 /// parameters.
 fn record(
@@ -133,6 +133,9 @@ fn record(
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit));
     let estimates =
         solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume).0);
+    if let Some(first) = own.first_mut() {
+        first.voids = estimates.and_then(|estimates| estimates.voids_share());
+    }
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();

@@ -7,6 +7,7 @@ use crate::{
     archive::MAX_LEVELS,
     index_kind::RecordedKindError,
     mass::MassError,
+    voids::VoidsError,
     walk::{Cost, IndexError},
 };
 
@@ -115,6 +116,9 @@ pub enum CheckError {
     /// The BVH over the hulls is invalid.
     #[error("bounding volume hierarchy: {0}; bake the source again")]
     Bvh(#[from] BvhError),
+    /// A record of voids is invalid.
+    #[error("voids, {0}; bake the source again")]
+    Voids(#[from] VoidsError),
 }
 
 /// Which requirement a hull violates.

@@ -18,7 +18,7 @@ use std::hash::Hasher;
 
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-use crate::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
+use crate::version::{FORMAT_VERSION, LEAN_EXTENDED_FORMAT_VERSION, Layout};
 
 /// First bytes of every pack.
 pub const MAGIC: [u8; 8] = *b"hullmap\n";
@@ -75,13 +75,14 @@ pub enum HeaderError {
     },
     /// The file has another format version.
     #[error(
-        "the file has format version {found}, but this build reads versions {expected} and {LEAN_FORMAT_VERSION}; {}",
+        "the file has format version {found}, but this build reads versions {expected} to \
+         {LEAN_EXTENDED_FORMAT_VERSION}; {}",
         version_remedy(*found)
     )]
     Version {
         /// Version that the file states.
         found: u32,
-        /// Version that this build reads, apart from the lean version.
+        /// Lowest version that this build reads.
         expected: u32,
     },
     /// The stated length of the header is not [`HEADER_LEN`].
@@ -110,21 +111,18 @@ pub enum HeaderError {
 }
 
 fn version_remedy(found: u32) -> &'static str {
-    if found > LEAN_FORMAT_VERSION { "update hullmap" } else { "bake the source again" }
+    if found > LEAN_EXTENDED_FORMAT_VERSION { "update hullmap" } else { "bake the source again" }
 }
 
 impl Header {
-    /// A header for `payload`, with its checksum.
+    /// A header for the `payload` of a pack of the usual layout, with its checksum.
     pub fn for_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of_version(FORMAT_VERSION, source_hash, options_hash, payload)
+        Self::for_layout(Layout::default(), source_hash, options_hash, payload)
     }
 
-    /// A header for the `payload` of a lean pack, with its checksum.
-    pub fn for_lean_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of_version(LEAN_FORMAT_VERSION, source_hash, options_hash, payload)
-    }
-
-    fn of_version(format_version: u32, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+    /// A header for the `payload` of a pack of any layout, with its checksum.
+    pub fn for_layout(layout: Layout, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        let format_version = layout.version();
         let mut header =
             Self { format_version, payload_len: payload.len() as u64, source_hash, options_hash, checksum: 0 };
         header.checksum = checksum(&header.to_bytes(), payload);
@@ -151,6 +149,12 @@ impl Header {
         bytes
     }
 
+    /// The layout that the format version states.
+    pub fn layout(&self) -> Layout {
+        // A header that was read has a version that this crate reads.
+        Layout::of_version(self.format_version).unwrap_or_default()
+    }
+
     /// Reads the header at the start of `file`.
     ///
     /// Only the header itself is checked. [`check_length`](Self::check_length) and
@@ -166,7 +170,7 @@ impl Header {
             return Err(HeaderError::Magic { found: magic });
         }
         let format_version = u32::from_le_bytes(field(bytes, 8));
-        if ![FORMAT_VERSION, LEAN_FORMAT_VERSION].contains(&format_version) {
+        if Layout::of_version(format_version).is_none() {
             return Err(HeaderError::Version { found: format_version, expected: FORMAT_VERSION });
         }
         let header_len = u32::from_le_bytes(field(bytes, 12));

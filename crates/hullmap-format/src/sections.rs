@@ -8,10 +8,14 @@
 //! The order of sections and their alignment fix every offset, given the counts. So an offset is
 //! not merely in range: it equals the only offset that this version writes.
 //!
+//! Further sections follow the ones that every pack has, if the root does not. Their entries are in
+//! front of the root.
+//!
 //! # Deviations
 //! `rkyv::access` would check the same offsets, but it hands out the root itself, whose accessors
 //! follow the offsets in the file again at each call. A file that is mapped and rewritten after the
-//! check would then move the slices out of the mapping. The tests compare both.
+//! check would then move the slices out of the mapping. The tests compare both. It rejects extended
+//! packs, whose further sections are after those of the root that follows theirs.
 
 use std::mem::offset_of;
 
@@ -20,8 +24,8 @@ use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
     archive::{
-        ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedMassRecord, ArchivedPack, ArchivedQuad,
-        ArchivedSpan,
+        ArchivedBlock, ArchivedBvhNode, ArchivedExtendedPack, ArchivedHullRecord, ArchivedMassRecord, ArchivedPack,
+        ArchivedQuad, ArchivedSpan, ArchivedVoidsRecord,
     },
     check_error::CheckError,
 };
@@ -29,13 +33,16 @@ use crate::{
 /// Length of the root in bytes: an offset and a count, four bytes each, for each of 19 sections.
 const ROOT_LEN: usize = size_of::<ArchivedPack>();
 
+/// Length of the root with the entries of further sections in front, in bytes.
+const EXTENDED_ROOT_LEN: usize = size_of::<ArchivedExtendedPack>();
+
 /// The first section starts on a multiple of this many bytes in memory: a cache line.
 pub const PAYLOAD_ALIGNMENT: usize = 64;
 
-/// All sections of a pack, in the order of the file. See [`Pack`](crate::archive::Pack) for what
-/// each holds.
+/// All sections of a pack, in the order of the file. See
+/// [`ExtendedPack`](crate::archive::ExtendedPack) for what each holds.
 #[derive(Clone, Copy, Debug)]
-#[expect(missing_docs, reason = "the fields are those of `archive::Pack`, where each is documented")]
+#[expect(missing_docs, reason = "the fields are those of `archive::ExtendedPack`, where each is documented")]
 pub struct Sections<'a> {
     pub blocks: &'a [ArchivedBlock],
     pub source_path: &'a [u8],
@@ -56,6 +63,14 @@ pub struct Sections<'a> {
     pub outer_vertices: &'a [[f32_le; 3]],
     pub slots: &'a [u32_le],
     pub edges: &'a [i16_le],
+    pub voids: &'a [ArchivedVoidsRecord],
+}
+
+/// Position of a section's entry in the extended root.
+macro_rules! field {
+    ($section:ident) => {
+        offset_of!(ArchivedExtendedPack, pack) + offset_of!(ArchivedPack, $section)
+    };
 }
 
 impl<'a> Sections<'a> {
@@ -72,29 +87,44 @@ impl<'a> Sections<'a> {
     /// O(1).
     pub fn read(payload: &'a [u8]) -> Result<Self, CheckError> {
         let mut cutter = Cutter::new(payload)?;
-        let sections = Self {
-            blocks: cutter.cut("blocks", offset_of!(ArchivedPack, blocks))?,
-            source_path: cutter.cut("source_path", offset_of!(ArchivedPack, source_path))?,
-            options: cutter.cut("options", offset_of!(ArchivedPack, options))?,
-            names: cutter.cut("names", offset_of!(ArchivedPack, names))?,
-            spans: cutter.cut("spans", offset_of!(ArchivedPack, spans))?,
-            hulls: cutter.cut("hulls", offset_of!(ArchivedPack, hulls))?,
-            masses: cutter.cut("masses", offset_of!(ArchivedPack, masses))?,
-            nodes: cutter.cut("nodes", offset_of!(ArchivedPack, nodes))?,
-            vertices: cutter.cut("vertices", offset_of!(ArchivedPack, vertices))?,
-            source_vertices: cutter.cut("source_vertices", offset_of!(ArchivedPack, source_vertices))?,
-            face_starts: cutter.cut("face_starts", offset_of!(ArchivedPack, face_starts))?,
-            face_vertices: cutter.cut("face_vertices", offset_of!(ArchivedPack, face_vertices))?,
-            quads: cutter.cut("quads", offset_of!(ArchivedPack, quads))?,
-            neighbour_starts: cutter.cut("neighbour_starts", offset_of!(ArchivedPack, neighbour_starts))?,
-            neighbours: cutter.cut("neighbours", offset_of!(ArchivedPack, neighbours))?,
-            neighbour_faces: cutter.cut("neighbour_faces", offset_of!(ArchivedPack, neighbour_faces))?,
-            outer_vertices: cutter.cut("outer_vertices", offset_of!(ArchivedPack, outer_vertices))?,
-            slots: cutter.cut("slots", offset_of!(ArchivedPack, slots))?,
-            edges: cutter.cut("edges", offset_of!(ArchivedPack, edges))?,
+        let mut sections = Self {
+            blocks: cutter.cut("blocks", field!(blocks))?,
+            source_path: cutter.cut("source_path", field!(source_path))?,
+            options: cutter.cut("options", field!(options))?,
+            names: cutter.cut("names", field!(names))?,
+            spans: cutter.cut("spans", field!(spans))?,
+            hulls: cutter.cut("hulls", field!(hulls))?,
+            masses: cutter.cut("masses", field!(masses))?,
+            nodes: cutter.cut("nodes", field!(nodes))?,
+            vertices: cutter.cut("vertices", field!(vertices))?,
+            source_vertices: cutter.cut("source_vertices", field!(source_vertices))?,
+            face_starts: cutter.cut("face_starts", field!(face_starts))?,
+            face_vertices: cutter.cut("face_vertices", field!(face_vertices))?,
+            quads: cutter.cut("quads", field!(quads))?,
+            neighbour_starts: cutter.cut("neighbour_starts", field!(neighbour_starts))?,
+            neighbours: cutter.cut("neighbours", field!(neighbours))?,
+            neighbour_faces: cutter.cut("neighbour_faces", field!(neighbour_faces))?,
+            outer_vertices: cutter.cut("outer_vertices", field!(outer_vertices))?,
+            slots: cutter.cut("slots", field!(slots))?,
+            edges: cutter.cut("edges", field!(edges))?,
+            voids: &[],
         };
+        if cutter.is_extended() {
+            // Damage to the root of any pack is reported as such.
+            let as_usual = cutter.finish();
+            cutter.root_at = cutter.root_at.saturating_sub(EXTENDED_ROOT_LEN - ROOT_LEN);
+            match cutter.cut("voids", offset_of!(ArchivedExtendedPack, voids)) {
+                Ok(voids) if !voids.is_empty() => sections.voids = voids,
+                _ => return as_usual.map(|()| sections),
+            }
+        }
         cutter.finish()?;
         Ok(sections)
+    }
+
+    /// Whether the pack has sections that only some packs have.
+    pub fn is_extended(&self) -> bool {
+        !self.voids.is_empty()
     }
 
     /// Whether this is a lean pack: one without neighbours, quads and edges, and without the faces
@@ -113,7 +143,8 @@ impl<'a> Sections<'a> {
 /// Cuts sections off the payload's front, one after the other.
 struct Cutter<'a> {
     payload: &'a [u8],
-    root: [u8; ROOT_LEN],
+    /// The last bytes of the payload, after zeros if it is shorter.
+    root: [u8; EXTENDED_ROOT_LEN],
     /// Position of the root in the payload.
     root_at: usize,
     /// End of the last section.
@@ -125,26 +156,33 @@ impl<'a> Cutter<'a> {
         if !payload.as_ptr().addr().is_multiple_of(PAYLOAD_ALIGNMENT) {
             return Err(CheckError::Misaligned);
         }
-        let Some(root) = payload.last_chunk::<ROOT_LEN>() else {
+        let Some(root_at) = payload.len().checked_sub(ROOT_LEN) else {
             return Err(CheckError::TooShort { found: payload.len(), expected: ROOT_LEN });
         };
+        let mut root = [0; EXTENDED_ROOT_LEN];
+        root.iter_mut().rev().zip(payload.iter().rev()).for_each(|(to, from)| *to = *from);
         // The copy is opaque to the compiler: what is checked is what is used, even if another
         // process writes to the file in between.
-        let root = std::hint::black_box(*root);
-        Ok(Self { payload, root, root_at: payload.len() - ROOT_LEN, end: 0 })
+        let root = std::hint::black_box(root);
+        Ok(Self { payload, root, root_at, end: 0 })
     }
 
-    /// The four bytes of the root at `at`.
+    /// Whether something is between the sections that all packs have and the root.
+    fn is_extended(&self) -> bool {
+        self.end.next_multiple_of(align_of::<ArchivedPack>()) != self.root_at
+    }
+
+    /// The four bytes of the extended root at `at`.
     fn word(&self, at: usize) -> [u8; 4] {
         self.root.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
     }
 
-    /// The section whose offset and count are at `field` in the root.
+    /// The section whose offset and count are at `field` in the extended root.
     fn cut<T: Pod>(&mut self, section: &'static str, field: usize) -> Result<&'a [T], CheckError> {
         let offset = i32::from_le_bytes(self.word(field));
         let count = u32::from_le_bytes(self.word(field + 4)) as usize;
         let expected = self.end.next_multiple_of(align_of::<T>());
-        let found = (self.root_at + field) as i64 + i64::from(offset);
+        let found = (self.payload.len() + field) as i64 - EXTENDED_ROOT_LEN as i64 + i64::from(offset);
         if found != expected as i64 {
             return Err(CheckError::Section { section, found, expected });
         }
@@ -171,6 +209,8 @@ impl<'a> Cutter<'a> {
 }
 
 const _: () = assert!(ROOT_LEN == 19 * 8, "the root is 19 offsets and counts without padding");
+const _: () = assert!(EXTENDED_ROOT_LEN == 20 * 8, "the extended root is 20 offsets and counts without padding");
+const _: () = assert!(offset_of!(ArchivedExtendedPack, pack) == 8, "the root of all packs is last");
 
 #[cfg(test)]
 mod tests {
@@ -178,13 +218,17 @@ mod tests {
 
     use super::*;
     use crate::{
-        archive::{Block, BvhNode, HullRecord, LANES, MassRecord, Pack, Quad, Span},
+        archive::{Block, BvhNode, ExtendedPack, HullRecord, LANES, MassRecord, Pack, Quad, Span, VoidsRecord},
         check,
     };
 
     fn sample() -> AlignedVec<PAYLOAD_ALIGNMENT> {
+        aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&sample_pack()).unwrap())
+    }
+
+    fn sample_pack() -> Pack {
         let block = Block { x: [1.0; LANES], y: [2.0; LANES], z: [3.0; LANES], vertex: [4; LANES] };
-        let pack = Pack {
+        Pack {
             blocks: vec![block; 2],
             source_path: b"a/b.obj".to_vec(),
             options: b"x".to_vec(),
@@ -204,10 +248,20 @@ mod tests {
             outer_vertices: vec![[0.5; 3]; 4],
             slots: vec![6; 7],
             edges: vec![-1; 10],
-        };
+        }
+    }
+
+    fn aligned(bytes: &[u8]) -> AlignedVec<PAYLOAD_ALIGNMENT> {
         let mut payload = AlignedVec::new();
-        payload.extend_from_slice(&rkyv::to_bytes::<rkyv::rancor::Error>(&pack).unwrap());
+        payload.extend_from_slice(bytes);
         payload
+    }
+
+    /// The sample with records of voids.
+    fn extended_sample() -> AlignedVec<PAYLOAD_ALIGNMENT> {
+        let record = |hull: u32| VoidsRecord { hull, share: 0.25, error: 0.5 };
+        let extended = ExtendedPack { voids: vec![record(3), record(7)], pack: sample_pack() };
+        aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&extended).unwrap())
     }
 
     #[test]
@@ -242,9 +296,32 @@ mod tests {
     }
 
     #[test]
+    fn extended_packs_have_the_same_sections_and_more() {
+        let (usual, extended) = (sample(), extended_sample());
+        let [found, expected] = [&extended, &usual].map(|payload| Sections::read(payload).unwrap());
+        assert!(found.is_extended() && !expected.is_extended());
+        assert_eq!((found.vertices, found.edges), (expected.vertices, expected.edges));
+        assert_eq!(found.hulls.len(), expected.hulls.len());
+        let voids: Vec<u32> = found.voids.iter().map(|record| record.hull.to_native()).collect();
+        assert_eq!(voids, [3, 7]);
+        // What comes before the root has the same bytes.
+        let shared = usual.len() - ROOT_LEN;
+        assert_eq!(extended[..shared], usual[..shared]);
+        // No record is no extension.
+        let none = ExtendedPack { voids: vec![], pack: sample_pack() };
+        let none = aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&none).unwrap());
+        assert!(matches!(Sections::read(&none), Err(CheckError::Section { section: "root", .. })));
+    }
+
+    #[test]
     fn every_changed_root_is_rejected() {
         let payload = sample();
-        let root_at = payload.len() - ROOT_LEN;
+        every_change_is_rejected(&payload, ROOT_LEN);
+        every_change_is_rejected(&extended_sample(), EXTENDED_ROOT_LEN);
+    }
+
+    fn every_change_is_rejected(payload: &AlignedVec<PAYLOAD_ALIGNMENT>, root_len: usize) {
+        let root_at = payload.len() - root_len;
         for at in (root_at..payload.len()).step_by(4) {
             let old = u32::from_le_bytes(payload[at..at + 4].try_into().unwrap());
             for new in [0, 1, old ^ 1, old ^ 4, old ^ 64, old ^ 1 << 20, old ^ 1 << 31, u32::MAX, i32::MAX as u32] {
@@ -261,7 +338,12 @@ mod tests {
 
     #[test]
     fn payloads_of_every_other_length_are_rejected() {
-        let payload = sample();
+        for payload in [sample(), extended_sample()] {
+            other_lengths_are_rejected(&payload);
+        }
+    }
+
+    fn other_lengths_are_rejected(payload: &AlignedVec<PAYLOAD_ALIGNMENT>) {
         for len in 0..payload.len() {
             assert!(Sections::read(&payload[..len]).is_err(), "{len} bytes");
         }

@@ -173,6 +173,7 @@ impl Hull {
         facts.set_item("uncovered", hull.uncovered())?;
         facts.set_item("protrusion", hull.protrusion())?;
         facts.set_item("protrusion_at", hull.protrusion_at().map(|at| at.to_array()))?;
+        facts.set_item("voids", hull.voids().map(|voids| (voids.share, voids.error)))?;
         facts.set_item("origin", hull.origin().to_array())?;
         facts.set_item("part", hull.part())?;
         facts.set_item("part_count", hull.part_count())?;

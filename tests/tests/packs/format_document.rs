@@ -225,6 +225,23 @@ fn masses_are_read_back() {
     assert_eq!(File::new(&file).count(section::MASSES), 2);
 }
 
+/// Objects with voids, without, and hulls that are no parts. The pack then has another version.
+#[test]
+fn voids_are_read_back() {
+    let solid = bake(&tetrahedron(), IndexKind::Tree);
+    let of = |part: u32, voids: Option<VoidsShare>| BakedHull { part, part_count: 2, voids, ..solid.clone() };
+    let share = |share: f64| Some(VoidsShare { share, error: 0.0625 });
+    let hulls =
+        [solid.clone(), of(0, share(0.5)), of(1, None), of(0, None), of(1, None), of(0, share(0.0)), of(1, None)];
+    compare(&hulls, &source("voids", ""), 500, &mut Met::default());
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    let expected = [(1, 0.5), (5, 0.0)].map(|(hull, share)| reader::Voids { hull, share, error: 0.0625 });
+    assert_eq!((u32_at(&file, 8), File::new(&file).voids()), (9, Vec::from(expected)));
+    let pack = Pack::from_bytes(&file).unwrap();
+    let found: Vec<Option<f64>> = pack.hulls().map(|hull| hull.voids().map(|voids| voids.share)).collect();
+    assert_eq!(found, [None, Some(0.5), Some(0.5), None, None, Some(0.0), Some(0.0)]);
+}
+
 /// Checks the claims of a part about its mesh, by the table of kinds in the document.
 fn fit(r: &reader::Record, theirs: &hullmap::Hull, baked: &BakedHull) {
     let Some(fit) = baked.fit else {

@@ -3,9 +3,10 @@
 
 use hullmap::Pack;
 use hullmap_bake::{
-    BakedHull, IndexKind, SourceRecord, bake_hull,
+    BakedHull, IndexKind, PointSet, SourceRecord, bake_hull,
+    fit::VoidsShare,
     index::{Index, encode::Encoded},
-    write_pack,
+    write_lean_pack, write_pack,
 };
 use hullmap_format::{
     FORMAT_VERSION, LEAN_FORMAT_VERSION,
@@ -14,6 +15,7 @@ use hullmap_format::{
     repeats,
     sections::Sections,
     slot::Slot,
+    version::{EXTENDED_FORMAT_VERSION, LEAN_EXTENDED_FORMAT_VERSION},
     walk::Cost,
 };
 use hullmap_testkit::packs::{self, point_set};
@@ -207,6 +209,57 @@ fn vertices_faces_and_neighbours() {
     assert_eq!(rejection!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 
+/// Records of voids are of the first parts of objects whose mass is recorded.
+#[test]
+fn voids() {
+    let mesh = shapes::concave::l();
+    let letter = PointSet { triangles: mesh.fans(), ..point_set("letter", &mesh.vertices) };
+    let share = VoidsShare { share: 0.25, error: 0.125 };
+    let first = bake_hull(&letter, IndexKind::Tree).unwrap();
+    let part = |part: u32| BakedHull { part, part_count: 2, voids: Some(share), ..first.clone() };
+    let alone = BakedHull { voids: Some(share), ..first.clone() };
+    let hulls = [part(0), part(1), part(0), part(1), alone];
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    let pack = Pack::from_bytes(&file).unwrap();
+    let found: Vec<Option<f64>> = pack.hulls().map(|hull| hull.voids().map(|voids| voids.share)).collect();
+    assert_eq!(found, [Some(0.25), Some(0.25), Some(0.25), Some(0.25), None]);
+    assert_eq!(pack.header().format_version, EXTENDED_FORMAT_VERSION);
+    let with =
+        |record: usize, offset: usize, bytes: [u8; 4]| message(&packs::with_voids(&file, record, offset, &bytes));
+    for hull in [1_u32, 3, 4, 5, u32::MAX] {
+        assert_eq!(
+            with(0, 0, hull.to_le_bytes()),
+            format!(
+                "voids, record 0: its hull is {hull} (expected the first part of an object whose mass is recorded, \
+                 from hull 0 on)"
+            )
+        );
+    }
+    // Each object has one record, in their order.
+    assert!(with(0, 0, 2_u32.to_le_bytes()).starts_with("voids, record 1: its hull is 2 (expected"));
+    assert!(with(1, 0, 0_u32.to_le_bytes()).starts_with("voids, record 1: its hull is 0 (expected"));
+    for number in [f32::NAN, -0.5, 1.5, f32::INFINITY] {
+        for offset in [4, 8] {
+            let found = with(1, offset, number.to_le_bytes());
+            assert!(
+                found.starts_with("voids, record 1: its share of the solid is ")
+                    && found.contains("(expected numbers from 0 to 1)"),
+                "{found}"
+            );
+        }
+    }
+    // A pack without voids keeps its version and its bytes.
+    let none = hulls.map(|baked| BakedHull { voids: None, ..baked });
+    let usual = write_pack(&none, &SourceRecord::default()).unwrap();
+    assert_eq!(Pack::from_bytes(&usual).unwrap().header().format_version, FORMAT_VERSION);
+    let shared = usual.len() - 152;
+    assert_eq!(usual[64..shared], file[64..shared]);
+    let lean = write_lean_pack(vec![part(0), part(1)], &SourceRecord::default()).unwrap();
+    let lean = Pack::from_bytes(&lean).unwrap();
+    assert_eq!(lean.header().format_version, LEAN_EXTENDED_FORMAT_VERSION);
+    assert!(lean.hull(1).unwrap().voids().is_some_and(|voids| voids.error == 0.125));
+}
+
 /// A lean pack has a version of its own, and nothing of what it leaves out.
 #[test]
 fn lean_packs() {
@@ -233,6 +286,7 @@ fn lean_packs() {
         packs::reseal(&mut file);
         message(&file)
     };
+    assert_eq!(of_version(&lean, LEAN_EXTENDED_FORMAT_VERSION), "section voids has 0 elements (expected 1)");
     assert_eq!(of_version(&lean, FORMAT_VERSION), "section neighbour_starts has 0 elements (expected 46)");
     let cube = samples::named("cube, tree");
     assert_eq!(of_version(&cube, LEAN_FORMAT_VERSION), "section neighbour_starts has 8 elements (expected 0)");

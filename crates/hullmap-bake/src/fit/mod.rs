@@ -45,7 +45,7 @@ pub use looseness::{Looseness, looseness, looseness_of_parts, overlap};
 pub use mesh_mass::mesh_mass;
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
-pub use voids::{Voids, voids};
+pub use voids::{Voids, VoidsShare, voids};
 
 #[cfg(test)]
 mod tests;

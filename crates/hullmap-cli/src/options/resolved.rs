@@ -3,7 +3,7 @@
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
-use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
+use hullmap_format::version::Layout;
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
 use super::layer::{Clash, OptionLayer};
@@ -197,9 +197,9 @@ impl BuildOptions {
         self.switch("lean")
     }
 
-    /// Format version of the packs.
+    /// The latest format version that the packs may have.
     pub fn format_version(&self) -> u32 {
-        if self.is_lean() { LEAN_FORMAT_VERSION } else { FORMAT_VERSION }
+        Layout { is_lean: self.is_lean(), is_extended: true }.version()
     }
 
     fn word(&self, key: &str) -> &'static str {

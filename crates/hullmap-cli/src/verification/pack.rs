@@ -290,8 +290,13 @@ fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results
     if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
         result.problems.extend(mass::problem(first, mesh, computed.as_ref()));
     }
+    let found = findings(hulls, Some(mesh), computed.map(|mass| mass.volume), cover);
+    if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
+        let voids = found.as_ref().and_then(|found| found.estimates.voids_share());
+        result.problems.extend(mass::voids_problem(first, &mesh.name, voids));
+    }
     verify_fit(hulls, mesh, cover, results);
-    add(findings(hulls, Some(mesh), computed.map(|mass| mass.volume), cover), results);
+    add(found, results);
 }
 
 /// Adds what was found about the parts of one object to their results.

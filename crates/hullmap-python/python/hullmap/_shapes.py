@@ -695,6 +695,13 @@ class Hull(ConvexShape):
         return None if at is None else floats("protrusion_at", at)
 
     @property
+    def voids(self) -> Optional[Tuple[float, float]]:
+        """For a part: the share of the mesh's solid that is in no part, from 0 to 1, and its error.
+        All parts of an object have the same. ``None`` if the pack does not record it."""
+        found: Optional[Tuple[float, float]] = self._facts["voids"]
+        return found
+
+    @property
     def index_kind(self) -> str:
         """Kind of the direction index."""
         return str(self._facts["index_kind"])
