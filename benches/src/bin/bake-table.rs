@@ -213,6 +213,7 @@ fn bake(family: Family, points: usize) -> Result<Vec<Figure>, Box<dyn Error>> {
         fit: None,
         mesh_mass: None,
         voids: None,
+        primitive: None,
         hull,
         mass,
         interior,

@@ -1,7 +1,7 @@
 //! Pack writer: turns baked hulls into the bytes of a pack, whole or lean.
 
 use hullmap_format::{
-    archive::{HullRecord, LEAN_FACES, MassRecord, Pack, Span, VoidsRecord},
+    archive::{HullRecord, LEAN_FACES, MassRecord, Pack, PrimitiveRecord, Span, VoidsRecord},
     check::MAX_PACK_LEN,
     edge,
     header::{HEADER_LEN, Header, options_hash},
@@ -19,6 +19,7 @@ use crate::{
     fit::VoidsShare,
     hull::{Hull, adjacency::Adjacency, quads::quads},
     mass::Mass,
+    primitive::{Primitive, ProvenPrimitive},
 };
 
 /// Contents of a pack for each hull.
@@ -91,7 +92,7 @@ fn write(
     source: &SourceRecord,
     detail: Detail,
 ) -> Result<Vec<u8>, BakeError> {
-    let Meshes { masses, voids } = meshes;
+    let Meshes { masses, voids, primitives } = meshes;
     let options = options_text(source);
     let options_hash = options_hash(&options);
     let mut pack =
@@ -102,12 +103,12 @@ fn write(
         append(&mut pack, baked, detail)?;
     }
     pack.nodes = bvh::build(&mut pack.hulls);
-    let layout = Layout { is_lean: detail == Detail::Lean, is_extended: !voids.is_empty() };
+    let layout = Layout { is_lean: detail == Detail::Lean, is_extended: !voids.is_empty() || !primitives.is_empty() };
     // The header is written last, in front of the payload. Offsets in the payload are relative, and
     // the header's length is a multiple of every alignment.
     let head = vec![0; HEADER_LEN];
     let bytes = if layout.is_extended {
-        rkyv::api::high::to_bytes_in::<_, rancor::Error>(&ExtendedSections::new(pack, voids), head)
+        rkyv::api::high::to_bytes_in::<_, rancor::Error>(&ExtendedSections::new(pack, voids, primitives), head)
     } else {
         rkyv::api::high::to_bytes_in::<_, rancor::Error>(&Sections::from(pack), head)
     };
@@ -157,6 +158,8 @@ struct Meshes {
     masses: Vec<Option<MassRecord>>,
     /// The voids of objects whose mass is recorded.
     voids: Vec<VoidsRecord>,
+    /// The primitives of parts that were measured.
+    primitives: Vec<PrimitiveRecord>,
 }
 
 impl Meshes {
@@ -168,7 +171,14 @@ impl Meshes {
             Some(VoidsRecord { hull, share: share as f32, error: error as f32 })
         };
         let voids = (0..).zip(hulls.iter().zip(&masses)).filter_map(of_object).collect();
-        Self { masses, voids }
+        let of_hull = |(hull, baked): (u32, &BakedHull)| {
+            let ProvenPrimitive { primitive, protrusion } = baked.primitive.filter(|_| baked.fit.is_some())?;
+            let Primitive { kind, center, rotation, sizes } = primitive;
+            let (kind, center, rotation) = (kind.code(), center.to_array(), rotation.to_array());
+            Some(PrimitiveRecord { hull, kind, center, rotation, sizes, protrusion })
+        };
+        let primitives = (0..).zip(hulls).filter_map(of_hull).collect();
+        Self { masses, voids, primitives }
     }
 }
 

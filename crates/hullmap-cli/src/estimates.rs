@@ -4,7 +4,7 @@
 use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::{Looseness, Solid, VoidsShare, looseness_of_parts, overlap, voids};
+use hullmap_bake::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 #[cfg(feature = "command")]
@@ -29,6 +29,10 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`: twice its standard deviation.
     pub voids_error: Option<f64>,
+    /// Whether every point of the solid is in a part, proven; `None` if that was not requested, or
+    /// the mesh is not closed.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub filled: Option<bool>,
     /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
     #[cfg_attr(feature = "command", serde(default))]
     pub symmetry: Option<MirrorPlane>,
@@ -80,10 +84,14 @@ impl PartsEstimates {
         let (overlap, mean_protrusion) = (Some(overlap), Some(mean_protrusion));
         let mut found = Self { overlap, mean_protrusion, outside_hull: Some(outside_hull), ..Self::default() };
         found.symmetry = symmetry(parts);
+        // Unreachable space is not the mesh's.
+        let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
+        let own = own.as_ref().unwrap_or(solid);
+        if cover.is_some_and(|cover| cover.fill) && own.kind() == SolidKind::Watertight {
+            found.filled = Some(remainder(own, parts).is_empty());
+        }
         if let Some(volume) = volume {
-            // Unreachable space is not the mesh's.
-            let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
-            let VoidsShare { share, error } = voids(own.as_ref().unwrap_or(solid), parts).relative_to(volume);
+            let VoidsShare { share, error } = voids(own, parts).relative_to(volume);
             (found.voids, found.voids_error) = (Some(share), Some(error));
         }
         (found, means)

@@ -98,6 +98,8 @@ pub struct Pack {
 pub struct ExtendedPack {
     /// One record for each object whose voids are known, in the order of the objects.
     pub voids: Vec<VoidsRecord>,
+    /// One record for each part that a primitive can replace, in the order of the hulls.
+    pub primitives: Vec<PrimitiveRecord>,
     /// The sections that all packs have.
     pub pack: Pack,
 }
@@ -109,7 +111,8 @@ where
 {
     fn serialize(&self, serializer: &mut S) -> Result<Self::Resolver, S::Error> {
         let pack = self.pack.serialize(serializer)?;
-        Ok(ExtendedPackResolver { voids: self.voids.serialize(serializer)?, pack })
+        let voids = self.voids.serialize(serializer)?;
+        Ok(ExtendedPackResolver { voids, primitives: self.primitives.serialize(serializer)?, pack })
     }
 }
 
@@ -245,6 +248,26 @@ pub struct VoidsRecord {
     pub share: f32,
     /// Error of the share: 0 to 1.
     pub error: f32,
+}
+
+/// A primitive that contains the surface in a part, and may replace it. Its frame is that of the
+/// hulls.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
+pub struct PrimitiveRecord {
+    /// Index of the part in [`Pack::hulls`].
+    pub hull: u32,
+    /// Code of the kind: see [`PrimitiveKind::code`](crate::PrimitiveKind::code).
+    pub kind: u32,
+    /// Centre.
+    pub center: [f64; 3],
+    /// Rotation from its own axes: a unit quaternion, its scalar part last.
+    pub rotation: [f64; 4],
+    /// Box: half extents. Sphere: radius. Capsule and cylinder: radius, and half the length of the
+    /// axis, which is z. The rest is 0.
+    pub sizes: [f64; 3],
+    /// Upper bound on how far a point of it lies outside the source object's solid.
+    pub protrusion: f64,
 }
 
 /// A node of the bounding volume hierarchy (BVH). Two `vec4` in a GPU buffer.

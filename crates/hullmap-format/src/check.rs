@@ -22,6 +22,7 @@ use crate::{
     archive::{ArchivedExtendedPack, ArchivedPack, ArchivedSpan},
     bvh,
     hull_check::HullCheck,
+    primitive,
     sections::Sections,
     version::Layout,
     voids,
@@ -74,6 +75,7 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("slots", pack.slots),
         extent("edges", pack.edges),
         extent("voids", pack.voids),
+        extent("primitives", pack.primitives),
         root,
     ];
     let mut end = 0_usize;
@@ -92,7 +94,7 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
 ///
 /// # Errors
 /// [`CheckError::SectionCount`] for the starts of neighbours, which only lean packs lack, and for
-/// records of voids, which only extended packs have.
+/// records of voids and primitives, which only extended packs have.
 pub fn layout(pack: &Sections<'_>, layout: Layout) -> Result<(), CheckError> {
     let Layout { is_lean, is_extended } = layout;
     let found = pack.neighbour_starts.len();
@@ -100,11 +102,11 @@ pub fn layout(pack: &Sections<'_>, layout: Layout) -> Result<(), CheckError> {
     if found != expected {
         return Err(CheckError::SectionCount { section: "neighbour_starts", found, expected });
     }
-    let found = pack.voids.len();
-    if (found > 0) == is_extended {
+    if pack.is_extended() == is_extended {
         Ok(())
     } else {
-        Err(CheckError::SectionCount { section: "voids", found, expected: usize::from(is_extended) })
+        let found = pack.voids.len() + pack.primitives.len();
+        Err(CheckError::SectionCount { section: "voids and primitives", found, expected: usize::from(is_extended) })
     }
 }
 
@@ -198,6 +200,7 @@ pub fn contents(pack: &Sections<'_>) -> Result<(), CheckError> {
         check.run(&mut scratch).map_err(|source| CheckError::Hull { hull, source })?;
     }
     voids::check(pack)?;
+    primitive::check(pack)?;
     bvh::check(pack)?;
     Ok(())
 }

@@ -7,6 +7,7 @@ use crate::{
     archive::MAX_LEVELS,
     index_kind::RecordedKindError,
     mass::MassError,
+    primitive::PrimitiveError,
     voids::VoidsError,
     walk::{Cost, IndexError},
 };
@@ -119,6 +120,9 @@ pub enum CheckError {
     /// A record of voids is invalid.
     #[error("voids, {0}; bake the source again")]
     Voids(#[from] VoidsError),
+    /// A record of a primitive is invalid.
+    #[error("primitives, {0}; bake the source again")]
+    Primitive(#[from] PrimitiveError),
 }
 
 /// Which requirement a hull violates.

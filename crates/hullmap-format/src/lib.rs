@@ -11,6 +11,7 @@
 //! | [`solid_kind`] | what counts as the inside of a mesh |
 //! | [`mass`] | whether the recorded mass of a mesh can be that of a solid |
 //! | [`voids`] | whether the recorded voids of parts can be true |
+//! | [`primitive`], [`primitive_kind`] | primitives that may replace parts |
 //! | [`version`] | the versions of the format |
 //! | [`slot`] | the words of a direction index |
 //! | [`node`] | the nodes of a direction index: positions of their numbers and slots |
@@ -39,6 +40,8 @@ mod hull_check;
 pub mod index_kind;
 pub mod mass;
 pub mod node;
+pub mod primitive;
+pub mod primitive_kind;
 pub mod quad;
 pub mod repeats;
 pub mod sections;
@@ -49,6 +52,7 @@ pub mod voids;
 pub mod walk;
 
 pub use index_kind::IndexKind;
+pub use primitive_kind::PrimitiveKind;
 pub use solid_kind::SolidKind;
 pub use version::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
 

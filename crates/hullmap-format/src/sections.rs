@@ -25,7 +25,7 @@ use rkyv::rend::{f32_le, i16_le, u32_le};
 use crate::{
     archive::{
         ArchivedBlock, ArchivedBvhNode, ArchivedExtendedPack, ArchivedHullRecord, ArchivedMassRecord, ArchivedPack,
-        ArchivedQuad, ArchivedSpan, ArchivedVoidsRecord,
+        ArchivedPrimitiveRecord, ArchivedQuad, ArchivedSpan, ArchivedVoidsRecord,
     },
     check_error::CheckError,
 };
@@ -64,6 +64,7 @@ pub struct Sections<'a> {
     pub slots: &'a [u32_le],
     pub edges: &'a [i16_le],
     pub voids: &'a [ArchivedVoidsRecord],
+    pub primitives: &'a [ArchivedPrimitiveRecord],
 }
 
 /// Position of a section's entry in the extended root.
@@ -108,14 +109,18 @@ impl<'a> Sections<'a> {
             slots: cutter.cut("slots", field!(slots))?,
             edges: cutter.cut("edges", field!(edges))?,
             voids: &[],
+            primitives: &[],
         };
         if cutter.is_extended() {
             // Damage to the root of any pack is reported as such.
             let as_usual = cutter.finish();
             cutter.root_at = cutter.root_at.saturating_sub(EXTENDED_ROOT_LEN - ROOT_LEN);
-            match cutter.cut("voids", offset_of!(ArchivedExtendedPack, voids)) {
-                Ok(voids) if !voids.is_empty() => sections.voids = voids,
-                _ => return as_usual.map(|()| sections),
+            let voids = cutter.cut("voids", offset_of!(ArchivedExtendedPack, voids));
+            let primitives = cutter.cut("primitives", offset_of!(ArchivedExtendedPack, primitives));
+            let (Ok(voids), Ok(primitives)) = (voids, primitives) else { return as_usual.map(|()| sections) };
+            (sections.voids, sections.primitives) = (voids, primitives);
+            if !sections.is_extended() {
+                return as_usual.map(|()| sections);
             }
         }
         cutter.finish()?;
@@ -124,7 +129,7 @@ impl<'a> Sections<'a> {
 
     /// Whether the pack has sections that only some packs have.
     pub fn is_extended(&self) -> bool {
-        !self.voids.is_empty()
+        !self.voids.is_empty() || !self.primitives.is_empty()
     }
 
     /// Whether this is a lean pack: one without neighbours, quads and edges, and without the faces
@@ -209,8 +214,8 @@ impl<'a> Cutter<'a> {
 }
 
 const _: () = assert!(ROOT_LEN == 19 * 8, "the root is 19 offsets and counts without padding");
-const _: () = assert!(EXTENDED_ROOT_LEN == 20 * 8, "the extended root is 20 offsets and counts without padding");
-const _: () = assert!(offset_of!(ArchivedExtendedPack, pack) == 8, "the root of all packs is last");
+const _: () = assert!(EXTENDED_ROOT_LEN == 21 * 8, "the extended root is 21 offsets and counts without padding");
+const _: () = assert!(offset_of!(ArchivedExtendedPack, pack) == 16, "the root of all packs is last");
 
 #[cfg(test)]
 mod tests {
@@ -218,7 +223,9 @@ mod tests {
 
     use super::*;
     use crate::{
-        archive::{Block, BvhNode, ExtendedPack, HullRecord, LANES, MassRecord, Pack, Quad, Span, VoidsRecord},
+        archive::{
+            Block, BvhNode, ExtendedPack, HullRecord, LANES, MassRecord, Pack, PrimitiveRecord, Quad, Span, VoidsRecord,
+        },
         check,
     };
 
@@ -260,7 +267,11 @@ mod tests {
     /// The sample with records of voids.
     fn extended_sample() -> AlignedVec<PAYLOAD_ALIGNMENT> {
         let record = |hull: u32| VoidsRecord { hull, share: 0.25, error: 0.5 };
-        let extended = ExtendedPack { voids: vec![record(3), record(7)], pack: sample_pack() };
+        let extended = ExtendedPack {
+            voids: vec![record(3), record(7)],
+            primitives: vec![PrimitiveRecord::default(); 3],
+            pack: sample_pack(),
+        };
         aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&extended).unwrap())
     }
 
@@ -303,12 +314,12 @@ mod tests {
         assert_eq!((found.vertices, found.edges), (expected.vertices, expected.edges));
         assert_eq!(found.hulls.len(), expected.hulls.len());
         let voids: Vec<u32> = found.voids.iter().map(|record| record.hull.to_native()).collect();
-        assert_eq!(voids, [3, 7]);
+        assert_eq!((voids, found.primitives.len()), (vec![3, 7], 3));
         // What comes before the root has the same bytes.
         let shared = usual.len() - ROOT_LEN;
         assert_eq!(extended[..shared], usual[..shared]);
         // No record is no extension.
-        let none = ExtendedPack { voids: vec![], pack: sample_pack() };
+        let none = ExtendedPack { pack: sample_pack(), ..ExtendedPack::default() };
         let none = aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&none).unwrap());
         assert!(matches!(Sections::read(&none), Err(CheckError::Section { section: "root", .. })));
     }

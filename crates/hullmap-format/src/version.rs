@@ -7,7 +7,7 @@
 //! | | lean | |
 //! |---|---|---|
 //! | usual | 8 | 7 |
-//! | extended: with records of voids | 10 | 9 |
+//! | extended: with records of voids or primitives | 10 | 9 |
 
 /// Version of packs with the sections that all packs have.
 pub const FORMAT_VERSION: u32 = 7;

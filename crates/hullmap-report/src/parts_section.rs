@@ -82,13 +82,14 @@ const MAX_OBJECTS: usize = 20;
 
 /// The measures of one object, or a dash for each that is not known.
 fn facts(parts: &[Part]) -> String {
-    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry } =
+    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, filled, symmetry } =
         parts[0].2.estimates.clone().unwrap_or_default();
     let known = |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| "–".to_owned(), text);
     let percent = |share: f64| format!("{} %", short(100.0 * share));
     let bound = |pick: fn(&HullRow) -> Option<f64>| parts.iter().filter_map(|part| pick(part.1)).reduce(f64::max);
     let thinnest = parts.iter().map(|part| part.2.thickness).reduce(f64::min);
     let empty = match (voids, voids_error) {
+        _ if filled == Some(true) => "none, proven".to_owned(),
         (Some(share), Some(error)) => format!("{} ± {}", percent(share), percent(error)),
         _ => "–".to_owned(),
     };

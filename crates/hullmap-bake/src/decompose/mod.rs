@@ -7,6 +7,7 @@
 //! | `levels` | the limits for which parts are searched, and which result is taken |
 //! | [`partition`] | the parts for one limit |
 //! | `finish` | final hulls, and triangles that are not covered |
+//! | `fill` | parts that leave no voids |
 //! | `search` | parts that are symmetric, or others if they are fewer |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
@@ -31,7 +32,10 @@
 //! # Ok::<(), hullmap_bake::BakeError>(())
 //! ```
 
+use std::time::Instant;
+
 mod convex;
+mod fill;
 mod finish;
 mod levels;
 mod parameters;
@@ -41,12 +45,23 @@ mod patch;
 mod search;
 
 use convex::is_convex;
+use fill::Filling;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
-use partition::wrap;
+use partition::{
+    Deadline, HARD_SHARE,
+    field::Field,
+    wrap::{self, Bounds},
+};
 use search::Search;
 
-use crate::{BakeError, PointSet, hull, progress::Stage, simplify};
+use crate::{
+    BakeError, PointSet,
+    fit::{Solid, SolidKind},
+    hull::{self, Hull},
+    progress::Stage,
+    simplify,
+};
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
@@ -73,6 +88,7 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
     }
+    let started = Instant::now();
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
     let solid = parameters.solid(mesh);
@@ -82,9 +98,43 @@ pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result
         Search { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices }.best(stage)
     };
     let hulls = found.unwrap_or_else(|| vec![wrap::within_vertices(hull, max_vertices)]);
+    let hulls = if parameters.fill { filled(mesh, &solid, &vertices, parameters, started, hulls) } else { hulls };
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
+}
+
+/// The hulls with what they leave of the mesh's own solid; the hulls as they are if it is not
+/// watertight. `solid` is the one from which protrusion counts.
+fn filled(
+    mesh: &PointSet,
+    solid: &Solid,
+    vertices: &SourceVertices,
+    parameters: &Cover,
+    started: Instant,
+    hulls: Vec<Hull>,
+) -> Vec<Hull> {
+    let own = parameters.reachable.map(|_| Solid::new(mesh));
+    let own = own.as_ref().unwrap_or(solid);
+    if own.kind() != SolidKind::Watertight {
+        return hulls;
+    }
+    let diagonal = own.diagonal();
+    let limit = parameters.max_error.of(diagonal);
+    let bounds = Bounds {
+        limit,
+        max_vertices: (parameters.max_vertices as usize).max(simplify::MIN_VERTICES),
+        diagonal,
+        thickness: parameters.min_thickness.of(diagonal).min(0.5 * limit),
+        deadline: parameters
+            .seconds
+            .map(|seconds| Deadline::after((seconds - started.elapsed().as_secs_f64()).max(0.0))),
+        stage: Stage::default(),
+    };
+    let mut field = Field::new(solid);
+    field.find_peaks(limit * HARD_SHARE);
+    let max_parts = parameters.max_parts.map(|most| most as usize);
+    Filling { field: &field, solid: own, vertices, bounds, overlap: parameters.overlap, max_parts }.filled(hulls)
 }
 
 #[cfg(test)]

@@ -59,6 +59,9 @@ pub struct Cover {
     /// Radius of a ball: protrusion counts only where such a ball can come from outside. `None` for
     /// everywhere.
     pub reachable: Option<Length>,
+    /// Whether parts leave no voids: every point of a closed mesh's solid is in a part. Parts are
+    /// added for that, unless there are `max_parts` already.
+    pub fill: bool,
     /// Time after which the search stops, in seconds. The result then depends on the machine, and
     /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: the hulls
     /// of what the surface is halved into.
@@ -75,6 +78,7 @@ impl Default for Cover {
             min_thickness: Length::Relative(0.005),
             symmetry: true,
             reachable: None,
+            fill: false,
             seconds: None,
         }
     }

@@ -6,7 +6,7 @@
 
 use std::cell::Cell;
 
-use hullmap_format::archive::{Block, BvhNode, HullRecord, MassRecord, Pack, Quad, Span, VoidsRecord};
+use hullmap_format::archive::{Block, BvhNode, HullRecord, MassRecord, Pack, PrimitiveRecord, Quad, Span, VoidsRecord};
 use rkyv::{
     Archive, Place, Serialize,
     rancor::Fallible,
@@ -66,13 +66,14 @@ pub struct Sections {
 #[derive(Archive)]
 pub struct ExtendedSections {
     voids: Section<VoidsRecord>,
+    primitives: Section<PrimitiveRecord>,
     pack: Sections,
 }
 
 impl ExtendedSections {
-    /// The sections of a pack, and records of voids.
-    pub fn new(pack: Pack, voids: Vec<VoidsRecord>) -> Self {
-        Self { voids: section(voids), pack: Sections::from(pack) }
+    /// The sections of a pack, and records of voids and primitives.
+    pub fn new(pack: Pack, voids: Vec<VoidsRecord>, primitives: Vec<PrimitiveRecord>) -> Self {
+        Self { voids: section(voids), primitives: section(primitives), pack: Sections::from(pack) }
     }
 }
 
@@ -83,7 +84,8 @@ where
 {
     fn serialize(&self, serializer: &mut S) -> Result<Self::Resolver, S::Error> {
         let pack = self.pack.serialize(serializer)?;
-        Ok(ExtendedSectionsResolver { voids: self.voids.serialize(serializer)?, pack })
+        let voids = self.voids.serialize(serializer)?;
+        Ok(ExtendedSectionsResolver { voids, primitives: self.primitives.serialize(serializer)?, pack })
     }
 }
 
@@ -182,9 +184,10 @@ mod tests {
             let found = to_bytes_in::<_, rancor::Error>(&Sections::from(pack.clone()), vec![0; 64]).unwrap();
             assert_eq!(found, expected);
             let voids = vec![VoidsRecord { hull: 3, share: 0.5, error: 0.25 }; 2];
-            let extended = ExtendedPack { voids: voids.clone(), pack: pack.clone() };
+            let primitives = vec![PrimitiveRecord { hull: 1, sizes: [1.0; 3], ..PrimitiveRecord::default() }; 3];
+            let extended = ExtendedPack { voids: voids.clone(), primitives: primitives.clone(), pack: pack.clone() };
             let expected = to_bytes_in::<_, rancor::Error>(&extended, vec![0; 64]).unwrap();
-            let extended = ExtendedSections::new(pack, voids);
+            let extended = ExtendedSections::new(pack, voids, primitives);
             assert_eq!(to_bytes_in::<_, rancor::Error>(&extended, vec![0; 64]).unwrap(), expected);
         }
     }

@@ -2,11 +2,13 @@
 
 use hullmap::{Hull, IndexKind, Pack, SolidKind};
 use hullmap_bake::number::{percent, short};
+use hullmap_import::UpAxis;
 use serde::Serialize;
 
 use crate::args::InspectArgs;
 use crate::estimates::MirrorPlane;
 use crate::geometry::{polygons, positions, rank_name};
+use crate::mesh_file::body::BodyPrimitive;
 use crate::open::{kept_warnings, open_pack};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
@@ -72,6 +74,8 @@ struct HullDescription {
     /// recorded.
     voids: Option<f64>,
     voids_error: Option<f64>,
+    /// The primitive that may replace the hull; `None` if there is none.
+    primitive: Option<BodyPrimitive>,
     index: IndexDescription,
 }
 
@@ -169,6 +173,7 @@ fn describe(hull: &Hull, symmetry: Option<MirrorPlane>, has_vertices: bool) -> H
         mesh_inertia: mesh.map(|mesh| mesh.inertia.to_cols_array_2d()),
         voids: hull.voids().map(|voids| voids.share),
         voids_error: hull.voids().map(|voids| voids.error),
+        primitive: BodyPrimitive::of(hull, UpAxis::Keep),
         index: IndexDescription {
             kind: kind.as_str().to_owned(),
             resolution: matches!(kind, IndexKind::CubeMap { .. }).then_some(kind.resolution()),
@@ -256,6 +261,10 @@ fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output)
         let error = short(100.0 * error);
         out.line(format_args!("  voids              {} ± {error} % of the solid is in no part", short(100.0 * voids)))?;
     }
+    if let Some(primitive) = &hull.primitive {
+        let BodyPrimitive { kind, protrusion, .. } = primitive;
+        out.line(format_args!("  primitive          {kind}, protrudes by at most {}", short(*protrusion)))?;
+    }
     match reachable {
         Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words} can come"))?),
         None => Ok(()),
@@ -297,6 +306,7 @@ mod tests {
             mesh_inertia: Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
             voids: None,
             voids_error: None,
+            primitive: None,
             index,
         };
         PackDescription {
@@ -335,6 +345,7 @@ mod tests {
             "mesh_inertia",
             "voids",
             "voids_error",
+            "primitive",
             "index",
         ] {
             assert!(hull.get(key).is_some(), "{key}");

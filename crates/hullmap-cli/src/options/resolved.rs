@@ -122,8 +122,14 @@ impl BuildOptions {
             min_thickness: self.length("min_thickness").unwrap_or(Length::Relative(THINNEST)),
             symmetry: self.word("symmetry") == "auto",
             reachable: self.length("reachable"),
+            fill: self.switch("fill"),
             seconds: self.optional_number("decompose_seconds"),
         })
+    }
+
+    /// Whether packs record primitives that may replace parts.
+    pub fn has_primitives(&self) -> bool {
+        self.switch("primitives")
     }
 
     /// The limits of an engine on each hull; `None` if there are none.
@@ -303,6 +309,8 @@ pub mod tests {
         assert_eq!(cover("reachable", "5%"), Some(Cover { reachable: Some(Length::Relative(0.05)), ..usual }));
         assert_eq!(cover("symmetry", "none"), Some(Cover { symmetry: false, ..usual }));
         assert_eq!(cover("symmetry", "auto"), Some(usual));
+        assert!(options(&[("decompose", "cover"), ("primitives", "true")]).has_primitives());
+        assert_eq!(cover("fill", "true"), Some(Cover { fill: true, ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
     }

@@ -22,6 +22,7 @@ from ._results import (
     Manifold,
     MassProperties,
     PairManifolds,
+    Primitive,
     RayHit,
     SignedDistance,
     Support,
@@ -700,6 +701,16 @@ class Hull(ConvexShape):
         All parts of an object have the same. ``None`` if the pack does not record it."""
         found: Optional[Tuple[float, float]] = self._facts["voids"]
         return found
+
+    @property
+    def primitive(self) -> Optional[Primitive]:
+        """For a part: the box, sphere, capsule or cylinder that may replace it. ``None`` if there is
+        none, or the pack was baked without ``primitives``."""
+        found = self._facts["primitive"]
+        if found is None:
+            return None
+        kind, center, rotation, sizes, protrusion = found
+        return Primitive(kind, tuple(center), tuple(rotation), tuple(sizes), protrusion)
 
     @property
     def index_kind(self) -> str:

@@ -6,6 +6,7 @@ mod faces;
 mod facts;
 mod feature;
 mod mass;
+mod replacement;
 mod shared;
 mod support_mapping;
 
@@ -14,7 +15,11 @@ use std::mem::offset_of;
 use glam::{DVec3, Vec3};
 use hullmap_format::{
     IndexKind,
-    archive::{ArchivedHullRecord, ArchivedMassRecord, ArchivedQuad, ArchivedVoidsRecord, NO_SOURCE_VERTEX},
+    archive::{
+        ArchivedHullRecord, ArchivedMassRecord, ArchivedPrimitiveRecord, ArchivedQuad, ArchivedVoidsRecord,
+        NO_SOURCE_VERTEX,
+    },
+    primitive,
     sections::Sections,
     voids,
 };
@@ -27,6 +32,7 @@ use crate::support::simd::{Dispatch, HOT_BYTES};
 pub use arrays::HullArrays;
 pub use facts::Voids;
 pub use mass::{MassProperties, MassSource};
+pub use replacement::Replacement;
 pub use shared::SharedHull;
 pub use support_mapping::SupportVertex;
 
@@ -55,6 +61,8 @@ pub struct Hull<'a> {
     mesh_mass: Option<&'a ArchivedMassRecord>,
     /// The voids of the object, if they are recorded.
     voids: Option<&'a ArchivedVoidsRecord>,
+    /// The primitive that may replace the hull, if one is recorded.
+    primitive: Option<&'a ArchivedPrimitiveRecord>,
     name: &'a [u8],
     source_vertices: &'a [u32_le],
     face_starts: &'a [u32_le],
@@ -77,6 +85,7 @@ impl<'a> Hull<'a> {
         Some(Self {
             mesh_mass: mesh_mass(pack, index, record),
             voids: voids_of(pack, index, record),
+            primitive: u32::try_from(index).ok().and_then(|index| primitive::of_hull(pack.primitives, index)),
             name: run(pack.names, start.name, end.name)?,
             record,
             vertices: pack.vertices.get(vertices.clone())?,

@@ -112,9 +112,9 @@ fn verify(
 }
 
 fn estimates(found: PartsEstimates) -> report::PartsEstimates {
-    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry } = found;
+    let PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, filled, symmetry } = found;
     let symmetry = symmetry.map(|plane| plane.in_words());
-    report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, symmetry }
+    report::PartsEstimates { overlap, mean_protrusion, outside_hull, voids, voids_error, filled, symmetry }
 }
 
 /// Notes on how the parts of an object fit together, if this is the first of them.
