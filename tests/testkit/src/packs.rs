@@ -55,10 +55,22 @@ pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
     bytes.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The file of an extended pack, with `bytes` at an offset in a record of voids, and a correct
-/// checksum. Panics if the record does not exist.
-pub fn with_voids(file: &[u8], record: usize, offset: usize, bytes: &[u8]) -> Vec<u8> {
-    let (entry, size) = (file.len() - ROOT_LEN - 8, 12);
+/// Further sections of extended packs.
+#[derive(Clone, Copy, Debug)]
+pub enum Further {
+    /// Records of voids.
+    Voids,
+    /// Records of primitives.
+    Primitives,
+}
+
+/// The file of an extended pack, with `bytes` at an offset in a record of a further section, and a
+/// correct checksum. Panics if the record does not exist.
+pub fn with_record(file: &[u8], section: Further, record: usize, offset: usize, bytes: &[u8]) -> Vec<u8> {
+    let (entry, size) = match section {
+        Further::Voids => (file.len() - ROOT_LEN - 16, 12),
+        Further::Primitives => (file.len() - ROOT_LEN - 8, 96),
+    };
     let word = |at: usize| i32::from_le_bytes(std::array::from_fn(|i| file[at + i]));
     assert!(record < word(entry + 4) as usize, "the pack has no such record");
     let at = entry.strict_add_signed(word(entry) as isize) + record * size + offset;

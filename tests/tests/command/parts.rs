@@ -11,7 +11,7 @@ use hullmap_bake::{
 use hullmap_format::{archive::ArchivedHullRecord, header::source_hash, version::EXTENDED_FORMAT_VERSION};
 use hullmap_outside::command::{Run, bake_in};
 use hullmap_outside::files::workspace;
-use hullmap_testkit::packs::{self, reseal};
+use hullmap_testkit::packs::{self, Further, reseal};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
 use shapes::{families::Family, rng::SplitMix64};
 use tempfile::TempDir;
@@ -335,7 +335,7 @@ fn wrong_voids_fail_verify() {
     };
     assert_eq!(verified(&file, 0).replace("[]", ""), "");
     for (field, value) in [(4, 0.25_f32), (8, 0.0)] {
-        let found = verified(&packs::with_voids(&file, 0, field, &value.to_le_bytes()), 1);
+        let found = verified(&packs::with_record(&file, Further::Voids, 0, field, &value.to_le_bytes()), 1);
         assert!(found.contains("the share of x in no part is ") && found.contains("but the pack records"), "{found}");
     }
     let described = bake(&folder, "inspect baked/x.hullmap --json").expect(0).json();

@@ -13,7 +13,7 @@ use crate::geometry::{polygons, positions};
 pub const DENSITY: f64 = 1000.0;
 
 /// Mass, centre of mass, and inertia tensor about it, in the axes of the export.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Inertial {
     /// In kilograms, for a density in kilograms per cubic unit.
     pub mass: f64,
@@ -59,6 +59,9 @@ pub struct Body {
     pub polygons: Vec<Vec<u32>>,
     /// The primitive that may replace the hull.
     pub primitive: Option<BodyPrimitive>,
+    /// Mass of the mesh of the hull at density 1, if the pack records it. The parts of a mesh have
+    /// the same.
+    pub mesh: Option<Inertial>,
 }
 
 /// A primitive instead of a hull. Field names are the JSON's.
@@ -117,7 +120,18 @@ impl Body {
             positions,
             polygons: polygons(hull),
             primitive: BodyPrimitive::of(hull, up_axis),
+            mesh: hull.mesh_mass_properties(1.0).and_then(|mesh| Inertial::new(&mesh, up_axis)),
         }
+    }
+
+    /// What the node of the hull states in glTF besides its shape: at the first part of a mesh, the
+    /// mesh's volume, its centre of mass, and its inertia about it at density 1. So a program can
+    /// give a body the mass of its mesh, which is not that of the hulls.
+    pub fn extras(&self) -> Option<serde_json::Value> {
+        let Inertial { mass, center, inertia } = self.mesh.filter(|_| self.part == 0)?;
+        Some(
+            serde_json::json!({ "hullmap": { "mesh_volume": mass, "mesh_centroid": center, "mesh_inertia": inertia } }),
+        )
     }
 
     /// All faces, each triangulated from its first vertex, since faces are planar and convex.
@@ -144,7 +158,7 @@ pub fn cube(name: &str) -> Body {
     let positions = (0..8_u8).map(|i| [0, 1, 2].map(|axis| f32::from(i >> axis & 1) * 2.0 - 1.0)).collect();
     let polygons =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]].map(Vec::from).into();
-    Body { name: name.to_owned(), rank: 3, part: 0, origin: [0.0; 3], positions, polygons, primitive: None }
+    Body { name: name.to_owned(), rank: 3, part: 0, origin: [0.0; 3], positions, polygons, primitive: None, mesh: None }
 }
 
 #[cfg(test)]

@@ -281,11 +281,15 @@ impl<'a> Writer<'a> {
         if keeps_positions && collider.pack_in_node != DAffine3::IDENTITY {
             node["matrix"] = json!(DMat4::from(collider.pack_in_node).to_cols_array());
         }
-        self.add_node(collider, &node);
+        self.add_node(collider, node);
     }
 
     /// Adds a node below that of a collider's object.
-    fn add_node(&mut self, collider: &Collider, node: &serde_json::Value) {
+    fn add_node(&mut self, collider: &Collider, mut node: serde_json::Value) {
+        // A body of the scene has its mass.
+        if let Some(extras) = collider.body.extras().filter(|_| collider.node.is_none()) {
+            node["extras"] = extras;
+        }
         let node = self.push(List::Nodes, node.to_string());
         match collider.node {
             Some(parent) => self.children.entry(parent).or_default().push(node),
@@ -330,7 +334,7 @@ impl<'a> Writer<'a> {
             DAffine3::from_rotation_translation(primitive.turn() * upright, DVec3::from_array(primitive.center));
         let matrix = DMat4::from(collider.pack_in_node * in_pack).to_cols_array();
         let node = json!({ "name": collider.body.name, "extensions": extensions, "matrix": matrix });
-        self.add_node(collider, &node);
+        self.add_node(collider, node);
     }
 
     fn add_motion(&mut self, motion: &Motion, form: &Form) {

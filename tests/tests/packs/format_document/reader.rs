@@ -35,7 +35,7 @@ const HEADER: usize = 64;
 pub const ROOT: usize = 152;
 
 /// Further sections, as in [`SECTIONS`] (15). Their entries are in front of the root.
-const FURTHER: [(&str, usize, usize); 1] = [("voids", 12, 4)];
+const FURTHER: [(&str, usize, usize); 2] = [("voids", 12, 4), ("primitives", 96, 8)];
 
 /// Indices of the sections in [`SECTIONS`].
 pub mod section {
@@ -94,6 +94,17 @@ pub struct Hull<'a> {
     pub edges: Vec<i16>,
     pub blocks: Vec<Block>,
     pub masses: Vec<Mass>,
+}
+
+/// 15.
+#[derive(Debug, PartialEq)]
+pub struct Primitive {
+    pub hull: u32,
+    pub kind: u32,
+    pub center: [f64; 3],
+    pub rotation: [f64; 4],
+    pub sizes: [f64; 3],
+    pub protrusion: f64,
 }
 
 /// 6.6.
@@ -211,6 +222,20 @@ impl<'a> File<'a> {
         bytes.chunks(12).map(record).collect()
     }
 
+    /// The records of primitives (15).
+    pub fn primitives(&self) -> Vec<Primitive> {
+        let bytes = self.further.get(1).map_or(&[][..], |range| &self.bytes[range.clone()]);
+        let record = |b: &[u8]| Primitive {
+            hull: u32_at(b, 0),
+            kind: u32_at(b, 4),
+            center: doubles(b, 8),
+            rotation: doubles(b, 32),
+            sizes: doubles(b, 64),
+            protrusion: f64_at(b, 88),
+        };
+        bytes.chunks(96).map(record).collect()
+    }
+
     pub fn section(&self, index: usize) -> &'a [u8] {
         &self.bytes[self.sections[index].clone()]
     }
@@ -232,7 +257,7 @@ impl<'a> File<'a> {
         for (range, name, align) in parts.chain([(&root, "root", 4)]) {
             assert_eq!(range.start, HEADER + (end - HEADER).next_multiple_of(align), "start of {name}");
             assert!(self.bytes[end..range.start].iter().all(|b| *b == 0), "padding before {name}");
-            assert!(range.start == end || matches!(name, "spans" | "hulls"), "no padding before {name}");
+            assert!(range.start == end || matches!(name, "spans" | "hulls" | "primitives"), "no padding before {name}");
             padding += range.start - end;
             end = range.end;
         }

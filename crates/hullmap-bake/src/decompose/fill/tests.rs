@@ -2,10 +2,8 @@
 //! the sum of the solid angles of all triangles; whether it is in a part follows from the part's
 //! vertices.
 
-use std::collections::BTreeMap;
-
 use glam::{DMat3, DVec3};
-use shapes::{concave, rng::SplitMix64};
+use shapes::{concave, cubes, rng::SplitMix64};
 
 use super::super::{Cover, Length, decompose, tests::point_set};
 use crate::{
@@ -19,66 +17,11 @@ const SEED: u64 = 41;
 /// Points that are drawn in the box around a mesh.
 const POINTS: usize = 4_000;
 
-/// The surface of unit cubes at these places: two triangles for each side that no other cube has.
-/// No two cubes may share an edge or a corner alone.
-fn of_cubes(cubes: &[[i32; 3]]) -> PointSet {
-    let mut vertices: BTreeMap<[i32; 3], u32> = BTreeMap::new();
-    let mut set = PointSet { name: "cubes".into(), ..PointSet::default() };
-    for cube in cubes {
-        for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
-            let mut beside = *cube;
-            beside[axis] += 2 * side - 1;
-            if cubes.contains(&beside) {
-                continue;
-            }
-            let corner = |[u, v]: [i32; 2]| {
-                let mut at = *cube;
-                at[axis] += side;
-                at[(axis + 1) % 3] += u;
-                at[(axis + 2) % 3] += v;
-                at
-            };
-            let quad = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|uv| {
-                let next = vertices.len() as u32;
-                *vertices.entry(corner(uv)).or_insert_with_key(|at| {
-                    set.positions.push(at.map(|c| c as f32));
-                    set.source_vertices.push(next);
-                    next
-                })
-            });
-            let [a, b, c, d] = if side == 1 { quad } else { [quad[3], quad[2], quad[1], quad[0]] };
-            set.triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    set
-}
-
-/// A block with a groove around it in each of three directions. Its inside is far from the surface.
-fn grooved(size: [i32; 3], grooves: [i32; 3]) -> PointSet {
-    let [length, width, height] = size;
-    let all = (0..length).flat_map(|x| (0..width).flat_map(move |y| (0..height).map(move |z| [x, y, z])));
-    let is_groove = |cube: &[i32; 3], axis: usize| cube[axis] == grooves[axis];
-    let is_kept = |cube: &[i32; 3]| {
-        (0..3).all(|axis| {
-            let is_outer = cube[axis] == 0 || cube[axis] == size[axis] - 1;
-            !(is_outer && (is_groove(cube, (axis + 1) % 3) || is_groove(cube, (axis + 2) % 3)))
-        })
-    };
-    of_cubes(&all.filter(is_kept).collect::<Vec<_>>())
-}
-
 /// The mesh, turned about an axis that is not one of the coordinates'.
 fn turned(mut mesh: PointSet) -> PointSet {
     let turn = DMat3::from_axis_angle(DVec3::new(3.0, 1.0, 2.0).normalize(), 0.6);
     mesh.positions.iter_mut().for_each(|p| *p = (turn * DVec3::from_array(p.map(f64::from))).as_vec3().to_array());
     mesh
-}
-
-/// A box with a cavity that opens nowhere.
-fn hollow() -> PointSet {
-    let all = (0..6).flat_map(|x| (0..5).flat_map(move |y| (0..4).map(move |z| [x, y, z])));
-    let is_wall = |[x, y, z]: &[i32; 3]| !((1..5).contains(x) && (1..4).contains(y) && (1..3).contains(z));
-    of_cubes(&all.filter(is_wall).collect::<Vec<_>>())
 }
 
 /// The winding number of the mesh around a point, from solid angles.
@@ -128,10 +71,10 @@ fn parts(mesh: &PointSet, cover: &Cover) -> Vec<Hull> {
 fn filled_parts_leave_no_voids() {
     println!("seed {SEED}");
     let meshes = [
-        ("grooved", grooved([9, 9, 9], [4, 4, 4]), 0.01),
-        ("long", grooved([11, 9, 8], [5, 3, 4]), 0.01),
-        ("turned", turned(grooved([8, 9, 9], [4, 4, 3])), 0.01),
-        ("hollow", hollow(), 0.01),
+        ("grooved", point_set(&cubes::grooved([9, 9, 9], [4, 4, 4])), 0.01),
+        ("long", point_set(&cubes::grooved([11, 9, 8], [5, 3, 4])), 0.01),
+        ("turned", turned(point_set(&cubes::grooved([8, 9, 9], [4, 4, 3]))), 0.01),
+        ("hollow", point_set(&cubes::hollow([6, 5, 4])), 0.01),
         ("stair", point_set(&concave::spiral_stair(7)), 0.01),
     ];
     let mut with_voids = 0;
@@ -158,7 +101,7 @@ fn filled_parts_leave_no_voids() {
 /// A sheet has no inside, and a mesh with a hole none that is known.
 #[test]
 fn meshes_that_are_not_closed_are_left_as_they_are() {
-    let mut open = grooved([5, 5, 5], [2, 2, 2]);
+    let mut open = point_set(&cubes::grooved([5, 5, 5], [2, 2, 2]));
     open.triangles.truncate(open.triangles.len() - 2);
     let usual = Cover { max_error: Length::Relative(0.03), ..Cover::default() };
     let [without, with] = [false, true].map(|fill| decompose(&open, &Cover { fill, ..usual }).unwrap().unwrap());
@@ -169,7 +112,7 @@ fn meshes_that_are_not_closed_are_left_as_they_are() {
 /// What is left has the volume that the parts leave out, for parts whose volume is known.
 #[test]
 fn what_is_left_has_the_rest_of_the_volume() {
-    let mesh = of_cubes(&[[0, 0, 0], [1, 0, 0], [0, 1, 0]]);
+    let mesh = point_set(&cubes::surface(&[[0, 0, 0], [1, 0, 0], [0, 1, 0]]));
     let solid = Solid::new(&mesh);
     // They contain the surface, and overlap in the corner.
     let block = |low: [f32; 3], high: [f32; 3]| {
