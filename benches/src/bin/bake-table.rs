@@ -212,6 +212,8 @@ fn bake(family: Family, points: usize) -> Result<Vec<Figure>, Box<dyn Error>> {
         part_count: 0,
         fit: None,
         mesh_mass: None,
+        voids: None,
+        primitive: None,
         hull,
         mass,
         interior,

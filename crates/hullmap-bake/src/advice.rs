@@ -234,6 +234,37 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }
 
+/// Note on the number of parts that primitives may replace.
+pub fn primitives(name: &str, count: usize, of: usize) -> Remark {
+    let noun = if of == 1 { "part" } else { "parts" };
+    let text = format!("{name}: {count} of {of} {noun} can be replaced by a box, sphere, capsule or cylinder, proven");
+    Remark::note("primitives", name, text)
+}
+
+/// Remark on parts that were to leave no voids: whether that is proven, or `None` if the mesh is
+/// not closed.
+pub fn filled(name: &str, filled: Option<bool>) -> Remark {
+    match filled {
+        Some(true) => {
+            let text = format!("{name}: the parts leave no voids: every point of the solid is in a part, proven");
+            Remark::note("filled", name, text)
+        }
+        Some(false) => {
+            let text = format!(
+                "{name}: the parts leave voids, since more parts or more time would be needed; raise --max-parts or \
+                 --decompose-seconds, or leave them out"
+            );
+            Remark::warning("voids", name, text)
+        }
+        None => {
+            let text = format!(
+                "{name}: nothing was filled, because the mesh is not closed and its inside is not known; close its holes"
+            );
+            Remark::warning("not filled", name, text)
+        }
+    }
+}
+
 /// Note on parts that are symmetric about a plane, which is given by its equation.
 pub fn symmetric(name: &str, plane: &str) -> Remark {
     Remark::note("symmetric", name, format!("{name}: the parts are symmetric about {plane}"))

@@ -8,6 +8,7 @@
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | properties stored in the pack |
 //! | [`outer`] | hull | outer hull: a coarse polytope that contains the hull |
+//! | [`primitive`] | parts and their mesh | boxes, balls, capsules and cylinders that may replace parts |
 //! | [`simplify`] | hull | simplified hull: fewer vertices, contains the hull |
 //! | [`gauss_map`] | hull | normal cones |
 //! | [`index`] | normal cones | proven direction index: cube map or tree, as words and blocks |
@@ -38,6 +39,7 @@ pub mod outer;
 pub mod pack;
 
 mod point_set;
+pub mod primitive;
 pub mod progress;
 pub mod simplify;
 mod spread;
@@ -88,6 +90,11 @@ pub struct BakedHull {
     /// Mass properties of the solid that the source object's mesh bounds; `None` if it is unknown.
     /// Of the parts of an object, the first one's counts.
     pub mesh_mass: Option<mass::Mass>,
+    /// Share of that solid that lies in no part; `None` if it is unknown. Of the parts of an object,
+    /// the first one's counts.
+    pub voids: Option<fit::VoidsShare>,
+    /// A primitive that may replace it; `None` if there is none, or none was sought.
+    pub primitive: Option<primitive::ProvenPrimitive>,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
@@ -185,6 +192,8 @@ pub fn bake_hull_in(
         part_count: 0,
         fit: None,
         mesh_mass,
+        voids: None,
+        primitive: None,
         hull,
         mass,
         interior,

@@ -1,22 +1,25 @@
 //! Pack writer: turns baked hulls into the bytes of a pack, whole or lean.
 
 use hullmap_format::{
-    archive::{HullRecord, LEAN_FACES, MassRecord, Pack, Span},
+    archive::{HullRecord, LEAN_FACES, MassRecord, Pack, PrimitiveRecord, Span, VoidsRecord},
     check::MAX_PACK_LEN,
     edge,
     header::{HEADER_LEN, Header, options_hash},
     mass,
+    version::Layout,
 };
 use rkyv::rancor;
 
 mod sections;
 
-use sections::Sections;
+use sections::{ExtendedSections, Sections};
 
 use crate::{
     BakeError, BakedHull, SourceRecord, bvh,
+    fit::VoidsShare,
     hull::{Hull, adjacency::Adjacency, quads::quads},
     mass::Mass,
+    primitive::{Primitive, ProvenPrimitive},
 };
 
 /// Contents of a pack for each hull.
@@ -35,7 +38,7 @@ enum Detail {
 /// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(hulls)?;
-    write(mesh_masses(hulls), hulls.iter().cloned(), source, Detail::Full)
+    write(Meshes::of(hulls), hulls.iter().cloned(), source, Detail::Full)
 }
 
 /// Like [`write_pack`], but takes the hulls, and frees the memory of each as soon as it is written.
@@ -45,7 +48,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
 /// The errors of [`write_pack`].
 pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(mesh_masses(&hulls), hulls.into_iter(), source, Detail::Full)
+    write(Meshes::of(&hulls), hulls.into_iter(), source, Detail::Full)
 }
 
 /// Like [`write_owned_pack`], but writes a *lean* pack: without the data that only manifolds, hints
@@ -70,7 +73,7 @@ pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<
 /// ```
 pub fn write_lean_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(mesh_masses(&hulls), hulls.into_iter(), source, Detail::Lean)
+    write(Meshes::of(&hulls), hulls.into_iter(), source, Detail::Lean)
 }
 
 fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
@@ -84,11 +87,12 @@ fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
 }
 
 fn write(
-    masses: Vec<Option<MassRecord>>,
+    meshes: Meshes,
     hulls: impl Iterator<Item = BakedHull>,
     source: &SourceRecord,
     detail: Detail,
 ) -> Result<Vec<u8>, BakeError> {
+    let Meshes { masses, voids, primitives } = meshes;
     let options = options_text(source);
     let options_hash = options_hash(&options);
     let mut pack =
@@ -99,18 +103,20 @@ fn write(
         append(&mut pack, baked, detail)?;
     }
     pack.nodes = bvh::build(&mut pack.hulls);
+    let layout = Layout { is_lean: detail == Detail::Lean, is_extended: !voids.is_empty() || !primitives.is_empty() };
     // The header is written last, in front of the payload. Offsets in the payload are relative, and
     // the header's length is a multiple of every alignment.
-    let bytes = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&Sections::from(pack), vec![0; HEADER_LEN]);
+    let head = vec![0; HEADER_LEN];
+    let bytes = if layout.is_extended {
+        rkyv::api::high::to_bytes_in::<_, rancor::Error>(&ExtendedSections::new(pack, voids, primitives), head)
+    } else {
+        rkyv::api::high::to_bytes_in::<_, rancor::Error>(&Sections::from(pack), head)
+    };
     let mut bytes = bytes.map_err(|_| BakeError::PackTooLarge)?;
     if bytes.len() > MAX_PACK_LEN {
         return Err(BakeError::PackTooLarge);
     }
-    let header = match detail {
-        Detail::Full => Header::for_payload,
-        Detail::Lean => Header::for_lean_payload,
-    };
-    let header = header(source.hash, options_hash, &bytes[HEADER_LEN..]);
+    let header = Header::for_layout(layout, source.hash, options_hash, &bytes[HEADER_LEN..]);
     bytes[..HEADER_LEN].copy_from_slice(&header.to_bytes());
     Ok(bytes)
 }
@@ -144,6 +150,36 @@ fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
         rest = &rest[count..];
     }
     Ok(())
+}
+
+/// What a pack records about the meshes of its hulls.
+struct Meshes {
+    /// The mass of the mesh of each object, at its first hull.
+    masses: Vec<Option<MassRecord>>,
+    /// The voids of objects whose mass is recorded.
+    voids: Vec<VoidsRecord>,
+    /// The primitives of parts that were measured.
+    primitives: Vec<PrimitiveRecord>,
+}
+
+impl Meshes {
+    fn of(hulls: &[BakedHull]) -> Self {
+        let masses = mesh_masses(hulls);
+        let of_object = |(hull, (baked, mass)): (u32, (&BakedHull, &Option<MassRecord>))| {
+            mass.filter(|_| baked.part_count > 0 && baked.part == 0)?;
+            let VoidsShare { share, error } = baked.voids?;
+            Some(VoidsRecord { hull, share: share as f32, error: error as f32 })
+        };
+        let voids = (0..).zip(hulls.iter().zip(&masses)).filter_map(of_object).collect();
+        let of_hull = |(hull, baked): (u32, &BakedHull)| {
+            let ProvenPrimitive { primitive, protrusion } = baked.primitive.filter(|_| baked.fit.is_some())?;
+            let Primitive { kind, center, rotation, sizes } = primitive;
+            let (kind, center, rotation) = (kind.code(), center.to_array(), rotation.to_array());
+            Some(PrimitiveRecord { hull, kind, center, rotation, sizes, protrusion })
+        };
+        let primitives = (0..).zip(hulls).filter_map(of_hull).collect();
+        Self { masses, voids, primitives }
+    }
 }
 
 /// The mass of the mesh of each object, at its first hull. A mass that a reader would reject is

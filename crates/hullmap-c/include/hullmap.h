@@ -330,6 +330,10 @@ typedef struct {
     double protrusion;
     // The point of the part that protrudes most, as far as the bake found.
     HullmapVec3 protrusion_at;
+    // Share of the mesh's solid that is in no part, from 0 to 1; -1 if it is not recorded.
+    double voids;
+    // Error of voids, from 0 to 1.
+    double voids_error;
 } HullmapHullFacts;
 
 // Mass properties of a rigid body, from hullmap_pack_mass_properties.

@@ -284,6 +284,10 @@ pub struct HullFacts {
     pub protrusion: f64,
     /// The point of the part that protrudes most, as far as the bake found.
     pub protrusion_at: Vec3,
+    /// Share of the mesh's solid that is in no part, from 0 to 1; -1 if it is not recorded.
+    pub voids: f64,
+    /// Error of voids, from 0 to 1.
+    pub voids_error: f64,
 }
 
 /// The solid that mass properties describe: HullmapMassProperties.source.

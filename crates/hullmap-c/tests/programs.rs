@@ -118,7 +118,7 @@ fn structs_have_one_layout() {
         HullFacts {
             struct_size name vertex_count face_count rank part volume surface_area centroid inertia bounds diameter
             interior_point inner_radius outer_radius containment_error outer_error origin
-            part_count solid uncovered protrusion protrusion_at
+            part_count solid uncovered protrusion protrusion_at voids voids_error
         }
         MassProperties { mass center_of_mass inertia source }
         HullArrays {

@@ -67,7 +67,10 @@ pub fn bake_pack(
         hulls.push(BakedHull { part: part.index, ..hull });
     }
     let Measured { mut remarks, objects } = match &decompose {
-        Some(decompose) => measure::parts(point_sets, &parts, &mut hulls, decompose, stage.from_to(built, 1.0)),
+        Some(decompose) => {
+            let wanted = (decompose, options.has_primitives());
+            measure::parts(point_sets, &parts, &mut hulls, wanted, stage.from_to(built, 1.0))
+        }
         None => measure::collision_parts(point_sets, &mut hulls),
     };
     if let IndexChoice::Budget { bytes_per_vertex } = index {

@@ -5,7 +5,7 @@ use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
 use hullmap_bake::deadline::Deadline;
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::{Looseness, Solid, Voids, looseness_of_parts, overlap, voids};
+use hullmap_bake::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 #[cfg(feature = "command")]
@@ -33,6 +33,10 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`: twice its standard deviation.
     pub voids_error: Option<f64>,
+    /// Whether every point of the solid is in a part, proven; `None` if that was not requested, or
+    /// the mesh is not closed.
+    #[cfg_attr(feature = "command", serde(default))]
+    pub filled: Option<bool>,
     /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
     #[cfg_attr(feature = "command", serde(default))]
     pub symmetry: Option<MirrorPlane>,
@@ -90,11 +94,15 @@ impl PartsEstimates {
             symmetry: symmetry(parts),
             ..Self::default()
         };
+        // Unreachable space is not the mesh's.
+        let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
+        let own = own.as_ref().unwrap_or(solid);
+        if cover.is_some_and(|cover| cover.fill) && own.kind() == SolidKind::Watertight {
+            found.filled = Some(remainder(own, parts).is_empty());
+        }
         if let Some(volume) = volume {
-            // Unreachable space is not the mesh's.
-            let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
-            let Voids { volume: empty, error } = voids(own.as_ref().unwrap_or(solid), parts, deadline);
-            (found.voids, found.voids_error) = (Some((empty / volume).min(1.0)), Some(error / volume));
+            let VoidsShare { share, error } = voids(own, parts, deadline).relative_to(volume);
+            (found.voids, found.voids_error) = (Some(share), Some(error));
         }
         (found, means)
     }
@@ -103,6 +111,11 @@ impl PartsEstimates {
     pub fn without_mesh(parts: &[&Hull]) -> Self {
         let (overlap, overlap_error) = (parts.len() <= MAX_PARTS).then(|| overlap(parts)).unzip();
         Self { overlap, overlap_error, symmetry: symmetry(parts), ..Self::default() }
+    }
+
+    /// The voids, if they were estimated.
+    pub fn voids_share(&self) -> Option<VoidsShare> {
+        Some(VoidsShare { share: self.voids?, error: self.voids_error? })
     }
 
     /// What a sentence states of them, if the parts were compared.

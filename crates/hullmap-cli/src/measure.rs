@@ -10,6 +10,7 @@ use hullmap_bake::deadline::Deadline;
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
 use hullmap_bake::hull::Hull;
+use hullmap_bake::primitive::primitives;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 
@@ -28,13 +29,13 @@ pub struct Measured {
 /// Counts and measures the parts of each point set, and records both in their hulls. The hulls of a
 /// set are consecutive, in the order of the sets.
 ///
-/// A set without triangles has no surface to measure; its hull is no part. `stage` shows the
-/// progress.
+/// A set without triangles has no surface to measure; its hull is no part. With `has_primitives`,
+/// a primitive is sought for each part. `stage` shows the progress.
 pub fn parts(
     point_sets: &[PointSet],
     parts: &[Part],
     hulls: &mut [BakedHull],
-    cover: &Cover,
+    (cover, has_primitives): (&Cover, bool),
     stage: Stage,
 ) -> Measured {
     let mut measured = Measured::default();
@@ -62,6 +63,9 @@ pub fn parts(
             let spent = parts.get(start - count).map_or(0.0, |part| part.seconds);
             let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
             let estimates = record(points, own, limit, Some(cover), is_divided, deadline);
+            if has_primitives {
+                measured.remarks.extend(record_primitives(points, own, cover));
+            }
             judge(name, diagonal(points), own, Some(cover), estimates, &mut measured);
         }
         steps.take();
@@ -115,7 +119,7 @@ fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Rema
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
-/// mesh. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
+/// mesh and the voids of its solid. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
 /// proof. Estimates how the parts of a mesh that was divided fit together; `cover` are its
 /// parameters. After the deadline, measures are coarse.
 fn record(
@@ -137,11 +141,30 @@ fn record(
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit, deadline));
     let estimates =
         solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume, deadline).0);
+    if let Some(first) = own.first_mut() {
+        first.voids = estimates.as_ref().and_then(|estimates| estimates.voids_share());
+    }
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
     }
     estimates
+}
+
+/// Records the primitives that may replace parts, and returns a note on their number. The limit is
+/// the maximum error; with a maximum number of parts, what the parts reach.
+fn record_primitives(mesh: &PointSet, own: &mut [BakedHull], cover: &Cover) -> Option<Remark> {
+    let fits: Vec<Fit> = own.iter().filter_map(|baked| baked.fit).collect();
+    if fits.len() < own.len() {
+        return None;
+    }
+    let reached = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
+    let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.of(diagonal(mesh)) };
+    let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
+    let found = primitives(&solid_of(mesh, Some(cover)), mesh, &hulls, &fits, limit, cover.fill);
+    let count = found.iter().flatten().count();
+    own.iter_mut().zip(found).for_each(|(baked, primitive)| baked.primitive = primitive);
+    Some(advice::primitives(&mesh.name, count, own.len()))
 }
 
 /// Adds the summary of an object, and remarks on what an engine cannot use. `cover` are the
@@ -184,6 +207,8 @@ fn judge(
     if let Some(estimates) = estimates {
         let found = estimates.looseness();
         measured.remarks.extend(found.map(|found| advice::estimates(name, &found, estimates.voids)));
+        let is_filled = cover.filter(|cover| cover.fill).map(|_| estimates.filled);
+        measured.remarks.extend(is_filled.map(|filled| advice::filled(name, filled)));
         measured.remarks.extend(estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words())));
         measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
     }

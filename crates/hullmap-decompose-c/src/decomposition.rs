@@ -151,6 +151,7 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         },
         symmetry: options.ignore_symmetry == 0,
         reachable: (options.reachable > 0.0).then_some(Length::Absolute(options.reachable)),
+        fill: usual.fill,
         seconds: (options.seconds > 0.0).then_some(options.seconds),
     })
 }

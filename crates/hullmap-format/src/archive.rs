@@ -8,7 +8,11 @@
 //! of its type, and only the checks of [`crate::check`] remain.
 
 use bytemuck::{Pod, Zeroable};
-use rkyv::{Archive, Serialize};
+use rkyv::{
+    Archive, Serialize,
+    rancor::Fallible,
+    ser::{Allocator, Writer},
+};
 
 /// Candidates in one [`Block`].
 pub const LANES: usize = 8;
@@ -86,6 +90,30 @@ pub struct Pack {
     /// coordinates, then all second ones, then all third ones. A vertex's run starts at three times
     /// the start of its neighbours. Empty for hulls of rank below 3.
     pub edges: Vec<i16>,
+}
+
+/// A pack with sections that only some packs have. Its root is that of [`Pack`], which comes last,
+/// with an entry for each further section in front.
+#[derive(Archive, Clone, Debug, Default)]
+pub struct ExtendedPack {
+    /// One record for each object whose voids are known, in the order of the objects.
+    pub voids: Vec<VoidsRecord>,
+    /// One record for each part that a primitive can replace, in the order of the hulls.
+    pub primitives: Vec<PrimitiveRecord>,
+    /// The sections that all packs have.
+    pub pack: Pack,
+}
+
+/// The sections that all packs have come first in the file, as they do in every pack.
+impl<S> Serialize<S> for ExtendedPack
+where
+    S: Fallible + Allocator + Writer + ?Sized,
+{
+    fn serialize(&self, serializer: &mut S) -> Result<Self::Resolver, S::Error> {
+        let pack = self.pack.serialize(serializer)?;
+        let voids = self.voids.serialize(serializer)?;
+        Ok(ExtendedPackResolver { voids, primitives: self.primitives.serialize(serializer)?, pack })
+    }
 }
 
 /// Start of one hull's runs in each section.
@@ -208,6 +236,38 @@ pub struct MassRecord {
     pub centroid: [f64; 3],
     /// Second moments about the centre, divided by the volume: xx, yy, zz, yz, zx, xy.
     pub second_moments: [f64; 6],
+}
+
+/// The share of a solid's volume that lies in none of its parts. An estimate.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
+pub struct VoidsRecord {
+    /// Index of the first part of the object in [`Pack::hulls`].
+    pub hull: u32,
+    /// Volume in no part, relative to the volume of the solid: 0 to 1.
+    pub share: f32,
+    /// Error of the share: 0 to 1.
+    pub error: f32,
+}
+
+/// A primitive that contains the surface in a part, and may replace it. Its frame is that of the
+/// hulls.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
+pub struct PrimitiveRecord {
+    /// Index of the part in [`Pack::hulls`].
+    pub hull: u32,
+    /// Code of the kind: see [`PrimitiveKind::code`](crate::PrimitiveKind::code).
+    pub kind: u32,
+    /// Centre.
+    pub center: [f64; 3],
+    /// Rotation from its own axes: a unit quaternion, its scalar part last.
+    pub rotation: [f64; 4],
+    /// Box: half extents. Sphere: radius. Capsule and cylinder: radius, and half the length of the
+    /// axis, which is z. The rest is 0.
+    pub sizes: [f64; 3],
+    /// Upper bound on how far a point of it lies outside the source object's solid.
+    pub protrusion: f64,
 }
 
 /// A node of the bounding volume hierarchy (BVH). Two `vec4` in a GPU buffer.

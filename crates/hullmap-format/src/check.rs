@@ -19,11 +19,13 @@ pub use crate::archive::MAX_OUTER_VERTICES;
 pub use crate::check_error::{CheckError, HullError};
 pub use crate::header::MAX_PACK_LEN;
 use crate::{
-    LEAN_FORMAT_VERSION,
-    archive::{ArchivedPack, ArchivedSpan},
+    archive::{ArchivedExtendedPack, ArchivedPack, ArchivedSpan},
     bvh,
     hull_check::HullCheck,
+    primitive,
     sections::Sections,
+    version::Layout,
+    voids,
 };
 
 /// Checks what is needed to hand out a hull's slices of `pack`, which was read from `payload`.
@@ -47,6 +49,11 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
     fn extent<T>(name: &'static str, section: &[T]) -> (&'static str, usize, usize) {
         (name, size_of_val(section), align_of::<T>())
     }
+    let root = if pack.is_extended() {
+        ("root", size_of::<ArchivedExtendedPack>(), align_of::<ArchivedExtendedPack>())
+    } else {
+        ("root", size_of::<ArchivedPack>(), align_of::<ArchivedPack>())
+    };
     let sections = [
         extent("blocks", pack.blocks),
         extent("source_path", pack.source_path),
@@ -67,7 +74,9 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("outer_vertices", pack.outer_vertices),
         extent("slots", pack.slots),
         extent("edges", pack.edges),
-        ("root", size_of::<ArchivedPack>(), align_of::<ArchivedPack>()),
+        extent("voids", pack.voids),
+        extent("primitives", pack.primitives),
+        root,
     ];
     zeros_between(payload, sections)
 }
@@ -89,17 +98,23 @@ pub(crate) fn zeros_between(
     Ok(())
 }
 
-/// Checks that a pack is lean if, and only if, the format version in its header is the lean one.
+/// Checks that the sections of a pack are those of the format version in its header.
 ///
 /// # Errors
-/// [`CheckError::SectionCount`] for the starts of neighbours, which only lean packs lack.
-pub fn version(pack: &Sections<'_>, format_version: u32) -> Result<(), CheckError> {
+/// [`CheckError::SectionCount`] for the starts of neighbours, which only lean packs lack, and for
+/// records of voids and primitives, which only extended packs have.
+pub fn layout(pack: &Sections<'_>, layout: Layout) -> Result<(), CheckError> {
+    let Layout { is_lean, is_extended } = layout;
     let found = pack.neighbour_starts.len();
-    let expected = if format_version == LEAN_FORMAT_VERSION { 0 } else { pack.vertices.len() };
-    if found == expected {
+    let expected = if is_lean { 0 } else { pack.vertices.len() };
+    if found != expected {
+        return Err(CheckError::SectionCount { section: "neighbour_starts", found, expected });
+    }
+    if pack.is_extended() == is_extended {
         Ok(())
     } else {
-        Err(CheckError::SectionCount { section: "neighbour_starts", found, expected })
+        let found = pack.voids.len() + pack.primitives.len();
+        Err(CheckError::SectionCount { section: "voids and primitives", found, expected: usize::from(is_extended) })
     }
 }
 
@@ -192,6 +207,8 @@ pub fn contents(pack: &Sections<'_>) -> Result<(), CheckError> {
         let check = HullCheck { hull, pack, start, end, record };
         check.run(&mut scratch).map_err(|source| CheckError::Hull { hull, source })?;
     }
+    voids::check(pack)?;
+    primitive::check(pack)?;
     bvh::check(pack)?;
     Ok(())
 }

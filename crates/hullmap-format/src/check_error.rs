@@ -7,6 +7,8 @@ use crate::{
     archive::MAX_LEVELS,
     index_kind::RecordedKindError,
     mass::MassError,
+    primitive::PrimitiveError,
+    voids::VoidsError,
     walk::{Cost, IndexError},
 };
 
@@ -115,6 +117,12 @@ pub enum CheckError {
     /// The BVH over the hulls is invalid.
     #[error("bounding volume hierarchy: {0}; bake the source again")]
     Bvh(#[from] BvhError),
+    /// A record of voids is invalid.
+    #[error("voids, {0}; bake the source again")]
+    Voids(#[from] VoidsError),
+    /// A record of a primitive is invalid.
+    #[error("primitives, {0}; bake the source again")]
+    Primitive(#[from] PrimitiveError),
 }
 
 /// Which requirement a hull violates.

@@ -15,9 +15,10 @@ pub const PAYLOAD_ALIGNMENT: usize = 64;
 /// The root starts on a multiple of this many bytes: the size of its numbers.
 pub(crate) const ROOT_ALIGNMENT: usize = 4;
 
-/// Cuts sections off the payload's front, one after the other. The root has `ROOT_LEN` bytes.
+/// Cuts sections off the payload's front, one after the other. The root has at most `ROOT_LEN` bytes.
 pub(crate) struct Cutter<'a, const ROOT_LEN: usize> {
     payload: &'a [u8],
+    /// The last bytes of the payload, after zeros if it is shorter.
     root: [u8; ROOT_LEN],
     /// Position of the root in the payload.
     root_at: usize,
@@ -26,17 +27,30 @@ pub(crate) struct Cutter<'a, const ROOT_LEN: usize> {
 }
 
 impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
-    pub(crate) fn new(payload: &'a [u8]) -> Result<Self, CheckError> {
+    /// Starts with a root of `least` bytes.
+    pub(crate) fn new(payload: &'a [u8], least: usize) -> Result<Self, CheckError> {
         if !payload.as_ptr().addr().is_multiple_of(PAYLOAD_ALIGNMENT) {
             return Err(CheckError::Misaligned);
         }
-        let Some(root) = payload.last_chunk::<ROOT_LEN>() else {
-            return Err(CheckError::TooShort { found: payload.len(), expected: ROOT_LEN });
+        let Some(root_at) = payload.len().checked_sub(least) else {
+            return Err(CheckError::TooShort { found: payload.len(), expected: least });
         };
+        let mut root = [0; ROOT_LEN];
+        root.iter_mut().rev().zip(payload.iter().rev()).for_each(|(to, from)| *to = *from);
         // The copy is opaque to the compiler: what is checked is what is used, even if another
         // process writes to the file in between.
-        let root = std::hint::black_box(*root);
-        Ok(Self { payload, root, root_at: payload.len() - ROOT_LEN, end: 0 })
+        let root = std::hint::black_box(root);
+        Ok(Self { payload, root, root_at, end: 0 })
+    }
+
+    /// Whether something is between the sections so far and the root.
+    pub(crate) fn has_more(&self) -> bool {
+        self.end.next_multiple_of(ROOT_ALIGNMENT) != self.root_at
+    }
+
+    /// Continues with a root that starts `len` bytes earlier.
+    pub(crate) fn extend_root(&mut self, len: usize) {
+        self.root_at = self.root_at.saturating_sub(len);
     }
 
     /// The four bytes of the root at `at`.
@@ -44,12 +58,12 @@ impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
         self.root.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
     }
 
-    /// The section whose offset and count are at `field` in the root.
+    /// The section whose offset and count are at `field` in a root of `ROOT_LEN` bytes.
     pub(crate) fn cut<T: Pod>(&mut self, section: &'static str, field: usize) -> Result<&'a [T], CheckError> {
         let offset = i32::from_le_bytes(self.word(field));
         let count = u32::from_le_bytes(self.word(field + 4)) as usize;
         let expected = self.end.next_multiple_of(align_of::<T>());
-        let found = (self.root_at + field) as i64 + i64::from(offset);
+        let found = (self.payload.len() + field) as i64 - ROOT_LEN as i64 + i64::from(offset);
         if found != expected as i64 {
             return Err(CheckError::Section { section, found, expected });
         }

@@ -18,7 +18,10 @@ use std::{fmt, hash::Hasher};
 
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-use crate::{FORMAT_VERSION, LEAN_FORMAT_VERSION, triangle_mesh};
+use crate::{
+    triangle_mesh,
+    version::{self, Layout},
+};
 
 /// Kinds of file that start with this header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +52,7 @@ impl FileKind {
     /// Format versions that this build reads.
     pub const fn versions(self) -> &'static [u32] {
         match self {
-            Self::Pack => &[FORMAT_VERSION, LEAN_FORMAT_VERSION],
+            Self::Pack => &version::ALL,
             Self::TriangleMesh => &[triangle_mesh::FORMAT_VERSION],
         }
     }
@@ -157,8 +160,10 @@ pub enum HeaderError {
 }
 
 fn version_list(versions: &[u32]) -> String {
-    let numbers: Vec<String> = versions.iter().map(u32::to_string).collect();
-    format!("version{} {}", if numbers.len() > 1 { "s" } else { "" }, numbers.join(" and "))
+    match versions {
+        [first, .., last] => format!("versions {first} to {last}"),
+        _ => format!("version {}", versions.first().copied().unwrap_or_default()),
+    }
 }
 
 fn version_remedy(found: u32, versions: &[u32]) -> &'static str {
@@ -166,14 +171,14 @@ fn version_remedy(found: u32, versions: &[u32]) -> &'static str {
 }
 
 impl Header {
-    /// A header for `payload`, with its checksum.
+    /// A header for the `payload` of a pack of the usual layout, with its checksum.
     pub fn for_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of(FileKind::Pack, FORMAT_VERSION, source_hash, options_hash, payload)
+        Self::for_layout(Layout::default(), source_hash, options_hash, payload)
     }
 
-    /// A header for the `payload` of a lean pack, with its checksum.
-    pub fn for_lean_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of(FileKind::Pack, LEAN_FORMAT_VERSION, source_hash, options_hash, payload)
+    /// A header for the `payload` of a pack of any layout, with its checksum.
+    pub fn for_layout(layout: Layout, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        Self::of(FileKind::Pack, layout.version(), source_hash, options_hash, payload)
     }
 
     /// A header for the `payload` of a triangle mesh, with its checksum.
@@ -206,6 +211,12 @@ impl Header {
         put(&[0; 8]);
         put(&self.checksum.to_le_bytes());
         bytes
+    }
+
+    /// The layout that the format version states.
+    pub fn layout(&self) -> Layout {
+        // A header that was read has a version that this crate reads.
+        Layout::of_version(self.format_version).unwrap_or_default()
     }
 
     /// Reads the header at the start of a pack.

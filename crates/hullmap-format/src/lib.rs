@@ -10,6 +10,9 @@
 //! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
 //! | [`solid_kind`] | what counts as the inside of a mesh |
 //! | [`mass`] | whether the recorded mass of a mesh can be that of a solid |
+//! | [`voids`] | whether the recorded voids of parts can be true |
+//! | [`primitive`], [`primitive_kind`] | primitives that may replace parts |
+//! | [`version`] | the versions of the format |
 //! | [`slot`] | the words of a direction index |
 //! | [`node`] | the nodes of a direction index: positions of their numbers and slots |
 //! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
@@ -39,28 +42,22 @@ mod hull_check;
 pub mod index_kind;
 pub mod mass;
 pub mod node;
+pub mod primitive;
+pub mod primitive_kind;
 pub mod quad;
 pub mod repeats;
 pub mod sections;
 pub mod slot;
 pub mod solid_kind;
 pub mod triangle_mesh;
+pub mod version;
+pub mod voids;
 pub mod walk;
 
 pub use index_kind::IndexKind;
+pub use primitive_kind::PrimitiveKind;
 pub use solid_kind::SolidKind;
+pub use version::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
 
 /// File name extension of a pack, without the dot.
 pub const EXTENSION: &str = "hullmap";
-
-/// Version of the format that this crate writes and reads.
-///
-/// Any change to the bytes or to their meaning increments it. `docs/FORMAT.md` lists the history.
-pub const FORMAT_VERSION: u32 = 7;
-
-/// Version of *lean* packs: the same format, but without neighbours, quads and edges, and without
-/// the faces of hulls of more than [`LEAN_FACES`](archive::LEAN_FACES) vertices.
-///
-/// Lean packs have their own version, so that older programs reject them with a clear error, and
-/// all other packs keep their bytes.
-pub const LEAN_FORMAT_VERSION: u32 = 8;

@@ -8,10 +8,14 @@
 //! The order of sections and their alignment fix every offset, given the counts. So an offset is
 //! not merely in range: it equals the only offset that this version writes.
 //!
+//! Further sections follow the ones that every pack has, if the root does not. Their entries are in
+//! front of the root.
+//!
 //! # Deviations
 //! `rkyv::access` would check the same offsets, but it hands out the root itself, whose accessors
 //! follow the offsets in the file again at each call. A file that is mapped and rewritten after the
-//! check would then move the slices out of the mapping. The tests compare both.
+//! check would then move the slices out of the mapping. The tests compare both. It rejects extended
+//! packs, whose further sections are after those of the root that follows theirs.
 
 use std::mem::offset_of;
 
@@ -19,8 +23,8 @@ use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
     archive::{
-        ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedMassRecord, ArchivedPack, ArchivedQuad,
-        ArchivedSpan,
+        ArchivedBlock, ArchivedBvhNode, ArchivedExtendedPack, ArchivedHullRecord, ArchivedMassRecord, ArchivedPack,
+        ArchivedPrimitiveRecord, ArchivedQuad, ArchivedSpan, ArchivedVoidsRecord,
     },
     check_error::CheckError,
     cutter::Cutter,
@@ -31,10 +35,13 @@ pub use crate::cutter::PAYLOAD_ALIGNMENT;
 /// Length of the root in bytes: an offset and a count, four bytes each, for each of 19 sections.
 const ROOT_LEN: usize = size_of::<ArchivedPack>();
 
-/// All sections of a pack, in the order of the file. See [`Pack`](crate::archive::Pack) for what
-/// each holds.
+/// Length of the root with the entries of further sections in front, in bytes.
+const EXTENDED_ROOT_LEN: usize = size_of::<ArchivedExtendedPack>();
+
+/// All sections of a pack, in the order of the file. See
+/// [`ExtendedPack`](crate::archive::ExtendedPack) for what each holds.
 #[derive(Clone, Copy, Debug)]
-#[expect(missing_docs, reason = "the fields are those of `archive::Pack`, where each is documented")]
+#[expect(missing_docs, reason = "the fields are those of `archive::ExtendedPack`, where each is documented")]
 pub struct Sections<'a> {
     pub blocks: &'a [ArchivedBlock],
     pub source_path: &'a [u8],
@@ -55,6 +62,15 @@ pub struct Sections<'a> {
     pub outer_vertices: &'a [[f32_le; 3]],
     pub slots: &'a [u32_le],
     pub edges: &'a [i16_le],
+    pub voids: &'a [ArchivedVoidsRecord],
+    pub primitives: &'a [ArchivedPrimitiveRecord],
+}
+
+/// Position of a section's entry in the extended root.
+macro_rules! field {
+    ($section:ident) => {
+        offset_of!(ArchivedExtendedPack, pack) + offset_of!(ArchivedPack, $section)
+    };
 }
 
 impl<'a> Sections<'a> {
@@ -70,30 +86,49 @@ impl<'a> Sections<'a> {
     /// # Complexity
     /// O(1).
     pub fn read(payload: &'a [u8]) -> Result<Self, CheckError> {
-        let mut cutter = Cutter::<ROOT_LEN>::new(payload)?;
-        let sections = Self {
-            blocks: cutter.cut("blocks", offset_of!(ArchivedPack, blocks))?,
-            source_path: cutter.cut("source_path", offset_of!(ArchivedPack, source_path))?,
-            options: cutter.cut("options", offset_of!(ArchivedPack, options))?,
-            names: cutter.cut("names", offset_of!(ArchivedPack, names))?,
-            spans: cutter.cut("spans", offset_of!(ArchivedPack, spans))?,
-            hulls: cutter.cut("hulls", offset_of!(ArchivedPack, hulls))?,
-            masses: cutter.cut("masses", offset_of!(ArchivedPack, masses))?,
-            nodes: cutter.cut("nodes", offset_of!(ArchivedPack, nodes))?,
-            vertices: cutter.cut("vertices", offset_of!(ArchivedPack, vertices))?,
-            source_vertices: cutter.cut("source_vertices", offset_of!(ArchivedPack, source_vertices))?,
-            face_starts: cutter.cut("face_starts", offset_of!(ArchivedPack, face_starts))?,
-            face_vertices: cutter.cut("face_vertices", offset_of!(ArchivedPack, face_vertices))?,
-            quads: cutter.cut("quads", offset_of!(ArchivedPack, quads))?,
-            neighbour_starts: cutter.cut("neighbour_starts", offset_of!(ArchivedPack, neighbour_starts))?,
-            neighbours: cutter.cut("neighbours", offset_of!(ArchivedPack, neighbours))?,
-            neighbour_faces: cutter.cut("neighbour_faces", offset_of!(ArchivedPack, neighbour_faces))?,
-            outer_vertices: cutter.cut("outer_vertices", offset_of!(ArchivedPack, outer_vertices))?,
-            slots: cutter.cut("slots", offset_of!(ArchivedPack, slots))?,
-            edges: cutter.cut("edges", offset_of!(ArchivedPack, edges))?,
+        let mut cutter = Cutter::<EXTENDED_ROOT_LEN>::new(payload, ROOT_LEN)?;
+        let mut sections = Self {
+            blocks: cutter.cut("blocks", field!(blocks))?,
+            source_path: cutter.cut("source_path", field!(source_path))?,
+            options: cutter.cut("options", field!(options))?,
+            names: cutter.cut("names", field!(names))?,
+            spans: cutter.cut("spans", field!(spans))?,
+            hulls: cutter.cut("hulls", field!(hulls))?,
+            masses: cutter.cut("masses", field!(masses))?,
+            nodes: cutter.cut("nodes", field!(nodes))?,
+            vertices: cutter.cut("vertices", field!(vertices))?,
+            source_vertices: cutter.cut("source_vertices", field!(source_vertices))?,
+            face_starts: cutter.cut("face_starts", field!(face_starts))?,
+            face_vertices: cutter.cut("face_vertices", field!(face_vertices))?,
+            quads: cutter.cut("quads", field!(quads))?,
+            neighbour_starts: cutter.cut("neighbour_starts", field!(neighbour_starts))?,
+            neighbours: cutter.cut("neighbours", field!(neighbours))?,
+            neighbour_faces: cutter.cut("neighbour_faces", field!(neighbour_faces))?,
+            outer_vertices: cutter.cut("outer_vertices", field!(outer_vertices))?,
+            slots: cutter.cut("slots", field!(slots))?,
+            edges: cutter.cut("edges", field!(edges))?,
+            voids: &[],
+            primitives: &[],
         };
+        if cutter.has_more() {
+            // Damage to the root of any pack is reported as such.
+            let as_usual = cutter.finish();
+            cutter.extend_root(EXTENDED_ROOT_LEN - ROOT_LEN);
+            let voids = cutter.cut("voids", offset_of!(ArchivedExtendedPack, voids));
+            let primitives = cutter.cut("primitives", offset_of!(ArchivedExtendedPack, primitives));
+            let (Ok(voids), Ok(primitives)) = (voids, primitives) else { return as_usual.map(|()| sections) };
+            (sections.voids, sections.primitives) = (voids, primitives);
+            if !sections.is_extended() {
+                return as_usual.map(|()| sections);
+            }
+        }
         cutter.finish()?;
         Ok(sections)
+    }
+
+    /// Whether the pack has sections that only some packs have.
+    pub fn is_extended(&self) -> bool {
+        !self.voids.is_empty() || !self.primitives.is_empty()
     }
 
     /// Whether this is a lean pack: one without neighbours, quads and edges, and without the faces
@@ -110,6 +145,8 @@ impl<'a> Sections<'a> {
 }
 
 const _: () = assert!(ROOT_LEN == 19 * 8, "the root is 19 offsets and counts without padding");
+const _: () = assert!(EXTENDED_ROOT_LEN == 21 * 8, "the extended root is 21 offsets and counts without padding");
+const _: () = assert!(offset_of!(ArchivedExtendedPack, pack) == 16, "the root of all packs is last");
 
 #[cfg(test)]
 mod tests {
@@ -117,13 +154,19 @@ mod tests {
 
     use super::*;
     use crate::{
-        archive::{Block, BvhNode, HullRecord, LANES, MassRecord, Pack, Quad, Span},
+        archive::{
+            Block, BvhNode, ExtendedPack, HullRecord, LANES, MassRecord, Pack, PrimitiveRecord, Quad, Span, VoidsRecord,
+        },
         check,
     };
 
     fn sample() -> AlignedVec<PAYLOAD_ALIGNMENT> {
+        aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&sample_pack()).unwrap())
+    }
+
+    fn sample_pack() -> Pack {
         let block = Block { x: [1.0; LANES], y: [2.0; LANES], z: [3.0; LANES], vertex: [4; LANES] };
-        let pack = Pack {
+        Pack {
             blocks: vec![block; 2],
             source_path: b"a/b.obj".to_vec(),
             options: b"x".to_vec(),
@@ -143,10 +186,24 @@ mod tests {
             outer_vertices: vec![[0.5; 3]; 4],
             slots: vec![6; 7],
             edges: vec![-1; 10],
-        };
+        }
+    }
+
+    fn aligned(bytes: &[u8]) -> AlignedVec<PAYLOAD_ALIGNMENT> {
         let mut payload = AlignedVec::new();
-        payload.extend_from_slice(&rkyv::to_bytes::<rkyv::rancor::Error>(&pack).unwrap());
+        payload.extend_from_slice(bytes);
         payload
+    }
+
+    /// The sample with records of voids.
+    fn extended_sample() -> AlignedVec<PAYLOAD_ALIGNMENT> {
+        let record = |hull: u32| VoidsRecord { hull, share: 0.25, error: 0.5 };
+        let extended = ExtendedPack {
+            voids: vec![record(3), record(7)],
+            primitives: vec![PrimitiveRecord::default(); 3],
+            pack: sample_pack(),
+        };
+        aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&extended).unwrap())
     }
 
     #[test]
@@ -181,9 +238,32 @@ mod tests {
     }
 
     #[test]
+    fn extended_packs_have_the_same_sections_and_more() {
+        let (usual, extended) = (sample(), extended_sample());
+        let [found, expected] = [&extended, &usual].map(|payload| Sections::read(payload).unwrap());
+        assert!(found.is_extended() && !expected.is_extended());
+        assert_eq!((found.vertices, found.edges), (expected.vertices, expected.edges));
+        assert_eq!(found.hulls.len(), expected.hulls.len());
+        let voids: Vec<u32> = found.voids.iter().map(|record| record.hull.to_native()).collect();
+        assert_eq!((voids, found.primitives.len()), (vec![3, 7], 3));
+        // What comes before the root has the same bytes.
+        let shared = usual.len() - ROOT_LEN;
+        assert_eq!(extended[..shared], usual[..shared]);
+        // No record is no extension.
+        let none = ExtendedPack { pack: sample_pack(), ..ExtendedPack::default() };
+        let none = aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&none).unwrap());
+        assert!(matches!(Sections::read(&none), Err(CheckError::Section { section: "root", .. })));
+    }
+
+    #[test]
     fn every_changed_root_is_rejected() {
         let payload = sample();
-        let root_at = payload.len() - ROOT_LEN;
+        every_change_is_rejected(&payload, ROOT_LEN);
+        every_change_is_rejected(&extended_sample(), EXTENDED_ROOT_LEN);
+    }
+
+    fn every_change_is_rejected(payload: &AlignedVec<PAYLOAD_ALIGNMENT>, root_len: usize) {
+        let root_at = payload.len() - root_len;
         for at in (root_at..payload.len()).step_by(4) {
             let old = u32::from_le_bytes(payload[at..at + 4].try_into().unwrap());
             for new in [0, 1, old ^ 1, old ^ 4, old ^ 64, old ^ 1 << 20, old ^ 1 << 31, u32::MAX, i32::MAX as u32] {
@@ -200,7 +280,12 @@ mod tests {
 
     #[test]
     fn payloads_of_every_other_length_are_rejected() {
-        let payload = sample();
+        for payload in [sample(), extended_sample()] {
+            other_lengths_are_rejected(&payload);
+        }
+    }
+
+    fn other_lengths_are_rejected(payload: &AlignedVec<PAYLOAD_ALIGNMENT>) {
         for len in 0..payload.len() {
             assert!(Sections::read(&payload[..len]).is_err(), "{len} bytes");
         }

@@ -173,6 +173,12 @@ impl Hull {
         facts.set_item("uncovered", hull.uncovered())?;
         facts.set_item("protrusion", hull.protrusion())?;
         facts.set_item("protrusion_at", hull.protrusion_at().map(|at| at.to_array()))?;
+        facts.set_item("voids", hull.voids().map(|voids| (voids.share, voids.error)))?;
+        let primitive = hull.primitive().map(|found| {
+            let core::Replacement { kind, center, rotation, sizes, protrusion } = found;
+            (kind.as_str(), center.to_array(), rotation.to_array(), sizes, protrusion)
+        });
+        facts.set_item("primitive", primitive)?;
         facts.set_item("origin", hull.origin().to_array())?;
         facts.set_item("part", hull.part())?;
         facts.set_item("part_count", hull.part_count())?;

@@ -82,7 +82,7 @@ const MAX_OBJECTS: usize = 20;
 
 /// The measures of one object, or a dash for each that is not known.
 fn facts(parts: &[Part]) -> String {
-    let PartsEstimates { overlap, overlap_error, mean_protrusion, outside_hull, voids, voids_error, symmetry } =
+    let PartsEstimates { overlap, overlap_error, mean_protrusion, outside_hull, voids, voids_error, filled, symmetry } =
         parts[0].2.estimates.clone().unwrap_or_default();
     let known = |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| "–".to_owned(), text);
     let percent = |share: f64| format!("{} %", short(100.0 * share));
@@ -92,6 +92,7 @@ fn facts(parts: &[Part]) -> String {
         (Some(share), Some(error)) => format!("{} ± {}", percent(share), percent(error)),
         _ => "–".to_owned(),
     };
+    let empty = if filled == Some(true) { "none, proven".to_owned() } else { within(voids, voids_error) };
     let rows = [
         ("Parts", count(parts.len() as u64)),
         ("Overlap, of their union", within(overlap, overlap_error)),
@@ -99,7 +100,7 @@ fn facts(parts: &[Part]) -> String {
         ("Worst protrusion, at most", known(bound(|row| row.protrusion), short)),
         ("Surface uncovered, at most", known(bound(|row| row.uncovered), short)),
         ("Outside the mesh's hull", known(outside_hull, short)),
-        ("Solid in no part", within(voids, voids_error)),
+        ("Solid in no part", empty),
         ("Thinnest part", known(thinnest, short)),
         ("Symmetric about", symmetry.unwrap_or_else(|| "–".to_owned())),
     ];

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hullmap::SharedHull;
 use hullmap::glam::Vec3;
-use js_sys::JSON;
+use js_sys::{Float64Array, JSON};
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Plain, error, rows_of, vector_of};
@@ -19,6 +19,40 @@ export interface SupportVertex {
     /** Its position, three numbers, in the hull's frame. */
     point: Float64Array;
 }
+
+/** Mass properties of a rigid body of uniform density. */
+export interface MassProperties {
+    /** Density times volume. */
+    mass: number;
+    /** Centre of mass, three numbers. */
+    centerOfMass: Float64Array;
+    /** Inertia tensor about the centre of mass: nine numbers, column by column; symmetric. */
+    inertia: Float64Array;
+    /** Which solid has this mass: the mesh, or the hulls, whose overlaps count twice. */
+    source: "mesh" | "hulls";
+}
+
+/** The share of a mesh's solid that is in none of its parts. */
+export interface Voids {
+    /** From 0 to 1, an estimate. */
+    share: number;
+    /** Its error, from 0 to 1. */
+    error: number;
+}
+
+/** A primitive that may replace a part. */
+export interface Primitive {
+    /** What it is. */
+    kind: "box" | "sphere" | "capsule" | "cylinder";
+    /** Its centre, three numbers. */
+    center: Float64Array;
+    /** Rotation from its own axes: a unit quaternion x, y, z, w. The axis of capsules and cylinders is z. */
+    rotation: Float64Array;
+    /** Box: half extents. Sphere: radius. Capsule and cylinder: radius, and half the length of the axis. */
+    sizes: Float64Array;
+    /** Bound on how far it protrudes from the mesh's solid. */
+    protrusion: number;
+}
 "#;
 
 #[wasm_bindgen]
@@ -26,6 +60,30 @@ extern "C" {
     /// See the TypeScript section.
     #[wasm_bindgen(typescript_type = "SupportVertex")]
     pub type SupportVertex;
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "MassProperties")]
+    pub type MassProperties;
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "Voids")]
+    pub type Voids;
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "Primitive")]
+    pub type Primitive;
+}
+
+/// Mass properties as a plain object.
+fn mass(found: &hullmap::MassProperties) -> MassProperties {
+    let inertia = found.inertia.to_cols_array();
+    Plain::new()
+        .with("mass", found.mass)
+        .with("centerOfMass", vector_of(found.center_of_mass))
+        .with("inertia", numbers(&inertia))
+        .with("source", found.source.as_str())
+        .done()
+}
+
+fn numbers(numbers: &[f64]) -> Float64Array {
+    Float64Array::from(numbers)
 }
 
 /// An open pack.
@@ -86,6 +144,13 @@ impl Pack {
     #[wasm_bindgen(js_name = hullNamed)]
     pub fn hull_named(&self, name: &str) -> Option<Hull> {
         self.0.shared_hull_named(name).map(Hull)
+    }
+
+    /// Mass properties of all hulls as one rigid body of this density. Each object has the mass of
+    /// its mesh, if the pack records it.
+    #[wasm_bindgen(js_name = massProperties)]
+    pub fn mass_properties(&self, density: f64) -> MassProperties {
+        mass(&self.0.mass_properties(density))
     }
 
     /// The union of all hulls as a shape, for instance to cast rays at it.
@@ -159,6 +224,34 @@ impl Hull {
     #[wasm_bindgen(getter)]
     pub fn inertia(&self) -> Vec<f64> {
         self.0.hull().inertia_tensor().to_cols_array().to_vec()
+    }
+
+    /// Mass properties of the mesh that the hull, or the part, was baked from, at this density;
+    /// undefined if the pack does not record them.
+    #[wasm_bindgen(js_name = meshMassProperties)]
+    pub fn mesh_mass_properties(&self, density: f64) -> Option<MassProperties> {
+        self.0.hull().mesh_mass_properties(density).as_ref().map(mass)
+    }
+
+    /// The share of the mesh's solid that is in none of its parts; undefined if the pack does not
+    /// record it.
+    #[wasm_bindgen(getter)]
+    pub fn voids(&self) -> Option<Voids> {
+        let found = self.0.hull().voids()?;
+        Some(Plain::new().with("share", found.share).with("error", found.error).done())
+    }
+
+    /// The primitive that may replace this part; undefined if the pack records none.
+    #[wasm_bindgen(getter)]
+    pub fn primitive(&self) -> Option<Primitive> {
+        let found = self.0.hull().primitive()?;
+        let plain = Plain::new()
+            .with("kind", found.kind.as_str())
+            .with("center", vector_of(found.center))
+            .with("rotation", numbers(&found.rotation.to_array()))
+            .with("sizes", numbers(&found.sizes))
+            .with("protrusion", found.protrusion);
+        Some(plain.done())
     }
 
     /// Minimum and maximum coordinates: six numbers.

@@ -120,6 +120,11 @@ assert.deepEqual([cube.faceStarts().length, cube.faceVertices().length, cube.nei
 assert.deepEqual([...cube.bounds], [0, 0, 0, 1, 1, 1]);
 assert.deepEqual([...cube.support(1, 1, 1).point], [1, 1, 1]);
 assert.equal(cube.supports(new Float32Array([1, 1, 1, -1, -1, -1])).length, 2);
+// Points have no mesh whose mass is known.
+assert.deepEqual([cube.meshMassProperties(1), cube.voids, cube.primitive], [undefined, undefined, undefined]);
+const weight = pack.massProperties(3);
+assert.ok(weight.source === "hulls" && Math.abs(weight.mass - 3) < 1e-12 && Math.abs(weight.centerOfMass[0] - 0.5) < 1e-12);
+assert.ok(Math.abs(weight.inertia[4] - 0.5) < 1e-12);
 const { faces, map } = cube.gaussMap(64);
 assert.deepEqual([faces.length, map.resolution, map.line_starts.length], [6, 64, 7]);
 const stacked = new Pair(cube, cube);
@@ -147,6 +152,10 @@ for (const [points, corners] of [[positions, indices], [new Float64Array(positio
 assert.equal(new Pack(bakeMesh(positions).pack).hull(0).name, "mesh");
 const gear = new Pack(bakeMesh(positions, indices, { decompose: "cover" }).pack);
 assert.ok(gear.hullCount > 2 && gear.hull(0).partCount === gear.hullCount && gear.hull(0).uncovered < 1e-6);
+const gearMass = gear.massProperties(2), part = gear.hull(0);
+assert.ok(gearMass.source === "mesh" && part.meshMassProperties(2).mass === gearMass.mass);
+assert.ok(gearMass.mass < 2 * Array.from({ length: gear.hullCount }, (_, i) => gear.hull(i).volume).reduce((a, b) => a + b));
+assert.ok(part.voids.share >= 0 && part.voids.error < 0.01 && part.primitive === undefined);
 const flat = bakeMesh(positions, null, { decompose: true });
 assert.match([...flat.notes, ...flat.warnings].join(), /mesh: not decomposed, because it has no faces/);
 

@@ -270,9 +270,11 @@ pub use derivatives::{Derivatives, Differentiability, PoseDerivative};
 #[doc(hidden)]
 pub use facets::Facets;
 pub use glam;
-pub use hull::{Hull, HullArrays, MassProperties, MassSource, SharedHull, SupportVertex};
+pub use hull::{Hull, HullArrays, MassProperties, MassSource, Replacement, SharedHull, SupportVertex, Voids};
 pub use hullmap_format::triangle_mesh::class::{EdgeClass, VertexClass};
-pub use hullmap_format::{FORMAT_VERSION, IndexKind, LEAN_FORMAT_VERSION, SolidKind, header::Header, walk::Cost};
+pub use hullmap_format::{
+    FORMAT_VERSION, IndexKind, LEAN_FORMAT_VERSION, PrimitiveKind, SolidKind, header::Header, walk::Cost,
+};
 pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};

@@ -10,6 +10,9 @@ use twox_hash::XxHash3_64;
 const HEADER_LEN: usize = 64;
 const CHECKSUM_AT: usize = 56;
 
+/// Length of the root that every pack has.
+const ROOT_LEN: usize = 152;
+
 /// Every index kind; the cube map at two resolutions.
 pub const ALL_INDICES: [IndexKind; 6] = [
     IndexKind::Tree,
@@ -50,6 +53,31 @@ pub fn tree_pack(positions: &[[f32; 3]]) -> Pack {
 pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
     let bytes = bytes(&[point_set("hull", positions)], IndexKind::Tree, &SourceRecord::default());
     bytes.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Further sections of extended packs.
+#[derive(Clone, Copy, Debug)]
+pub enum Further {
+    /// Records of voids.
+    Voids,
+    /// Records of primitives.
+    Primitives,
+}
+
+/// The file of an extended pack, with `bytes` at an offset in a record of a further section, and a
+/// correct checksum. Panics if the record does not exist.
+pub fn with_record(file: &[u8], section: Further, record: usize, offset: usize, bytes: &[u8]) -> Vec<u8> {
+    let (entry, size) = match section {
+        Further::Voids => (file.len() - ROOT_LEN - 16, 12),
+        Further::Primitives => (file.len() - ROOT_LEN - 8, 96),
+    };
+    let word = |at: usize| i32::from_le_bytes(std::array::from_fn(|i| file[at + i]));
+    assert!(record < word(entry + 4) as usize, "the pack has no such record");
+    let at = entry.strict_add_signed(word(entry) as isize) + record * size + offset;
+    let mut changed = file.to_vec();
+    changed[at..at + bytes.len()].copy_from_slice(bytes);
+    reseal(&mut changed);
+    changed
 }
 
 /// Writes the correct checksum into a changed file: XXH3-64 of all bytes except its own eight.

@@ -13,6 +13,7 @@ mod interruptions;
 mod meshes;
 mod parts;
 mod pipeline;
+mod primitives;
 mod report;
 mod robot;
 mod scenes;
@@ -21,3 +22,4 @@ mod subcommands;
 #[cfg(unix)]
 mod untrusted;
 mod usd;
+mod voids;

@@ -4,14 +4,14 @@
 use std::fs;
 
 use glam::{DVec3, Vec3};
-use hullmap::{Cache, Compound, CompoundCache, Pack, Pose, Settings, compound};
+use hullmap::{Cache, Compound, CompoundCache, Pack, Pose, Settings, Voids, compound};
 use hullmap_bake::{
     BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
-use hullmap_format::{archive::ArchivedHullRecord, header::source_hash};
+use hullmap_format::{archive::ArchivedHullRecord, header::source_hash, version::EXTENDED_FORMAT_VERSION};
 use hullmap_outside::command::{Run, bake_in};
 use hullmap_outside::files::workspace;
-use hullmap_testkit::packs::reseal;
+use hullmap_testkit::packs::{self, Further, reseal};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
 use shapes::{families::Family, rng::SplitMix64};
 use tempfile::TempDir;
@@ -312,6 +312,35 @@ fn a_wrong_mass_fails_verify() {
     assert!(verified(&wrong, 1).contains("the centre of mass of x is at 1.5 "));
     let wrong = changed(&file, |pack| &pack.masses[0].second_moments[0], &(second.x * 1.001).to_le_bytes());
     assert!(verified(&wrong, 1).contains("the inertia that the pack records is not that of x"));
+}
+
+/// The recorded voids are computed again, and a pack that records others is rejected. The parts of
+/// the U are its bars, which leave nothing out.
+#[test]
+fn wrong_voids_fail_verify() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
+    bake(&folder, "build x.obj --out baked --decompose").expect(0);
+    let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
+    let pack = Pack::from_bytes(&file).unwrap();
+    assert_eq!(pack.header().format_version, EXTENDED_FORMAT_VERSION);
+    let recorded: Vec<Option<Voids>> = pack.hulls().map(|hull| hull.voids()).collect();
+    let voids = recorded[0].unwrap();
+    assert!(voids.share <= voids.error && voids.error < 1e-3, "{voids:?}");
+    assert!(recorded.iter().all(|other| *other == Some(voids)));
+    let verified = |edited: &[u8], exit: i32| {
+        fs::create_dir_all(folder.path().join("false")).unwrap();
+        fs::write(folder.path().join("false/x.hullmap"), edited).unwrap();
+        problems(&bake(&folder, "verify false --source x.obj --json --directions 200").expect(exit).json())
+    };
+    assert_eq!(verified(&file, 0).replace("[]", ""), "");
+    for (field, value) in [(4, 0.25_f32), (8, 0.0)] {
+        let found = verified(&packs::with_record(&file, Further::Voids, 0, field, &value.to_le_bytes()), 1);
+        assert!(found.contains("the share of x in no part is ") && found.contains("but the pack records"), "{found}");
+    }
+    let described = bake(&folder, "inspect baked/x.hullmap --json").expect(0).json();
+    let of_hull = &described[0]["hulls"][0];
+    assert_eq!((of_hull["voids"].as_f64(), of_hull["voids_error"].as_f64()), (Some(voids.share), Some(voids.error)));
 }
 
 /// A sheet whose parts may be no thicker than half of a small error: they are covered and within

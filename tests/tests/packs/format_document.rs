@@ -6,8 +6,10 @@ mod reader;
 
 use std::hash::Hasher;
 
-use glam::{DVec3, Vec3};
-use hullmap::{IndexKind as Kind, Pack, SolidKind, SupportMap};
+use glam::{DQuat, DVec3, Vec3};
+use hullmap::{IndexKind as Kind, Pack, PrimitiveKind, SolidKind, SupportMap};
+use hullmap_bake::fit::VoidsShare;
+use hullmap_bake::primitive::{Primitive, ProvenPrimitive};
 use hullmap_bake::{BakedHull, Fit, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_tests::directions;
 use reader::{File, section, u32_at, u64_at};
@@ -223,6 +225,55 @@ fn masses_are_read_back() {
     compare(&hulls, &source("masses", ""), 500, &mut Met::default());
     let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
     assert_eq!(File::new(&file).count(section::MASSES), 2);
+}
+
+/// Objects with voids, without, and hulls that are no parts. The pack then has another version.
+#[test]
+fn voids_are_read_back() {
+    let solid = bake(&tetrahedron(), IndexKind::Tree);
+    let of = |part: u32, voids: Option<VoidsShare>| BakedHull { part, part_count: 2, voids, ..solid.clone() };
+    let share = |share: f64| Some(VoidsShare { share, error: 0.0625 });
+    let hulls =
+        [solid.clone(), of(0, share(0.5)), of(1, None), of(0, None), of(1, None), of(0, share(0.0)), of(1, None)];
+    compare(&hulls, &source("voids", ""), 500, &mut Met::default());
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    let expected = [(1, 0.5), (5, 0.0)].map(|(hull, share)| reader::Voids { hull, share, error: 0.0625 });
+    assert_eq!((u32_at(&file, 8), File::new(&file).voids()), (9, Vec::from(expected)));
+    let pack = Pack::from_bytes(&file).unwrap();
+    let found: Vec<Option<f64>> = pack.hulls().map(|hull| hull.voids().map(|voids| voids.share)).collect();
+    assert_eq!(found, [None, Some(0.5), Some(0.5), None, None, Some(0.0), Some(0.0)]);
+}
+
+/// Primitives of each kind.
+#[test]
+fn primitives_are_read_back() {
+    let solid = bake(&tetrahedron(), IndexKind::Tree);
+    let fit = Fit { solid: SolidKind::Watertight, uncovered: 0.0, protrusion: 0.5, protrusion_at: [0.0; 3] };
+    let sizes = [[1.0, 2.0, 3.0], [1.5, 0.0, 0.0], [0.5, 2.0, 0.0], [2.5, 1.0, 0.0]];
+    let of = |(part, (kind, sizes)): (u32, (PrimitiveKind, [f64; 3]))| {
+        let (center, rotation) = (DVec3::new(1.0, -2.0, f64::from(part)), DQuat::from_rotation_y(f64::from(part)));
+        let primitive = Primitive { kind, center, rotation, sizes };
+        let primitive = Some(ProvenPrimitive { primitive, protrusion: 0.25 });
+        BakedHull { part, part_count: 4, fit: Some(fit), primitive, ..solid.clone() }
+    };
+    let mut hulls = vec![solid.clone()];
+    hulls.extend((0..).zip(PrimitiveKind::ALL.into_iter().zip(sizes)).map(of));
+    compare(&hulls, &source("primitives", ""), 500, &mut Met::default());
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    let expected: Vec<reader::Primitive> = (0..4)
+        .map(|part: u32| reader::Primitive {
+            hull: part + 1,
+            kind: part + 1,
+            center: [1.0, -2.0, f64::from(part)],
+            rotation: DQuat::from_rotation_y(f64::from(part)).to_array(),
+            sizes: sizes[part as usize],
+            protrusion: 0.25,
+        })
+        .collect();
+    assert_eq!(File::new(&file).primitives(), expected);
+    let pack = Pack::from_bytes(&file).unwrap();
+    let names: Vec<Option<&str>> = pack.hulls().map(|hull| Some(hull.primitive()?.kind.as_str())).collect();
+    assert_eq!(names, [None, Some("box"), Some("sphere"), Some("capsule"), Some("cylinder")]);
 }
 
 /// Checks the claims of a part about its mesh, by the table of kinds in the document.

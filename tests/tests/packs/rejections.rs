@@ -1,11 +1,14 @@
 //! One violation of each requirement on a file. The error states the location, the value found and
 //! the value expected.
 
-use hullmap::Pack;
+use glam::{DQuat, DVec3};
+use hullmap::{Pack, PrimitiveKind};
 use hullmap_bake::{
-    BakedHull, IndexKind, SourceRecord, bake_hull,
+    BakedHull, Fit, IndexKind, PointSet, SolidKind, SourceRecord, bake_hull,
+    fit::VoidsShare,
     index::{Index, encode::Encoded},
-    write_pack,
+    primitive::{Primitive, ProvenPrimitive},
+    write_lean_pack, write_pack,
 };
 use hullmap_format::{
     FORMAT_VERSION, LEAN_FORMAT_VERSION,
@@ -14,9 +17,10 @@ use hullmap_format::{
     repeats,
     sections::Sections,
     slot::Slot,
+    version::{EXTENDED_FORMAT_VERSION, LEAN_EXTENDED_FORMAT_VERSION},
     walk::Cost,
 };
-use hullmap_testkit::packs::{self, point_set};
+use hullmap_testkit::packs::{self, Further, point_set};
 use hullmap_tests::hostile::{
     patch::{changed, offset_of, payload},
     samples,
@@ -207,6 +211,123 @@ fn vertices_faces_and_neighbours() {
     assert_eq!(rejection!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 
+/// Records of voids are of the first parts of objects whose mass is recorded.
+#[test]
+fn voids() {
+    let mesh = shapes::concave::l();
+    let letter = PointSet { triangles: mesh.fans(), ..point_set("letter", &mesh.vertices) };
+    let share = VoidsShare { share: 0.25, error: 0.125 };
+    let first = bake_hull(&letter, IndexKind::Tree).unwrap();
+    let part = |part: u32| BakedHull { part, part_count: 2, voids: Some(share), ..first.clone() };
+    let alone = BakedHull { voids: Some(share), ..first.clone() };
+    let hulls = [part(0), part(1), part(0), part(1), alone];
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    let pack = Pack::from_bytes(&file).unwrap();
+    let found: Vec<Option<f64>> = pack.hulls().map(|hull| hull.voids().map(|voids| voids.share)).collect();
+    assert_eq!(found, [Some(0.25), Some(0.25), Some(0.25), Some(0.25), None]);
+    assert_eq!(pack.header().format_version, EXTENDED_FORMAT_VERSION);
+    let with = |record: usize, offset: usize, bytes: [u8; 4]| {
+        message(&packs::with_record(&file, Further::Voids, record, offset, &bytes))
+    };
+    for hull in [1_u32, 3, 4, 5, u32::MAX] {
+        assert_eq!(
+            with(0, 0, hull.to_le_bytes()),
+            format!(
+                "voids, record 0: its hull is {hull} (expected the first part of an object whose mass is recorded, \
+                 from hull 0 on)"
+            )
+        );
+    }
+    // Each object has one record, in their order.
+    assert!(with(0, 0, 2_u32.to_le_bytes()).starts_with("voids, record 1: its hull is 2 (expected"));
+    assert!(with(1, 0, 0_u32.to_le_bytes()).starts_with("voids, record 1: its hull is 0 (expected"));
+    for number in [f32::NAN, -0.5, 1.5, f32::INFINITY] {
+        for offset in [4, 8] {
+            let found = with(1, offset, number.to_le_bytes());
+            assert!(
+                found.starts_with("voids, record 1: its share of the solid is ")
+                    && found.contains("(expected numbers from 0 to 1)"),
+                "{found}"
+            );
+        }
+    }
+    // A pack without voids keeps its version and its bytes.
+    let none = hulls.map(|baked| BakedHull { voids: None, ..baked });
+    let usual = write_pack(&none, &SourceRecord::default()).unwrap();
+    assert_eq!(Pack::from_bytes(&usual).unwrap().header().format_version, FORMAT_VERSION);
+    let shared = usual.len() - 152;
+    assert_eq!(usual[64..shared], file[64..shared]);
+    let lean = write_lean_pack(vec![part(0), part(1)], &SourceRecord::default()).unwrap();
+    let lean = Pack::from_bytes(&lean).unwrap();
+    assert_eq!(lean.header().format_version, LEAN_EXTENDED_FORMAT_VERSION);
+    assert!(lean.hull(1).unwrap().voids().is_some_and(|voids| voids.error == 0.125));
+}
+
+/// Records of primitives are of parts that were measured, and can be placed.
+#[test]
+fn primitives() {
+    let mesh = shapes::concave::l();
+    let letter = PointSet { triangles: mesh.fans(), ..point_set("letter", &mesh.vertices) };
+    let baked = bake_hull(&letter, IndexKind::Tree).unwrap();
+    let fit = Fit { solid: SolidKind::Watertight, uncovered: 0.0, protrusion: 0.5, protrusion_at: [0.0; 3] };
+    let kind = PrimitiveKind::Capsule;
+    let primitive = Primitive {
+        kind,
+        center: DVec3::new(1.0, 2.0, 3.0),
+        rotation: DQuat::from_rotation_x(0.5),
+        sizes: [2.0, 1.0, 0.0],
+    };
+    let proven = ProvenPrimitive { primitive, protrusion: 0.25 };
+    let part = |part: u32, primitive| BakedHull { part, part_count: 3, fit: Some(fit), primitive, ..baked.clone() };
+    // Without a fit, there is no record.
+    let hulls = [
+        BakedHull { primitive: Some(proven), ..baked.clone() },
+        part(0, Some(proven)),
+        part(1, None),
+        part(2, Some(proven)),
+    ];
+    let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
+    let pack = Pack::from_bytes(&file).unwrap();
+    assert_eq!(pack.header().format_version, EXTENDED_FORMAT_VERSION);
+    let found: Vec<_> = pack.hulls().map(|hull| hull.primitive()).collect();
+    assert!(found[0].is_none() && found[2].is_none() && found[1] == found[3]);
+    let read = found[1].unwrap();
+    assert_eq!((read.kind, read.center, read.rotation), (kind, primitive.center, primitive.rotation));
+    assert_eq!((read.sizes, read.protrusion), (primitive.sizes, 0.25));
+    let with = |record: usize, offset: usize, bytes: &[u8]| {
+        message(&packs::with_record(&file, Further::Primitives, record, offset, bytes))
+    };
+    for (record, hull, least) in [(0, 0_u32, 0), (0, 4, 0), (0, u32::MAX, 0), (1, 1, 2), (0, 3, 0)] {
+        let expected = "(expected a part that was measured, from hull";
+        let at = usize::from(hull == 3) + record;
+        let least = if hull == 3 { 4 } else { least };
+        assert_eq!(
+            with(record, 0, &hull.to_le_bytes()),
+            format!("primitives, record {at}: its hull is {hull} {expected} {least} on)")
+        );
+    }
+    for kind in [0_u32, 5] {
+        let text = format!("primitives, record 1: its kind is {kind} (expected 1 to 4)");
+        assert_eq!(with(1, 4, &kind.to_le_bytes()), text);
+    }
+    // A capsule has two sizes, at 64 bytes.
+    for (offset, size) in [(64, 0.0), (64, -1.0), (72, f64::NAN), (72, f64::INFINITY), (80, 1.0), (80, f64::NAN)] {
+        let found = with(0, offset, &size.to_le_bytes());
+        assert!(
+            found.starts_with("primitives, record 0: its sizes are [") && found.contains("(expected 2 positive"),
+            "{found}"
+        );
+    }
+    for (offset, number) in [(8, f64::NAN), (24, f64::INFINITY), (32, 0.5), (56, f64::NAN), (88, -0.5), (88, f64::NAN)]
+    {
+        let found = with(0, offset, &number.to_le_bytes());
+        assert!(
+            found.starts_with("primitives, record 0: its centre is [") && found.contains("a unit quaternion"),
+            "{found}"
+        );
+    }
+}
+
 /// A lean pack has a version of its own, and nothing of what it leaves out.
 #[test]
 fn lean_packs() {
@@ -233,6 +354,10 @@ fn lean_packs() {
         packs::reseal(&mut file);
         message(&file)
     };
+    assert_eq!(
+        of_version(&lean, LEAN_EXTENDED_FORMAT_VERSION),
+        "section voids and primitives has 0 elements (expected 1)"
+    );
     assert_eq!(of_version(&lean, FORMAT_VERSION), "section neighbour_starts has 0 elements (expected 46)");
     let cube = samples::named("cube, tree");
     assert_eq!(of_version(&cube, LEAN_FORMAT_VERSION), "section neighbour_starts has 8 elements (expected 0)");

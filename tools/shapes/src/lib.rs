@@ -29,6 +29,7 @@ pub mod assets;
 pub mod capped;
 pub mod collada;
 pub mod concave;
+pub mod cubes;
 pub mod families;
 pub mod gltf;
 pub mod mesh;

@@ -206,6 +206,7 @@ mod tests {
         min_thickness: Length::Relative(0.005),
         symmetry: true,
         reachable: None,
+        fill: false,
         seconds: None,
     };
 

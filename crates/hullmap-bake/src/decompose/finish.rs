@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{
     levels::{Found, Levels},
-    part::SourceVertices,
+    part::{BUILDS, SourceVertices},
     partition::{
         Part,
         body::Body,
@@ -20,15 +20,12 @@ use super::{
 use crate::{
     PointSet,
     fit::{planes::HalfSpace, triangle::Triangle, uncovered_triangles},
-    hull::{self, Hull},
+    hull::Hull,
     symmetry::Mirror,
 };
 
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 pub const COVERED: f64 = 1e-7;
-
-/// Maximum number of times that a part is built again because it lost vertices.
-const BUILDS: usize = 4;
 
 /// Maximum number of rounds in which triangles that are not proven to be covered are absorbed by
 /// parts or become parts, for instance because they have no area. Bounds are measured by
@@ -97,20 +94,6 @@ impl Finish<'_, '_> {
         self.levels.surface.mirror.as_ref()
     }
 
-    /// The hull of a part's vertices in their order in the mesh. Another order may give faces, and
-    /// thus bounds, that differ by rounding.
-    fn as_built(&self, mut hull: Hull) -> Hull {
-        for _ in 0..BUILDS {
-            let Ok(built) = hull::build(&self.vertices.part(&hull)) else { break };
-            let is_same = built.vertices.len() == hull.vertices.len();
-            hull = built;
-            if is_same {
-                break;
-            }
-        }
-        hull
-    }
-
     /// The tight hull of a part with at most a share of the allowed number of vertices.
     fn tight(&self, part: &Part, share: f64) -> Hull {
         let max_vertices = ((share * self.bounds.max_vertices as f64) as usize).max(crate::simplify::MIN_VERTICES);
@@ -127,21 +110,21 @@ impl Finish<'_, '_> {
             let first = of(&tight);
             first.or_else(|| SYMMETRIC_VERTICES[1..].iter().find_map(|share| of(&self.tight(part, *share))))
         });
-        Unit { hull: self.as_built(symmetric.unwrap_or(tight)), image: None }
+        Unit { hull: self.vertices.built(symmetric.unwrap_or(tight)), image: None }
     }
 
     /// A part that stands for its image, too.
     fn mirrored(&self, part: &Part) -> Unit {
         let hull = self.tight(part, 1.0);
-        let Some(mirror) = self.mirror() else { return Unit { hull: self.as_built(hull), image: None } };
+        let Some(mirror) = self.mirror() else { return Unit { hull: self.vertices.built(hull), image: None } };
         let grown = symmetric::grown(&hull, mirror, self.bounds.diagonal);
         self.with_image(grown.unwrap_or(hull), mirror)
     }
 
     /// A hull and its image, of which both have the same vertices after they are built.
     fn with_image(&self, hull: Hull, mirror: &Mirror) -> Unit {
-        let image_of = |hull: &Hull| symmetric::image(hull, mirror).map(|image| self.as_built(image));
-        let mut hull = self.as_built(hull);
+        let image_of = |hull: &Hull| symmetric::image(hull, mirror).map(|image| self.vertices.built(image));
+        let mut hull = self.vertices.built(hull);
         for _ in 0..BUILDS {
             let Some(image) = image_of(&hull) else { break };
             if image.vertices.len() == hull.vertices.len() {
@@ -160,7 +143,7 @@ impl Finish<'_, '_> {
         let own = wrap::of_polygon(corners, diagonal, self.thin.thickness, max_vertices);
         let unit = |(_, hull)| match self.mirror() {
             Some(mirror) if room > 1 => self.with_image(hull, mirror),
-            _ => Unit { hull: self.as_built(hull), image: None },
+            _ => Unit { hull: self.vertices.built(hull), image: None },
         };
         own.into_iter().map(unit).collect()
     }
@@ -229,7 +212,7 @@ impl Finish<'_, '_> {
                 let Unit { hull, image } = self.with_image(grown, mirror);
                 Some(Unit { hull: image?, image: Some(hull) })
             }
-            _ => Some(Unit { hull: self.as_built(grown), image: None }),
+            _ => Some(Unit { hull: self.vertices.built(grown), image: None }),
         }
     }
 }

@@ -7,6 +7,7 @@
 //! | `levels` | the limits for which parts are searched, and which result is taken |
 //! | [`partition`] | the parts for one limit |
 //! | `finish`, `rest` | final hulls, and triangles that are not covered |
+//! | `fill` | parts that leave no voids |
 //! | `search` | parts that are symmetric, or others if they are fewer |
 //! | `convex` | whether a mesh needs no parts |
 //! | `patch`, `part` | pieces of the surface, a part as a point set |
@@ -32,6 +33,7 @@
 //! ```
 
 mod convex;
+mod fill;
 mod finish;
 mod levels;
 mod parameters;
@@ -42,15 +44,17 @@ mod rest;
 mod search;
 
 use convex::is_convex;
+use fill::Filling;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
-use partition::few;
+use partition::{HARD_SHARE, few, field::Field, wrap::Bounds};
 use search::Search;
 
 use crate::{
     BakeError, PointSet,
     deadline::{Deadline, Reserve},
-    hull,
+    fit::{Solid, SolidKind},
+    hull::{self, Hull},
     progress::Stage,
     simplify,
 };
@@ -103,9 +107,41 @@ fn decompose_by(
         Search { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices, deadline }.best(stage)
     };
     let hulls = found.unwrap_or_else(|| vec![few::within_vertices(hull, max_vertices)]);
+    let hulls = if parameters.fill { filled(mesh, &solid, &vertices, parameters, deadline, hulls) } else { hulls };
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
+}
+
+/// The hulls with what they leave of the mesh's own solid; the hulls as they are if it is not
+/// watertight. `solid` is the one from which protrusion counts.
+fn filled(
+    mesh: &PointSet,
+    solid: &Solid,
+    vertices: &SourceVertices,
+    parameters: &Cover,
+    deadline: Option<Deadline>,
+    hulls: Vec<Hull>,
+) -> Vec<Hull> {
+    let own = parameters.reachable.map(|_| Solid::new(mesh));
+    let own = own.as_ref().unwrap_or(solid);
+    if own.kind() != SolidKind::Watertight {
+        return hulls;
+    }
+    let diagonal = own.diagonal();
+    let limit = parameters.max_error.of(diagonal);
+    let bounds = Bounds {
+        limit,
+        max_vertices: (parameters.max_vertices as usize).max(simplify::MIN_VERTICES),
+        diagonal,
+        thickness: parameters.min_thickness.of(diagonal).min(0.5 * limit),
+        deadline,
+        stage: Stage::default(),
+    };
+    let mut field = Field::new(solid);
+    field.find_peaks(limit * HARD_SHARE, deadline);
+    let max_parts = parameters.max_parts.map(|most| most as usize);
+    Filling { field: &field, solid: own, vertices, bounds, overlap: parameters.overlap, max_parts }.filled(hulls)
 }
 
 #[cfg(test)]

@@ -60,6 +60,9 @@ pub struct Cover {
     /// Radius of a ball: protrusion counts only where such a ball can come from outside. `None` for
     /// everywhere.
     pub reachable: Option<Length>,
+    /// Whether parts leave no voids: every point of a closed mesh's solid is in a part. Parts are
+    /// added for that, unless there are `max_parts` already.
+    pub fill: bool,
     /// Time for the parts of a mesh, in seconds: to search, finish and measure them. A fifth of it,
     /// but at most four seconds, is left for measuring. The result then depends on the machine, and
     /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: hulls of
@@ -77,6 +80,7 @@ impl Default for Cover {
             min_thickness: Length::Relative(0.005),
             symmetry: true,
             reachable: None,
+            fill: false,
             seconds: None,
         }
     }

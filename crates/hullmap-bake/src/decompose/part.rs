@@ -1,7 +1,13 @@
 //! A convex part as a point set of its mesh: corners that are vertices of the mesh keep their
 //! source indices.
 
-use crate::{NO_SOURCE_VERTEX, PointSet, hull::Hull};
+use crate::{
+    NO_SOURCE_VERTEX, PointSet,
+    hull::{self, Hull},
+};
+
+/// Maximum number of times that a part is built again because it lost vertices.
+pub const BUILDS: usize = 4;
 
 /// The vertices of a mesh by their positions.
 pub struct SourceVertices<'a> {
@@ -29,6 +35,20 @@ impl<'a> SourceVertices<'a> {
         PointSet { positions, source_vertices, origin: self.mesh.origin, ..PointSet::default() }
     }
 
+    /// The hull of a part's vertices in their order in the mesh. Another order may give faces, and
+    /// thus bounds, that differ by rounding.
+    pub fn built(&self, mut hull: Hull) -> Hull {
+        for _ in 0..BUILDS {
+            let Ok(built) = hull::build(&self.part(&hull)) else { break };
+            let is_same = built.vertices.len() == hull.vertices.len();
+            hull = built;
+            if is_same {
+                break;
+            }
+        }
+        hull
+    }
+
     /// The source vertex at a position; [`NO_SOURCE_VERTEX`] if there is none.
     fn source_vertex_at(&self, p: [f32; 3]) -> u32 {
         let position = |i: &u32| bits(self.mesh.positions[*i as usize]);
@@ -46,7 +66,6 @@ fn bits(p: [f32; 3]) -> [u32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull;
 
     #[test]
     fn corners_that_are_source_vertices_keep_their_indices() {

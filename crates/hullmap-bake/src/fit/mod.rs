@@ -12,7 +12,9 @@
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | `looseness` | estimates: overlap of the parts, mean protrusion, distance from the hull |
 //! | `voids` | estimate: volume of the solid that is in no part |
+//! | [`remainder`](mod@remainder) | what parts leave of the solid, as convex pieces |
 //! | `region` | a part as half-spaces in a box |
+//! | [`polytope`] | convex polytopes, cut by planes |
 //! | [`branch`] | branch and bound, which both use |
 //! | [`reach`] | space that no ball of a radius can reach from outside |
 //! | [`sides`] | regions that are inside although triangles cut them |
@@ -28,9 +30,11 @@ mod fits;
 mod looseness;
 pub mod mesh_mass;
 pub mod planes;
+pub mod polytope;
 pub mod protrusion;
 pub mod reach;
 mod region;
+pub mod remainder;
 pub mod sides;
 pub mod solid;
 pub mod triangle;
@@ -44,8 +48,9 @@ pub use fits::{Fit, fits, fits_around};
 pub use looseness::{Looseness, looseness, looseness_of_parts, overlap};
 pub use mesh_mass::mesh_mass;
 pub use protrusion::{Protrusion, protrusion};
+pub use remainder::remainder;
 pub use solid::{Solid, SolidKind};
-pub use voids::{Voids, voids};
+pub use voids::{Voids, VoidsShare, voids};
 
 #[cfg(test)]
 mod tests;

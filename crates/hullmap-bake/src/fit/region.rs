@@ -23,6 +23,19 @@ impl Region {
         }
     }
 
+    /// The points of a hull of rank 3 whose planes are moved outward by a distance.
+    pub fn grown(hull: &Hull, distance: f64) -> Self {
+        let mut region = Self::new(hull);
+        region.planes.iter_mut().for_each(|plane| *plane = plane.moved(distance));
+        (region.low, region.high) = (DVec3::NEG_INFINITY, DVec3::INFINITY);
+        region
+    }
+
+    /// The half-spaces that do not contain all of a box.
+    pub fn crossing_box(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = &HalfSpace> {
+        self.planes.iter().filter(move |plane| plane.height(farthest(plane, low, high)) > 0.0)
+    }
+
     /// Whether a point is in the part, and at least `depth` below each face.
     pub fn holds(&self, p: DVec3, depth: f64) -> bool {
         p.cmpge(self.low).all() && p.cmple(self.high).all() && self.planes.iter().all(|plane| plane.height(p) <= -depth)
@@ -30,18 +43,19 @@ impl Region {
 
     /// Whether all of a box is in the part.
     pub fn holds_box(&self, low: DVec3, high: DVec3) -> bool {
-        let farthest = |plane: &HalfSpace| DVec3::select(plane.normal.cmpge(DVec3::ZERO), high, low);
-        low.cmpge(self.low).all()
-            && high.cmple(self.high).all()
-            && self.planes.iter().all(|plane| plane.height(farthest(plane)) <= 0.0)
+        low.cmpge(self.low).all() && high.cmple(self.high).all() && self.crossing_box(low, high).next().is_none()
     }
 
     /// Whether a box is certainly outside the part. Some boxes beside an edge or a corner are not
     /// recognised.
     pub fn misses_box(&self, low: DVec3, high: DVec3) -> bool {
-        let nearest = |plane: &HalfSpace| DVec3::select(plane.normal.cmpge(DVec3::ZERO), low, high);
         low.cmpgt(self.high).any()
             || high.cmplt(self.low).any()
-            || self.planes.iter().any(|plane| plane.height(nearest(plane)) > 0.0)
+            || self.planes.iter().any(|plane| plane.height(farthest(plane, high, low)) > 0.0)
     }
+}
+
+/// The corner of a box that is farthest out of a half-space.
+fn farthest(plane: &HalfSpace, low: DVec3, high: DVec3) -> DVec3 {
+    DVec3::select(plane.normal.cmpge(DVec3::ZERO), high, low)
 }

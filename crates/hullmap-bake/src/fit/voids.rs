@@ -36,6 +36,23 @@ pub struct Voids {
     pub error: f64,
 }
 
+impl Voids {
+    /// Relative to the volume of the solid, which is above 0.
+    pub fn relative_to(self, volume: f64) -> VoidsShare {
+        let share = |part: f64| (part / volume).clamp(0.0, 1.0);
+        VoidsShare { share: share(self.volume), error: share(self.error) }
+    }
+}
+
+/// The share of a solid's volume that is in no part: 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VoidsShare {
+    /// The estimate.
+    pub share: f64,
+    /// Its error, as in [`Voids`].
+    pub error: f64,
+}
+
 /// Number of times that the box around the mesh is halved along each axis.
 const LEVELS: u32 = 6;
 

@@ -6,7 +6,7 @@
 
 use std::cell::Cell;
 
-use hullmap_format::archive::{Block, BvhNode, HullRecord, MassRecord, Pack, Quad, Span};
+use hullmap_format::archive::{Block, BvhNode, HullRecord, MassRecord, Pack, PrimitiveRecord, Quad, Span, VoidsRecord};
 use rkyv::{
     Archive, Place, Serialize,
     rancor::Fallible,
@@ -62,6 +62,37 @@ pub struct Sections {
     edges: Section<i16>,
 }
 
+/// [`ExtendedPack`](hullmap_format::archive::ExtendedPack), which can be serialised once.
+#[derive(Archive)]
+pub struct ExtendedSections {
+    voids: Section<VoidsRecord>,
+    primitives: Section<PrimitiveRecord>,
+    pack: Sections,
+}
+
+impl ExtendedSections {
+    /// The sections of a pack, and records of voids and primitives.
+    pub fn new(pack: Pack, voids: Vec<VoidsRecord>, primitives: Vec<PrimitiveRecord>) -> Self {
+        Self { voids: section(voids), primitives: section(primitives), pack: Sections::from(pack) }
+    }
+}
+
+/// The sections that all packs have come first.
+impl<S> Serialize<S> for ExtendedSections
+where
+    S: Fallible + Allocator + Writer + ?Sized,
+{
+    fn serialize(&self, serializer: &mut S) -> Result<Self::Resolver, S::Error> {
+        let pack = self.pack.serialize(serializer)?;
+        let voids = self.voids.serialize(serializer)?;
+        Ok(ExtendedSectionsResolver { voids, primitives: self.primitives.serialize(serializer)?, pack })
+    }
+}
+
+fn section<T>(list: Vec<T>) -> Section<T> {
+    Section(Cell::new(list))
+}
+
 impl From<Pack> for Sections {
     fn from(pack: Pack) -> Self {
         // Without `..`, so that a new field is not forgotten.
@@ -86,9 +117,6 @@ impl From<Pack> for Sections {
             slots,
             edges,
         } = pack;
-        fn section<T>(list: Vec<T>) -> Section<T> {
-            Section(Cell::new(list))
-        }
         Self {
             blocks: section(blocks),
             source_path: section(source_path),
@@ -115,7 +143,7 @@ impl From<Pack> for Sections {
 
 #[cfg(test)]
 mod tests {
-    use hullmap_format::archive::LANES;
+    use hullmap_format::archive::{ExtendedPack, LANES};
     use rkyv::{api::high::to_bytes_in, rancor};
 
     use super::*;
@@ -153,8 +181,14 @@ mod tests {
         large.edges = vec![-1, 2, 3, -4, 5];
         for pack in [Pack::default(), small, large] {
             let expected = to_bytes_in::<_, rancor::Error>(&pack, vec![0; 64]).unwrap();
-            let found = to_bytes_in::<_, rancor::Error>(&Sections::from(pack), vec![0; 64]).unwrap();
+            let found = to_bytes_in::<_, rancor::Error>(&Sections::from(pack.clone()), vec![0; 64]).unwrap();
             assert_eq!(found, expected);
+            let voids = vec![VoidsRecord { hull: 3, share: 0.5, error: 0.25 }; 2];
+            let primitives = vec![PrimitiveRecord { hull: 1, sizes: [1.0; 3], ..PrimitiveRecord::default() }; 3];
+            let extended = ExtendedPack { voids: voids.clone(), primitives: primitives.clone(), pack: pack.clone() };
+            let expected = to_bytes_in::<_, rancor::Error>(&extended, vec![0; 64]).unwrap();
+            let extended = ExtendedSections::new(pack, voids, primitives);
+            assert_eq!(to_bytes_in::<_, rancor::Error>(&extended, vec![0; 64]).unwrap(), expected);
         }
     }
 }

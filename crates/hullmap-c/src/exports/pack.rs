@@ -171,6 +171,8 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
             uncovered: hull.uncovered().unwrap_or(0.0),
             protrusion: hull.protrusion().unwrap_or(0.0),
             protrusion_at: hull.protrusion_at().unwrap_or_default().into(),
+            voids: hull.voids().map_or(-1.0, |voids| voids.share),
+            voids_error: hull.voids().map_or(0.0, |voids| voids.error),
         });
         Ok(())
     })

@@ -28,6 +28,7 @@ fn facts_and_arrays_match_the_pack() {
         assert_eq!((facts.inner_radius, facts.outer_radius), (hull.inner_radius(), hull.outer_radius()));
         assert_eq!(facts.bounds.max, hull.bounds()[1].as_dvec3().into());
         let unmeasured = (facts.part_count, facts.solid, facts.uncovered, facts.protrusion);
+        assert_eq!((facts.voids, facts.voids_error), (-1.0, 0.0));
         assert_eq!(unmeasured, (0, types::Solid::Unmeasured as u32, 0.0, 0.0));
         let mut mass = std::mem::zeroed::<types::MassProperties>();
         assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 2, 3.0, &raw mut mass), Code::Ok);

@@ -2,11 +2,13 @@
 
 use hullmap::{Hull, IndexKind, Pack, SolidKind};
 use hullmap_bake::number::{percent, short};
+use hullmap_import::UpAxis;
 use serde::Serialize;
 
 use crate::args::InspectArgs;
 use crate::estimates::MirrorPlane;
 use crate::geometry::{polygons, positions, rank_name};
+use crate::mesh_file::body::BodyPrimitive;
 use crate::open::{kept_warnings, open_pack};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
@@ -68,6 +70,12 @@ struct HullDescription {
     mesh_volume: Option<f64>,
     mesh_centroid: Option<[f64; 3]>,
     mesh_inertia: Option<[[f64; 3]; 3]>,
+    /// Share of the mesh's solid that is in no part, and its error; `None` if they are not
+    /// recorded.
+    voids: Option<f64>,
+    voids_error: Option<f64>,
+    /// The primitive that may replace the hull; `None` if there is none.
+    primitive: Option<BodyPrimitive>,
     index: IndexDescription,
 }
 
@@ -163,6 +171,9 @@ fn describe(hull: &Hull, symmetry: Option<MirrorPlane>, has_vertices: bool) -> H
         mesh_volume: mesh.map(|mesh| mesh.mass),
         mesh_centroid: mesh.map(|mesh| mesh.center_of_mass.to_array()),
         mesh_inertia: mesh.map(|mesh| mesh.inertia.to_cols_array_2d()),
+        voids: hull.voids().map(|voids| voids.share),
+        voids_error: hull.voids().map(|voids| voids.error),
+        primitive: BodyPrimitive::of(hull, UpAxis::Keep),
         index: IndexDescription {
             kind: kind.as_str().to_owned(),
             resolution: matches!(kind, IndexKind::CubeMap { .. }).then_some(kind.resolution()),
@@ -246,6 +257,14 @@ fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output)
     out.line(format_args!("  uncovered          at most {}, of the surface outside all parts", short(uncovered)))?;
     let at = at.map(rounded).join(" ");
     out.line(format_args!("  protrusion         at most {}, greatest at {at}", short(protrusion)))?;
+    if let (Some(voids), Some(error)) = (hull.voids, hull.voids_error) {
+        let error = short(100.0 * error);
+        out.line(format_args!("  voids              {} ± {error} % of the solid is in no part", short(100.0 * voids)))?;
+    }
+    if let Some(primitive) = &hull.primitive {
+        let BodyPrimitive { kind, protrusion, .. } = primitive;
+        out.line(format_args!("  primitive          {kind}, protrudes by at most {}", short(*protrusion)))?;
+    }
     match reachable {
         Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words} can come"))?),
         None => Ok(()),
@@ -285,6 +304,9 @@ mod tests {
             mesh_volume: Some(6.5),
             mesh_centroid: Some([0.25, 0.0, 0.0]),
             mesh_inertia: Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+            voids: None,
+            voids_error: None,
+            primitive: None,
             index,
         };
         PackDescription {
@@ -321,6 +343,9 @@ mod tests {
             "mesh_volume",
             "mesh_centroid",
             "mesh_inertia",
+            "voids",
+            "voids_error",
+            "primitive",
             "index",
         ] {
             assert!(hull.get(key).is_some(), "{key}");

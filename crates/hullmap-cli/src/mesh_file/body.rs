@@ -1,6 +1,9 @@
 //! A hull to export: name, vertices and faces, without its index.
 
-use hullmap::{Hull, MassProperties};
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DQuat;
+use hullmap::{Hull, MassProperties, PrimitiveKind, Replacement};
 use hullmap_import::UpAxis;
 use serde::Serialize;
 
@@ -10,7 +13,7 @@ use crate::geometry::{polygons, positions};
 pub const DENSITY: f64 = 1000.0;
 
 /// Mass, centre of mass, and inertia tensor about it, in the axes of the export.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Inertial {
     /// In kilograms, for a density in kilograms per cubic unit.
     pub mass: f64,
@@ -54,6 +57,52 @@ pub struct Body {
     pub positions: Vec<[f32; 3]>,
     /// Vertex indices of each face, counter-clockwise seen from outside.
     pub polygons: Vec<Vec<u32>>,
+    /// The primitive that may replace the hull.
+    pub primitive: Option<BodyPrimitive>,
+    /// Mass of the mesh of the hull at density 1, if the pack records it. The parts of a mesh have
+    /// the same.
+    pub mesh: Option<Inertial>,
+}
+
+/// A primitive instead of a hull. Field names are the JSON's.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct BodyPrimitive {
+    /// What it is.
+    #[serde(serialize_with = "name_of_kind")]
+    pub kind: PrimitiveKind,
+    /// Its centre.
+    pub center: [f64; 3],
+    /// Rotation from its own axes, a unit quaternion x, y, z, w. The axis of capsules and cylinders
+    /// is z.
+    pub rotation: [f64; 4],
+    /// Box: half extents. Sphere: radius. Capsule and cylinder: radius, and half the length of the
+    /// axis, without the ends of a capsule.
+    pub sizes: [f64; 3],
+    /// Bound on how far it protrudes from the solid of the mesh.
+    pub protrusion: f64,
+}
+
+fn name_of_kind<S: serde::Serializer>(kind: &PrimitiveKind, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kind.as_str())
+}
+
+impl BodyPrimitive {
+    /// The primitive that may replace a hull, rotated.
+    pub fn of(hull: &Hull, up_axis: UpAxis) -> Option<Self> {
+        let turn = match up_axis {
+            UpAxis::Keep => DQuat::IDENTITY,
+            UpAxis::YToZ => DQuat::from_rotation_x(FRAC_PI_2),
+            UpAxis::ZToY => DQuat::from_rotation_x(-FRAC_PI_2),
+        };
+        let Replacement { kind, center, rotation, sizes, protrusion } = hull.primitive()?;
+        let (center, rotation) = (rotated(center.to_array(), up_axis), (turn * rotation).to_array());
+        Some(Self { kind, center, rotation, sizes, protrusion })
+    }
+
+    /// The rotation.
+    pub fn turn(&self) -> DQuat {
+        DQuat::from_array(self.rotation)
+    }
 }
 
 impl Body {
@@ -70,7 +119,19 @@ impl Body {
             origin: rotated(hull.origin().to_array(), up_axis),
             positions,
             polygons: polygons(hull),
+            primitive: BodyPrimitive::of(hull, up_axis),
+            mesh: hull.mesh_mass_properties(1.0).and_then(|mesh| Inertial::new(&mesh, up_axis)),
         }
+    }
+
+    /// What the node of the hull states in glTF besides its shape: at the first part of a mesh, the
+    /// mesh's volume, its centre of mass, and its inertia about it at density 1. So a program can
+    /// give a body the mass of its mesh, which is not that of the hulls.
+    pub fn extras(&self) -> Option<serde_json::Value> {
+        let Inertial { mass, center, inertia } = self.mesh.filter(|_| self.part == 0)?;
+        Some(
+            serde_json::json!({ "hullmap": { "mesh_volume": mass, "mesh_centroid": center, "mesh_inertia": inertia } }),
+        )
     }
 
     /// All faces, each triangulated from its first vertex, since faces are planar and convex.
@@ -97,7 +158,7 @@ pub fn cube(name: &str) -> Body {
     let positions = (0..8_u8).map(|i| [0, 1, 2].map(|axis| f32::from(i >> axis & 1) * 2.0 - 1.0)).collect();
     let polygons =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]].map(Vec::from).into();
-    Body { name: name.to_owned(), rank: 3, part: 0, origin: [0.0; 3], positions, polygons }
+    Body { name: name.to_owned(), rank: 3, part: 0, origin: [0.0; 3], positions, polygons, primitive: None, mesh: None }
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Hulls as binary glTF 2.0: a node and a mesh each, with triangles, or lines or points.
+//! Hulls as binary glTF 2.0: a node and a mesh each, with triangles, or lines or points. The extras
+//! of a node have the mass of the mesh that the hull stands for.
 //!
 //! The file is one object of JSON and one buffer, so it is written here with serde_json. The crate
 //! `gltf` writes the container as well, but its types for the JSON bring five more packages into
@@ -50,7 +51,11 @@ pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
         views.push(view(indices, INDICES));
         let primitive = json!({ "attributes": { "POSITION": 2 * index }, "indices": 2 * index + 1, "mode": mode });
         meshes.push(json!({ "name": body.name, "primitives": [primitive] }));
-        nodes.push(json!({ "name": body.name, "mesh": index }));
+        let mut node = json!({ "name": body.name, "mesh": index });
+        if let Some(extras) = body.extras() {
+            node["extras"] = extras;
+        }
+        nodes.push(node);
     }
     let root = json!({
         "asset": { "version": "2.0", "generator": "bake" },

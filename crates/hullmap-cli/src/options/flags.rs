@@ -31,7 +31,7 @@ impl clap::Args for OptionLayer {
 
 /// The options of `bake decompose`, with their help where that of `bake build` also speaks of
 /// whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 11] = [
+const OF_PARTS: [(&str, Option<&str>); 12] = [
     (
         "max_error",
         Some(
@@ -50,6 +50,7 @@ const OF_PARTS: [(&str, Option<&str>); 11] = [
     ("min_thickness", None),
     ("symmetry", None),
     ("reachable", None),
+    ("fill", None),
     ("decompose_seconds", None),
     ("unit_scale", None),
     ("up_axis", None),

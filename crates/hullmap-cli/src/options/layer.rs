@@ -186,6 +186,8 @@ pub mod tests {
         ("symmetry", "none"),
         ("reachable", "5%"),
         ("for_engine", "box3d"),
+        ("fill", "true"),
+        ("primitives", "true"),
     ];
 
     /// A layer with these values.

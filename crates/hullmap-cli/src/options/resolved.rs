@@ -3,7 +3,7 @@
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
-use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
+use hullmap_format::version::Layout;
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
 use super::layer::{Clash, OptionLayer};
@@ -122,8 +122,14 @@ impl BuildOptions {
             min_thickness: self.length("min_thickness").unwrap_or(Length::Relative(THINNEST)),
             symmetry: self.word("symmetry") == "auto",
             reachable: self.length("reachable"),
+            fill: self.switch("fill"),
             seconds: self.optional_number("decompose_seconds"),
         })
+    }
+
+    /// Whether packs record primitives that may replace parts.
+    pub fn has_primitives(&self) -> bool {
+        self.switch("primitives")
     }
 
     /// The limits of an engine on each hull; `None` if there are none.
@@ -197,9 +203,9 @@ impl BuildOptions {
         self.switch("lean")
     }
 
-    /// Format version of the packs.
+    /// The latest format version that the packs may have.
     pub fn format_version(&self) -> u32 {
-        if self.is_lean() { LEAN_FORMAT_VERSION } else { FORMAT_VERSION }
+        Layout { is_lean: self.is_lean(), is_extended: true }.version()
     }
 
     fn word(&self, key: &str) -> &'static str {
@@ -303,6 +309,8 @@ pub mod tests {
         assert_eq!(cover("reachable", "5%"), Some(Cover { reachable: Some(Length::Relative(0.05)), ..usual }));
         assert_eq!(cover("symmetry", "none"), Some(Cover { symmetry: false, ..usual }));
         assert_eq!(cover("symmetry", "auto"), Some(usual));
+        assert!(options(&[("decompose", "cover"), ("primitives", "true")]).has_primitives());
+        assert_eq!(cover("fill", "true"), Some(Cover { fill: true, ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
     }

@@ -341,10 +341,32 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         section: Section::Shape,
         ..OPTION
     },
+    BuildOption {
+        key: "fill",
+        syntax: Switch,
+        default: DefaultValue::Value("false"),
+        value_name: "BOOL",
+        help: "Leave no voids: parts grow, and others are added, until every point of a closed mesh's solid is in a part",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
+    BuildOption {
+        key: "primitives",
+        syntax: Switch,
+        default: DefaultValue::Value("false"),
+        value_name: "BOOL",
+        help: "Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds, and export it instead of the hull",
+        section: Section::Parts,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 21;
+pub const OPTION_COUNT: usize = 23;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

@@ -10,28 +10,35 @@
 //! distorted: the new node then has the transform from that frame. Otherwise, since a node may not
 //! shear, the positions are transformed and rounded.
 //!
+//! A primitive that may replace the hull is written as a shape of `KHR_implicit_shapes` or
+//! `OMI_physics_shape` instead, unless hulls are drawn or the node is distorted. The axis of these
+//! shapes is y.
+//!
 //! # Reference
-//! Khronos, "KHR_physics_rigid_bodies", the drafts of [`Draft`]; Open Metaverse Interoperability
+//! Khronos, "KHR_physics_rigid_bodies" and "KHR_implicit_shapes", the drafts of [`Draft`]; Open Metaverse Interoperability
 //! Group, "OMI_physics_body" and "OMI_physics_shape", commit 89d328b of August 2026.
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use clap::ValueEnum;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
+use hullmap::PrimitiveKind;
 use serde_json::json;
 use serde_json::value::RawValue;
 
 use super::container::GltfFile;
 use super::edit::{Edits, Members, elements, members};
-use crate::mesh_file::body::Body;
+use crate::mesh_file::body::{Body, BodyPrimitive};
 use crate::mesh_file::glb::bounds;
 
 /// Names of extensions.
 const KHR_BODY: &str = "KHR_physics_rigid_bodies";
 const OMI_BODY: &str = "OMI_physics_body";
 const OMI_SHAPE: &str = "OMI_physics_shape";
+const KHR_SHAPE: &str = "KHR_implicit_shapes";
 
 /// Maximum difference of a matrix from a rotation with a uniform scale, relative to the scale.
 /// Files have about seven digits, and readers accept a few thousandths.
@@ -144,10 +151,15 @@ struct Writer<'a> {
     roots: Vec<usize>,
     /// New extensions of nodes.
     extensions: BTreeMap<usize, Vec<(&'static str, String)>>,
-    /// Shapes of the file before, and new ones.
-    shape_count: usize,
-    shapes: Vec<String>,
+    /// For each list of shapes, by [`KHR_SHAPE`] and [`OMI_SHAPE`], the number of those of the file
+    /// before, and new ones.
+    shapes: [(usize, Vec<String>); 2],
 }
+
+/// The lists of shapes, in their order.
+const SHAPE_LISTS: [&str; 2] = [KHR_SHAPE, OMI_SHAPE];
+const KHR_LIST: usize = 0;
+const OMI_LIST: usize = 1;
 
 impl<'a> Writer<'a> {
     fn new(root: &'a Members<'a>, text: &'a str) -> Result<Self, String> {
@@ -157,13 +169,15 @@ impl<'a> Writer<'a> {
                 *list = elements(raw.get()).map_err(|error| format!("{name}: {error}"))?;
             }
         }
-        let shape_count = match shapes_of(root)? {
-            Some(list) => elements(list.get())?.len(),
-            None => 0,
-        };
+        let mut shapes: [(usize, Vec<String>); 2] = Default::default();
+        for ((count, _), name) in shapes.iter_mut().zip(SHAPE_LISTS) {
+            if let Some(list) = shapes_of(root, name)? {
+                *count = elements(list.get())?.len();
+            }
+        }
         let (edits, new) = (Edits::new(text), Default::default());
-        let (children, roots, extensions, shapes) = (BTreeMap::new(), Vec::new(), BTreeMap::new(), Vec::new());
-        Ok(Self { text, root, edits, old, new, children, roots, extensions, shape_count, shapes })
+        let (children, roots, extensions) = (BTreeMap::new(), Vec::new(), BTreeMap::new());
+        Ok(Self { text, root, edits, old, new, children, roots, extensions, shapes })
     }
 
     fn check_no_colliders(&self, form: &Form) -> Result<(), String> {
@@ -215,6 +229,9 @@ impl<'a> Writer<'a> {
     fn add_collider(&mut self, collider: &Collider, form: &Form, buffer: &mut Buffer) {
         let body = &collider.body;
         let keeps_positions = is_similarity(&collider.pack_in_node);
+        if let Some(primitive) = body.primitive.filter(|_| keeps_positions && !form.is_visible) {
+            return self.add_primitive(collider, &primitive, form);
+        }
         let positions: Vec<[f32; 3]> = if keeps_positions {
             body.positions.clone()
         } else {
@@ -254,8 +271,7 @@ impl<'a> Writer<'a> {
             extensions.insert(KHR_BODY.to_owned(), json!({ "collider": { "geometry": geometry } }));
         }
         if form.is_omi {
-            let shape = self.shape_count + self.shapes.len();
-            self.shapes.push(json!({ "type": "convex", "convex": { "mesh": mesh } }).to_string());
+            let shape = self.add_shape(OMI_LIST, &json!({ "type": "convex", "convex": { "mesh": mesh } }));
             extensions.insert(OMI_BODY.to_owned(), json!({ "collider": { "shape": shape } }));
         }
         let mut node = json!({ "name": body.name, "extensions": extensions });
@@ -265,11 +281,60 @@ impl<'a> Writer<'a> {
         if keeps_positions && collider.pack_in_node != DAffine3::IDENTITY {
             node["matrix"] = json!(DMat4::from(collider.pack_in_node).to_cols_array());
         }
+        self.add_node(collider, node);
+    }
+
+    /// Adds a node below that of a collider's object.
+    fn add_node(&mut self, collider: &Collider, mut node: serde_json::Value) {
+        // A body of the scene has its mass.
+        if let Some(extras) = collider.body.extras().filter(|_| collider.node.is_none()) {
+            node["extras"] = extras;
+        }
         let node = self.push(List::Nodes, node.to_string());
         match collider.node {
             Some(parent) => self.children.entry(parent).or_default().push(node),
             None => self.roots.push(node),
         }
+    }
+
+    /// Adds a shape to a list, and returns its index.
+    fn add_shape(&mut self, list: usize, shape: &serde_json::Value) -> usize {
+        let (before, new) = &mut self.shapes[list];
+        new.push(shape.to_string());
+        *before + new.len() - 1
+    }
+
+    /// Adds a primitive in the frame of its shape, instead of a hull.
+    fn add_primitive(&mut self, collider: &Collider, primitive: &BodyPrimitive, form: &Form) {
+        let ([a, b, c], kind) = (primitive.sizes, primitive.kind.as_str());
+        let sizes = match primitive.kind {
+            PrimitiveKind::Box => json!({ "size": [2.0 * a, 2.0 * b, 2.0 * c] }),
+            PrimitiveKind::Sphere => json!({ "radius": a }),
+            PrimitiveKind::Capsule | PrimitiveKind::Cylinder => {
+                json!({ "radiusTop": a, "radiusBottom": a, "height": 2.0 * b })
+            }
+        };
+        let shape = json!({ "type": kind, kind: sizes });
+        let mut extensions = serde_json::Map::new();
+        if form.khr.is_some() {
+            let geometry = json!({ "shape": self.add_shape(KHR_LIST, &shape) });
+            extensions.insert(KHR_BODY.to_owned(), json!({ "collider": { "geometry": geometry } }));
+        }
+        if form.is_omi {
+            // It has one radius.
+            let round = json!({ "type": kind, kind: { "radius": a, "height": 2.0 * b } });
+            let is_long = matches!(primitive.kind, PrimitiveKind::Capsule | PrimitiveKind::Cylinder);
+            let shape = self.add_shape(OMI_LIST, if is_long { &round } else { &shape });
+            extensions.insert(OMI_BODY.to_owned(), json!({ "collider": { "shape": shape } }));
+        }
+        let is_box = primitive.kind == PrimitiveKind::Box;
+        // From y to z.
+        let upright = if is_box { DQuat::IDENTITY } else { DQuat::from_rotation_x(FRAC_PI_2) };
+        let in_pack =
+            DAffine3::from_rotation_translation(primitive.turn() * upright, DVec3::from_array(primitive.center));
+        let matrix = DMat4::from(collider.pack_in_node * in_pack).to_cols_array();
+        let node = json!({ "name": collider.body.name, "extensions": extensions, "matrix": matrix });
+        self.add_node(collider, node);
     }
 
     fn add_motion(&mut self, motion: &Motion, form: &Form) {
@@ -325,7 +390,13 @@ impl<'a> Writer<'a> {
                 .map_err(|error| format!("extensionsUsed: {error}; expected a list of names"))?,
             None => Vec::new(),
         };
-        let written = [(KHR_BODY, form.khr.is_some()), (OMI_BODY, form.is_omi), (OMI_SHAPE, form.is_omi)];
+        let has_shapes = !self.shapes[KHR_LIST].1.is_empty();
+        let written = [
+            (KHR_BODY, form.khr.is_some()),
+            (KHR_SHAPE, has_shapes),
+            (OMI_BODY, form.is_omi),
+            (OMI_SHAPE, form.is_omi),
+        ];
         let names = written.iter().filter(|(name, is_written)| *is_written && !used.iter().any(|used| used == name));
         let names: Vec<String> = names.map(|(name, _)| format!("\"{name}\"")).collect();
         self.append_or_add("extensionsUsed", &names, &mut new_members)?;
@@ -389,29 +460,31 @@ impl<'a> Writer<'a> {
     }
 
     fn add_shapes(&mut self, new_members: &mut Vec<(&'static str, String)>) -> Result<(), String> {
-        if self.shapes.is_empty() {
-            return Ok(());
+        let mut new_lists = Vec::new();
+        for (name, (_, new)) in SHAPE_LISTS.into_iter().zip(&self.shapes).filter(|(_, (_, new))| !new.is_empty()) {
+            let shapes = || format!("[{}]", new.join(","));
+            let extensions = self.root.get("extensions").map(|extensions| members(extensions.get())).transpose()?;
+            match (extensions.as_ref().and_then(|extensions| extensions.get(name)), shapes_of(self.root, name)?) {
+                (_, Some(list)) => self.edits.append(list.get(), new)?,
+                (Some(object), None) => self.edits.add(object.get(), &[("shapes", shapes())])?,
+                (None, None) => new_lists.push((name, object(&[("shapes", shapes())]))),
+            }
         }
-        let shapes = format!("[{}]", self.shapes.join(","));
-        let Some(extensions) = self.root.get("extensions") else {
-            let shapes = object(&[(OMI_SHAPE, object(&[("shapes", shapes)]))]);
-            new_members.push(("extensions", shapes));
-            return Ok(());
-        };
-        match (members(extensions.get())?.get(OMI_SHAPE), shapes_of(self.root)?) {
-            (_, Some(list)) => self.edits.append(list.get(), &self.shapes),
-            (Some(object), None) => self.edits.add(object.get(), &[("shapes", shapes)]),
-            (None, None) => self.edits.add(extensions.get(), &[(OMI_SHAPE, object(&[("shapes", shapes)]))]),
+        match self.root.get("extensions") {
+            _ if new_lists.is_empty() => {}
+            Some(extensions) => self.edits.add(extensions.get(), &new_lists)?,
+            None => new_members.push(("extensions", object(&new_lists))),
         }
+        Ok(())
     }
 }
 
-/// The list of shapes that the document has for `OMI_physics_body`.
-fn shapes_of<'a>(root: &Members<'a>) -> Result<Option<&'a RawValue>, String> {
+/// The list of shapes that the document has for an extension.
+fn shapes_of<'a>(root: &Members<'a>, name: &str) -> Result<Option<&'a RawValue>, String> {
     let Some(extensions) = root.get("extensions") else {
         return Ok(None);
     };
-    match members(extensions.get())?.get(OMI_SHAPE) {
+    match members(extensions.get())?.get(name) {
         Some(shapes) => Ok(members(shapes.get())?.get("shapes").copied()),
         None => Ok(None),
     }

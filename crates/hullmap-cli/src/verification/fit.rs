@@ -204,6 +204,12 @@ impl Judge {
             .or_else(|| sampled(&inside(&vertices), cavity, value, confirm))
     }
 
+    /// One of `points` of a primitive that is farther than `claim` from the solid.
+    pub fn farther(&self, points: &[DVec3], claim: f64) -> Option<Witness> {
+        let value = |p: DVec3| if self.soup.seems_inside(p) { 0.0 } else { self.soup.gap(p) - self.rounding };
+        sampled(points, claim, value, |p| self.soup.is_outside(p))
+    }
+
     /// Whether a point lies on or in the hull.
     pub fn is_in(&self, hull: &Hull, p: DVec3) -> bool {
         to_point(hull, p).lower <= ON_PART * self.diagonal

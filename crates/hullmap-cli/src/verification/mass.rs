@@ -1,8 +1,10 @@
-//! Verification of the mass that a pack records for a mesh: it is computed again from the source.
+//! Verification of the mass that a pack records for a mesh, and of the share of its solid that is
+//! in no part: both are computed again from the source.
 
 use glam::{DMat3, DVec3};
 use hullmap::Hull;
 use hullmap_bake::PointSet;
+use hullmap_bake::fit::VoidsShare;
 use hullmap_bake::mass::Mass;
 
 use crate::part::diagonal;
@@ -38,6 +40,27 @@ pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option
         return Some(format!("the inertia that the pack records is not that of {name}"));
     }
     None
+}
+
+/// Difference from the recorded share that rounding may explain. Numbers of records are f32.
+const SHARE_ROUNDING: f64 = 1e-6;
+
+/// Why the voids that the first of an object's hulls records are not those of its parts; `None` if
+/// they are, or if nothing is recorded. `computed` are the voids of the parts in the pack.
+pub fn voids_problem(first: &Hull, name: &str, computed: Option<VoidsShare>) -> Option<String> {
+    let recorded = first.voids()?;
+    let Some(computed) = computed else {
+        return Some(format!("it records voids of {name}, which has no volume, or no parts that can be compared"));
+    };
+    let is_near = |found: f64, claimed: f64| (found - claimed).abs() <= SHARE_ROUNDING;
+    if is_near(computed.share, recorded.share) && is_near(computed.error, recorded.error) {
+        return None;
+    }
+    let [found, found_error, claimed, claimed_error] =
+        [computed.share, computed.error, recorded.share, recorded.error].map(rounded);
+    Some(format!(
+        "the share of {name} in no part is {found} ± {found_error}, but the pack records {claimed} ± {claimed_error}"
+    ))
 }
 
 /// Inertia tensor about the centre of mass, at density 1.

@@ -15,6 +15,7 @@ pub mod mass;
 pub mod outside;
 pub mod pack;
 pub mod parts;
+mod primitive;
 pub mod random;
 pub mod soup;
 pub mod truth;

@@ -7,7 +7,8 @@
 //!    and stay within its recorded outer error.
 //! 4. No point of an object's surface may lie farther outside its parts than recorded, and no part
 //!    may protrude farther from its solid than recorded.
-//! 5. The recorded mass must be that of the mesh.
+//! 5. The recorded mass must be that of the mesh, and the recorded voids those of the parts. A
+//!    primitive must contain the surface in its part, and protrude no farther than recorded.
 //! 6. Parts that a physics engine cannot use well pass with warnings.
 
 use std::collections::HashSet;
@@ -27,6 +28,7 @@ use super::fit::{Judge, Witness};
 use super::mass;
 use super::outside::measure_outside;
 use super::parts::{PartsFindings, findings};
+use super::primitive;
 use super::truth::Points;
 use super::{Measurement, REGRET_LIMIT, index, measure};
 use crate::estimates::PartsEstimates;
@@ -290,8 +292,18 @@ fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results
     if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
         result.problems.extend(mass::problem(first, mesh, computed.as_ref()));
     }
+    let found = findings(hulls, Some(mesh), computed.map(|mass| mass.volume), cover);
+    if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
+        let voids = found.as_ref().and_then(|found| found.estimates.voids_share());
+        result.problems.extend(mass::voids_problem(first, &mesh.name, voids));
+        let must_fill = cover.is_some_and(|cover| cover.max_parts.is_none() && cover.seconds.is_none());
+        if must_fill && found.as_ref().is_some_and(|found| found.estimates.filled == Some(false)) {
+            let name = &mesh.name;
+            result.problems.push(format!("the pack records that its parts fill {name}, but they leave voids"));
+        }
+    }
     verify_fit(hulls, mesh, cover, results);
-    add(findings(hulls, Some(mesh), computed.map(|mass| mass.volume), cover), results);
+    add(found, results);
 }
 
 /// Adds what was found about the parts of one object to their results.
@@ -353,6 +365,7 @@ fn judge(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [
             let found = judge.kind();
             result.problems.push(format!("the solid of {name} is recorded as {solid}, but it is {found}"));
         }
+        result.problems.extend(primitive::problem(hull, mesh, &judge));
         let is_in = judge.is_in(hull, at);
         if !is_in {
             result.problems.push(format!("its point of greatest protrusion, {at}, is not a point of the part"));

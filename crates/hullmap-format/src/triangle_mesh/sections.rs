@@ -43,7 +43,7 @@ impl<'a> Sections<'a> {
     /// # Complexity
     /// O(1).
     pub fn read(payload: &'a [u8]) -> Result<Self, CheckError> {
-        let mut cutter = Cutter::<ROOT_LEN>::new(payload)?;
+        let mut cutter = Cutter::<ROOT_LEN>::new(payload, ROOT_LEN)?;
         let sections = Self {
             records: cutter.cut("records", offset_of!(ArchivedTriangleMesh, records))?,
             source_path: cutter.cut("source_path", offset_of!(ArchivedTriangleMesh, source_path))?,

@@ -46,6 +46,10 @@ class BakeOptions(TypedDict, total=False):
     reachable: Optional[Union[float, str]]
     """Count protrusion only where a ball of this radius can come from outside; ``"5%"`` is relative to the
     diagonal. Inner walls then cost no parts."""
+    fill: Optional[bool]
+    """Leave no voids: every point of a closed mesh's solid is in a part. There may be more parts."""
+    primitives: Optional[bool]
+    """Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds."""
     decompose_seconds: Optional[float]
     """Time after which the search for parts stops. Packs may then differ from run to run."""
     vertices: Optional[Literal["referenced", "all"]]

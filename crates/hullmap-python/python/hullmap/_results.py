@@ -337,6 +337,24 @@ class Support(_Answer):
     """Index of the hull that reaches farthest, for a pack."""
 
 
+@dataclass(frozen=True)
+class Primitive:
+    """A box, sphere, capsule or cylinder that may replace a convex part. It contains all of the mesh's surface
+    that is in the part."""
+
+    kind: str
+    """``box``, ``sphere``, ``capsule`` or ``cylinder``."""
+    center: Tuple[float, float, float]
+    """Its centre, in the hull's frame."""
+    rotation: Tuple[float, float, float, float]
+    """Rotation from its own axes: a unit quaternion x, y, z, w. The axis of capsules and cylinders is z."""
+    sizes: Tuple[float, float, float]
+    """Box: half extents. Sphere: radius. Capsule and cylinder: radius, and half the length of the axis, without
+    the ends of a capsule. The others are 0."""
+    protrusion: float
+    """Bound on how far a point of it lies outside the mesh's solid."""
+
+
 @dataclass(frozen=True, eq=False)
 class MassProperties:
     """Mass properties of a solid of uniform density."""

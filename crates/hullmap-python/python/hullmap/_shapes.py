@@ -22,6 +22,7 @@ from ._results import (
     Manifold,
     MassProperties,
     PairManifolds,
+    Primitive,
     RayHit,
     SignedDistance,
     Support,
@@ -693,6 +694,23 @@ class Hull(ConvexShape):
         """For a part: the point of it that protrudes most; (3,)."""
         at = self._facts["protrusion_at"]
         return None if at is None else floats("protrusion_at", at)
+
+    @property
+    def voids(self) -> Optional[Tuple[float, float]]:
+        """For a part: the share of the mesh's solid that is in no part, from 0 to 1, and its error.
+        All parts of an object have the same. ``None`` if the pack does not record it."""
+        found: Optional[Tuple[float, float]] = self._facts["voids"]
+        return found
+
+    @property
+    def primitive(self) -> Optional[Primitive]:
+        """For a part: the box, sphere, capsule or cylinder that may replace it. ``None`` if there is
+        none, or the pack was baked without ``primitives``."""
+        found = self._facts["primitive"]
+        if found is None:
+            return None
+        kind, center, rotation, sizes, protrusion = found
+        return Primitive(kind, tuple(center), tuple(rotation), tuple(sizes), protrusion)
 
     @property
     def index_kind(self) -> str:

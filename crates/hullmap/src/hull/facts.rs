@@ -277,4 +277,36 @@ impl Hull<'_> {
     pub fn protrusion_at(&self) -> Option<DVec3> {
         self.solid().map(|_| vector(&self.record.protrusion_at))
     }
+
+    /// Share of the solid of the source object's mesh that lies in none of its parts: 0 to 1. The
+    /// same for all parts of an object. A small body that starts there touches nothing.
+    ///
+    /// `None` if the pack does not record it: the hull is not a part, or its mesh bounds no solid
+    /// that could be measured.
+    ///
+    /// # Complexity
+    /// O(1).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.voids(), None);
+    /// # }
+    /// ```
+    pub fn voids(&self) -> Option<Voids> {
+        let voids = self.voids?;
+        Some(Voids { share: f64::from(voids.share.to_native()), error: f64::from(voids.error.to_native()) })
+    }
+}
+
+/// The share of a solid's volume that lies in none of its parts, as an estimate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Voids {
+    /// Volume in no part, relative to the volume of the solid: 0 to 1.
+    pub share: f64,
+    /// Error of the share: twice its standard deviation, 0 to 1.
+    pub error: f64,
 }

@@ -6,6 +6,7 @@ mod faces;
 mod facts;
 mod feature;
 mod mass;
+mod replacement;
 mod shared;
 mod support_mapping;
 
@@ -14,8 +15,13 @@ use std::mem::offset_of;
 use glam::{DVec3, Vec3};
 use hullmap_format::{
     IndexKind,
-    archive::{ArchivedHullRecord, ArchivedMassRecord, ArchivedQuad, NO_SOURCE_VERTEX},
+    archive::{
+        ArchivedHullRecord, ArchivedMassRecord, ArchivedPrimitiveRecord, ArchivedQuad, ArchivedVoidsRecord,
+        NO_SOURCE_VERTEX,
+    },
+    primitive,
     sections::Sections,
+    voids,
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
@@ -24,7 +30,9 @@ use crate::support::index::Index;
 use crate::support::simd::{Dispatch, HOT_BYTES};
 
 pub use arrays::HullArrays;
+pub use facts::Voids;
 pub use mass::{MassProperties, MassSource};
+pub use replacement::Replacement;
 pub use shared::SharedHull;
 pub use support_mapping::SupportVertex;
 
@@ -51,6 +59,10 @@ pub struct Hull<'a> {
     record: &'a ArchivedHullRecord,
     /// The mass of the object's mesh, if it is recorded.
     mesh_mass: Option<&'a ArchivedMassRecord>,
+    /// The voids of the object, if they are recorded.
+    voids: Option<&'a ArchivedVoidsRecord>,
+    /// The primitive that may replace the hull, if one is recorded.
+    primitive: Option<&'a ArchivedPrimitiveRecord>,
     name: &'a [u8],
     source_vertices: &'a [u32_le],
     face_starts: &'a [u32_le],
@@ -72,6 +84,8 @@ impl<'a> Hull<'a> {
         let kind = IndexKind::of_record(record).unwrap_or(IndexKind::None);
         Some(Self {
             mesh_mass: mesh_mass(pack, index, record),
+            voids: voids_of(pack, index, record),
+            primitive: u32::try_from(index).ok().and_then(|index| primitive::of_hull(pack.primitives, index)),
             name: run(pack.names, start.name, end.name)?,
             record,
             vertices: pack.vertices.get(vertices.clone())?,
@@ -236,6 +250,12 @@ fn mesh_mass<'a>(pack: &Sections<'a>, index: usize, record: &ArchivedHullRecord)
     let first = index.checked_sub(record.part.to_native() as usize)?;
     let (start, end) = (pack.spans.get(first)?, pack.spans.get(first + 1)?);
     run(pack.masses, start.mass, end.mass)?.first()
+}
+
+/// The voids of the object of hull `index`.
+fn voids_of<'a>(pack: &Sections<'a>, index: usize, record: &ArchivedHullRecord) -> Option<&'a ArchivedVoidsRecord> {
+    let first = u32::try_from(index).ok()?.checked_sub(record.part.to_native())?;
+    voids::of_object(pack.voids, first)
 }
 
 fn vector(v: &[rkyv::rend::f64_le; 3]) -> DVec3 {

@@ -374,7 +374,7 @@ impl Pack {
             check_checksum(&header, bytes.payload())?;
         }
         let storage = Storage::new(bytes)?;
-        check::version(storage.sections(), header.format_version)?;
+        check::layout(storage.sections(), header.layout())?;
         match checks {
             Checks::Sections => {}
             Checks::Structure => check::structure(storage.sections(), storage.payload())?,

@@ -34,6 +34,9 @@ pub const SECTIONS: [(&str, usize, usize); 19] = [
 const HEADER: usize = 64;
 pub const ROOT: usize = 152;
 
+/// Further sections, as in [`SECTIONS`] (15). Their entries are in front of the root.
+const FURTHER: [(&str, usize, usize); 2] = [("voids", 12, 4), ("primitives", 96, 8)];
+
 /// Indices of the sections in [`SECTIONS`].
 pub mod section {
     pub const BLOCKS: usize = 0;
@@ -62,6 +65,16 @@ pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
     pub sections: [Range<usize>; 19],
+    /// File offsets of the bytes of further sections; none in version 7.
+    pub further: Vec<Range<usize>>,
+}
+
+/// 15.
+#[derive(Debug, PartialEq)]
+pub struct Voids {
+    pub hull: u32,
+    pub share: f32,
+    pub error: f32,
 }
 
 /// The runs of one hull.
@@ -81,6 +94,17 @@ pub struct Hull<'a> {
     pub edges: Vec<i16>,
     pub blocks: Vec<Block>,
     pub masses: Vec<Mass>,
+}
+
+/// 15.
+#[derive(Debug, PartialEq)]
+pub struct Primitive {
+    pub hull: u32,
+    pub kind: u32,
+    pub center: [f64; 3],
+    pub rotation: [f64; 4],
+    pub sizes: [f64; 3],
+    pub protrusion: f64,
 }
 
 /// 6.6.
@@ -173,18 +197,43 @@ impl<'a> File<'a> {
     /// 3 and 4: header, except for the hashes, and positions of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        assert_eq!(u32_at(bytes, 8), 7, "format version");
+        let version = u32_at(bytes, 8);
+        assert!(version == 7 || version == 9, "format version {version}");
         assert_eq!(u32_at(bytes, 12), 64, "header length");
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
         let root = bytes.len() - ROOT;
-        let sections = std::array::from_fn(|index| {
-            let entry = root + 8 * index;
+        let range = |entry: usize, size: usize| {
             let offset = i32::from_le_bytes(array(bytes, entry));
             let start = entry.checked_add_signed(offset as isize).unwrap();
-            start..start + u32_at(bytes, entry + 4) as usize * SECTIONS[index].1
-        });
-        Self { bytes, sections }
+            start..start + u32_at(bytes, entry + 4) as usize * size
+        };
+        let sections = std::array::from_fn(|index| range(root + 8 * index, SECTIONS[index].1));
+        let first = root - 8 * FURTHER.len();
+        let further = FURTHER.iter().enumerate().map(|(index, (_, size, _))| range(first + 8 * index, *size));
+        let further = if version == 9 { further.collect() } else { Vec::new() };
+        Self { bytes, sections, further }
+    }
+
+    /// The records of voids (15).
+    pub fn voids(&self) -> Vec<Voids> {
+        let bytes = self.further.first().map_or(&[][..], |range| &self.bytes[range.clone()]);
+        let record = |b: &[u8]| Voids { hull: u32_at(b, 0), share: f32_at(b, 4), error: f32_at(b, 8) };
+        bytes.chunks(12).map(record).collect()
+    }
+
+    /// The records of primitives (15).
+    pub fn primitives(&self) -> Vec<Primitive> {
+        let bytes = self.further.get(1).map_or(&[][..], |range| &self.bytes[range.clone()]);
+        let record = |b: &[u8]| Primitive {
+            hull: u32_at(b, 0),
+            kind: u32_at(b, 4),
+            center: doubles(b, 8),
+            rotation: doubles(b, 32),
+            sizes: doubles(b, 64),
+            protrusion: f64_at(b, 88),
+        };
+        bytes.chunks(96).map(record).collect()
     }
 
     pub fn section(&self, index: usize) -> &'a [u8] {
@@ -202,11 +251,13 @@ impl<'a> File<'a> {
         let mut end = HEADER;
         let mut padding = 0;
         let root = self.bytes.len() - ROOT..self.bytes.len();
-        let parts = self.sections.iter().zip(SECTIONS).map(|(range, (name, _, align))| (range, name, align));
+        let root = root.start - 8 * self.further.len()..root.end;
+        let all = self.sections.iter().zip(SECTIONS).chain(self.further.iter().zip(FURTHER));
+        let parts = all.map(|(range, (name, _, align))| (range, name, align));
         for (range, name, align) in parts.chain([(&root, "root", 4)]) {
             assert_eq!(range.start, HEADER + (end - HEADER).next_multiple_of(align), "start of {name}");
             assert!(self.bytes[end..range.start].iter().all(|b| *b == 0), "padding before {name}");
-            assert!(range.start == end || matches!(name, "spans" | "hulls"), "no padding before {name}");
+            assert!(range.start == end || matches!(name, "spans" | "hulls" | "primitives"), "no padding before {name}");
             padding += range.start - end;
             end = range.end;
         }

@@ -40,9 +40,15 @@ const POWERS: usize = 60;
 
 /// The coordinate axes, and the principal axes of a piece's surface.
 pub fn directions(piece: &Piece) -> [DVec3; 6] {
+    let [first, second, third] = principal_axes(piece.atoms.iter().flat_map(|atom| atom.triangles()));
+    [DVec3::X, DVec3::Y, DVec3::Z, first, second, third]
+}
+
+/// The principal axes of a surface, the longest first.
+pub fn principal_axes(triangles: impl Iterator<Item = [DVec3; 3]>) -> [DVec3; 3] {
     let (mut sum, mut total, mut second) = (DVec3::ZERO, 0.0, DMat3::ZERO);
     let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
-    for [a, b, c] in piece.atoms.iter().flat_map(|atom| atom.triangles()) {
+    for [a, b, c] in triangles {
         let (area, middle) = ((b - a).cross(c - a).length(), (a + b + c) / 3.0);
         sum += middle * area;
         total += area;
@@ -59,7 +65,7 @@ pub fn directions(piece: &Piece) -> [DVec3; 6] {
         axis
     };
     let (first, second) = (longest(), longest());
-    [DVec3::X, DVec3::Y, DVec3::Z, first, second, first.cross(second).normalize_or(DVec3::Z)]
+    [first, second, first.cross(second).normalize_or(DVec3::Z)]
 }
 
 /// Lowest and highest point of a piece along a direction.

@@ -80,7 +80,7 @@ use crate::{decompose::patch::Patch, progress::Stage};
 const CELL_SHARE: f64 = 0.08;
 
 /// Share of the limit that no cell's hull may exceed, proven.
-const HARD_SHARE: f64 = 0.8;
+pub const HARD_SHARE: f64 = 0.8;
 
 /// Share of the limit that pieces use; the rest is for simplified hulls, and for the proof.
 const RESERVE: f64 = 0.94;

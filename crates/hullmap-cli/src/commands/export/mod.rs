@@ -32,7 +32,7 @@ use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
 use crate::terminal::{self, Output};
-use robot::Robot;
+use robot::{Geometry, Robot};
 use scene::Added;
 
 /// The hulls of a pack as JSON. Field names are the JSON's.
@@ -431,17 +431,23 @@ fn files(
     }
     let stems = names::unique(bodies.iter().map(|body| names::token(&body.name)).collect());
     let mut files = Vec::with_capacity(bodies.len() + 1);
+    let mut colliders = Vec::with_capacity(bodies.len());
     for (body, stem) in bodies.iter().zip(stems) {
-        let name = format!("{stem}.{}", format.extension());
-        files.push(file(args, pack, format, name, std::slice::from_ref(body)).map_err(fault)?);
+        let primitive = body.primitive.filter(|primitive| robot::can_hold(args.target, primitive.kind));
+        let geometry = if let Some(primitive) = primitive {
+            Geometry::Primitive(primitive)
+        } else {
+            let name = format!("{stem}.{}", format.extension());
+            files.push(file(args, pack, format, name.clone(), std::slice::from_ref(body)).map_err(fault)?);
+            Geometry::Mesh(name)
+        };
+        colliders.push((body.name.clone(), geometry));
     }
-    let meshes: Vec<(String, String)> =
-        bodies.into_iter().zip(&files).map(|(body, file)| (body.name, file.name.clone())).collect();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = names::token(args.name.as_deref().unwrap_or(&stem));
     let prefix = args.mesh_prefix.as_deref().unwrap_or_default();
     let inertial = mass.and_then(|mass| Inertial::new(mass, args.up_axis));
-    let robot = Robot { name: &name, prefix, meshes: &meshes, inertial };
+    let robot = Robot { name: &name, prefix, colliders: &colliders, inertial };
     let document = match args.target {
         Some(Target::Mjcf) => Some((format!("{name}.xml"), robot.mjcf())),
         Some(Target::Urdf) => Some((format!("{name}.urdf"), robot.urdf())),

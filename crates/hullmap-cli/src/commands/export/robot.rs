@@ -6,6 +6,9 @@
 //! | URDF | `robot` | a `collision` each, in one link |
 //! | SDF | `sdf` | a `collision` each, in one link of one model |
 //!
+//! A primitive that may replace a hull is written instead of it, without a mesh file. URDF has no
+//! capsules; there the hull is written.
+//!
 //! All documents load as they are. Copy the elements from them into a model. The element
 //! `inertial` has the mass, so that the simulator does not add the masses of overlapping parts.
 //!
@@ -14,9 +17,52 @@
 //! elements `collision` and `inertial`; Open Robotics, "SDFormat Specification", elements `link`,
 //! `inertial` and `collision`.
 
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DQuat;
+use hullmap::PrimitiveKind;
 use hullmap_robot::escaped;
 
-use crate::mesh_file::body::Inertial;
+use crate::args::export::Target;
+use crate::mesh_file::body::{BodyPrimitive, Inertial};
+
+/// What collides.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// The mesh of a hull, in this file.
+    Mesh(String),
+    /// A primitive instead of a hull.
+    Primitive(BodyPrimitive),
+}
+
+/// Whether the document of a target can state a primitive of this kind.
+pub fn can_hold(target: Option<Target>, kind: PrimitiveKind) -> bool {
+    match target {
+        Some(Target::Mjcf | Target::Sdf) => true,
+        Some(Target::Urdf) => kind != PrimitiveKind::Capsule,
+        _ => false,
+    }
+}
+
+/// Angles of a rotation about the fixed axes x, y and z, in this order: roll, pitch and yaw.
+///
+/// # Reference
+/// Diebel, "Representing attitude", 2006, section 5.8.
+fn roll_pitch_yaw(rotation: DQuat) -> [f64; 3] {
+    let [x, y, z, w] = rotation.normalize().to_array();
+    let sine = 2.0 * (w * y - z * x);
+    if sine.abs() >= 1.0 - 1e-12 {
+        // Pitch of a right angle: roll and yaw turn about one axis, so one of them is enough.
+        return [2.0 * x.atan2(w), FRAC_PI_2.copysign(sine), 0.0];
+    }
+    let roll = (2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y));
+    [roll, sine.asin(), (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))]
+}
+
+/// Numbers with spaces between them.
+fn spaced(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
 
 /// Collision meshes of one body.
 #[derive(Debug)]
@@ -25,8 +71,8 @@ pub struct Robot<'a> {
     pub name: &'a str,
     /// Prefix of file names, for instance `package://robot/meshes/`.
     pub prefix: &'a str,
-    /// Name and file of each hull.
-    pub meshes: &'a [(String, String)],
+    /// Name and geometry of each hull.
+    pub colliders: &'a [(String, Geometry)],
     /// Mass of the body; `None` if it has none.
     pub inertial: Option<Inertial>,
 }
@@ -36,7 +82,8 @@ impl Robot<'_> {
     pub fn mjcf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
         let mut text = format!("<mujoco model=\"{name}\">\n  <asset>\n");
-        for (mesh, file) in self.meshes {
+        for (mesh, geometry) in self.colliders {
+            let Geometry::Mesh(file) = geometry else { continue };
             let (mesh, file) = (escaped(mesh), escaped(file));
             text += &format!("    <mesh name=\"{mesh}\" file=\"{prefix}{file}\"/>\n");
         }
@@ -47,9 +94,19 @@ impl Robot<'_> {
             text += &format!("      <inertial pos=\"{x} {y} {z}\" mass=\"{mass}\"");
             text += &format!(" fullinertia=\"{xx} {yy} {zz} {xy} {xz} {yz}\"/>\n");
         }
-        for (mesh, _) in self.meshes {
-            let mesh = escaped(mesh);
-            text += &format!("      <geom name=\"{mesh}\" type=\"mesh\" mesh=\"{mesh}\"/>\n");
+        for (name, geometry) in self.colliders {
+            let name = escaped(name);
+            text += &match geometry {
+                Geometry::Mesh(_) => format!("      <geom name=\"{name}\" type=\"mesh\" mesh=\"{name}\"/>\n"),
+                Geometry::Primitive(primitive) => {
+                    let sizes = spaced(&primitive.sizes[..primitive.kind.size_count()]);
+                    let [x, y, z, w] = primitive.rotation;
+                    let (kind, pos, quat) = (primitive.kind, spaced(&primitive.center), spaced(&[w, x, y, z]));
+                    format!(
+                        "      <geom name=\"{name}\" type=\"{kind}\" size=\"{sizes}\" pos=\"{pos}\" quat=\"{quat}\"/>\n"
+                    )
+                }
+            };
         }
         text + "    </body>\n  </worldbody>\n</mujoco>\n"
     }
@@ -65,11 +122,22 @@ impl Robot<'_> {
             text += &format!("      <mass value=\"{mass}\"/>\n      <inertia ixx=\"{xx}\" ixy=\"{xy}\" ixz=\"{xz}\"");
             text += &format!(" iyy=\"{yy}\" iyz=\"{yz}\" izz=\"{zz}\"/>\n    </inertial>\n");
         }
-        for (mesh, file) in self.meshes {
-            let (mesh, file) = (escaped(mesh), escaped(file));
-            text += &format!("    <collision name=\"{mesh}\">\n      <geometry>\n");
-            text += &format!("        <mesh filename=\"{prefix}{file}\"/>\n");
-            text += "      </geometry>\n    </collision>\n";
+        for (mesh, geometry) in self.colliders {
+            text += &format!("    <collision name=\"{}\">\n", escaped(mesh));
+            let shape = match geometry {
+                Geometry::Mesh(file) => format!("<mesh filename=\"{prefix}{}\"/>", escaped(file)),
+                Geometry::Primitive(primitive) => {
+                    let (xyz, rpy) = (spaced(&primitive.center), spaced(&roll_pitch_yaw(primitive.turn())));
+                    text += &format!("      <origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>\n");
+                    let [a, b, _] = primitive.sizes;
+                    match primitive.kind {
+                        PrimitiveKind::Box => format!("<box size=\"{}\"/>", spaced(&primitive.sizes.map(|x| 2.0 * x))),
+                        PrimitiveKind::Sphere => format!("<sphere radius=\"{a}\"/>"),
+                        kind => format!("<{kind} radius=\"{a}\" length=\"{}\"/>", 2.0 * b),
+                    }
+                }
+            };
+            text += &format!("      <geometry>\n        {shape}\n      </geometry>\n    </collision>\n");
         }
         text + "  </link>\n</robot>\n"
     }
@@ -79,7 +147,12 @@ impl Robot<'_> {
     /// The SDF document.
     pub fn sdf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
-        let mut text = format!("<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n  <model name=\"{name}\">\n");
+        let is_capsule = |(_, geometry): &(String, Geometry)| {
+            matches!(geometry, Geometry::Primitive(BodyPrimitive { kind: PrimitiveKind::Capsule, .. }))
+        };
+        // Capsules came with version 1.8.
+        let version = if self.colliders.iter().any(is_capsule) { "1.8" } else { "1.7" };
+        let mut text = format!("<?xml version=\"1.0\"?>\n<sdf version=\"{version}\">\n  <model name=\"{name}\">\n");
         text += &format!("    <link name=\"{name}\">\n");
         if let Some(Inertial { mass, center: [x, y, z], inertia: [[xx, xy, xz], [_, yy, yz], [.., zz]] }) =
             self.inertial
@@ -91,11 +164,24 @@ impl Robot<'_> {
             }
             text += "        </inertia>\n      </inertial>\n";
         }
-        for (mesh, file) in self.meshes {
-            let (mesh, file) = (escaped(mesh), escaped(file));
-            text += &format!("      <collision name=\"{mesh}\">\n        <geometry>\n");
-            text += &format!("          <mesh><uri>{prefix}{file}</uri></mesh>\n");
-            text += "        </geometry>\n      </collision>\n";
+        for (mesh, geometry) in self.colliders {
+            text += &format!("      <collision name=\"{}\">\n", escaped(mesh));
+            let shape = match geometry {
+                Geometry::Mesh(file) => format!("<mesh><uri>{prefix}{}</uri></mesh>", escaped(file)),
+                Geometry::Primitive(primitive) => {
+                    let (xyz, rpy) = (spaced(&primitive.center), spaced(&roll_pitch_yaw(primitive.turn())));
+                    text += &format!("        <pose>{xyz} {rpy}</pose>\n");
+                    let [a, b, _] = primitive.sizes;
+                    match primitive.kind {
+                        PrimitiveKind::Box => {
+                            format!("<box><size>{}</size></box>", spaced(&primitive.sizes.map(|x| 2.0 * x)))
+                        }
+                        PrimitiveKind::Sphere => format!("<sphere><radius>{a}</radius></sphere>"),
+                        kind => format!("<{kind}><radius>{a}</radius><length>{}</length></{kind}>", 2.0 * b),
+                    }
+                }
+            };
+            text += &format!("        <geometry>\n          {shape}\n        </geometry>\n      </collision>\n");
         }
         text + "    </link>\n  </model>\n</sdf>\n"
     }
@@ -103,12 +189,27 @@ impl Robot<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::{DMat3, DVec3};
+
     use super::*;
+
+    /// The angles give the rotation again, by three matrices, also where the pitch is a right angle.
+    #[test]
+    fn angles_give_the_rotation() {
+        let axis = |k: usize| DVec3::new(1.0, 0.3 * k as f64 - 2.0, (k * k % 7) as f64 - 3.0).normalize();
+        let right = [1.0, -1.0].map(|sign| DQuat::from_rotation_y(sign * FRAC_PI_2));
+        let turns = (0..40).map(|k| DQuat::from_axis_angle(axis(k), 0.37 * k as f64));
+        for rotation in turns.chain(right).chain(right.map(|right| DQuat::from_rotation_z(0.7) * right)) {
+            let [roll, pitch, yaw] = roll_pitch_yaw(rotation);
+            let found = DMat3::from_rotation_z(yaw) * DMat3::from_rotation_y(pitch) * DMat3::from_rotation_x(roll);
+            assert!(found.abs_diff_eq(DMat3::from_quat(rotation), 1e-6), "{rotation} {roll} {pitch} {yaw}");
+        }
+    }
 
     #[test]
     fn names_stay_in_their_attributes() {
-        let meshes = [("a\"/><evil x='\n".to_owned(), "a&b.obj".to_owned())];
-        let robot = Robot { name: "r<1>", prefix: "package://p/", meshes: &meshes, inertial: None };
+        let colliders = [("a\"/><evil x='\n".to_owned(), Geometry::Mesh("a&b.obj".to_owned()))];
+        let robot = Robot { name: "r<1>", prefix: "package://p/", colliders: &colliders, inertial: None };
         for text in [robot.mjcf(), robot.urdf(), robot.sdf()] {
             assert!(!text.contains("<evil") && text.contains("package://p/a&amp;b.obj"), "{text}");
             assert!(text.contains("\"r&lt;1&gt;\"") && text.contains("\"a&quot;/&gt;&lt;evil x=&apos;_\""), "{text}");

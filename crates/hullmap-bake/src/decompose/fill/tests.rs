@@ -1,0 +1,141 @@
+//! Voids of parts with and without filling, by points at random. Whether a point is in the solid is
+//! the sum of the solid angles of all triangles; whether it is in a part follows from the part's
+//! vertices.
+
+use glam::{DMat3, DVec3};
+use shapes::{concave, cubes, rng::SplitMix64};
+
+use super::super::{Cover, Length, decompose, tests::point_set};
+use crate::{
+    PointSet,
+    fit::{Solid, fits, remainder},
+    hull::{self, Hull},
+};
+
+const SEED: u64 = 41;
+
+/// Points that are drawn in the box around a mesh.
+const POINTS: usize = 4_000;
+
+/// The mesh, turned about an axis that is not one of the coordinates'.
+fn turned(mut mesh: PointSet) -> PointSet {
+    let turn = DMat3::from_axis_angle(DVec3::new(3.0, 1.0, 2.0).normalize(), 0.6);
+    mesh.positions.iter_mut().for_each(|p| *p = (turn * DVec3::from_array(p.map(f64::from))).as_vec3().to_array());
+    mesh
+}
+
+/// The winding number of the mesh around a point, from solid angles.
+///
+/// # Reference
+/// van Oosterom and Strackee, "The solid angle of a plane triangle", 1983.
+fn winding(mesh: &PointSet, p: DVec3) -> f64 {
+    let angle = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)) - p);
+        let [x, y, z] = [a, b, c].map(DVec3::length);
+        let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+        2.0 * a.dot(b.cross(c)).atan2(below)
+    };
+    mesh.triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
+}
+
+/// Whether a point is behind the planes of all faces, each through three corners.
+fn holds(part: &Hull, p: DVec3) -> bool {
+    let at = |v: u32| DVec3::from_array(part.vertices[v as usize].map(f64::from));
+    part.faces.iter().all(|face| {
+        let root = at(face[0]);
+        let area: DVec3 = face[1..].windows(2).map(|pair| (at(pair[0]) - root).cross(at(pair[1]) - root)).sum();
+        area.dot(p - root) <= 0.0
+    })
+}
+
+/// Number of points in the solid, and of those that are in no part.
+fn sampled(mesh: &PointSet, parts: &[Hull]) -> [usize; 2] {
+    let mut rng = SplitMix64::new(SEED);
+    let [low, high] = Solid::new(mesh).bounds();
+    let (mut inside, mut outside_parts) = (0, 0);
+    for _ in 0..POINTS {
+        let p = low + (high - low) * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        if winding(mesh, p).abs() > 0.5 {
+            inside += 1;
+            outside_parts += usize::from(!parts.iter().any(|part| holds(part, p)));
+        }
+    }
+    [inside, outside_parts]
+}
+
+fn parts(mesh: &PointSet, cover: &Cover) -> Vec<Hull> {
+    decompose(mesh, cover).unwrap().unwrap().iter().map(|part| hull::build(part).unwrap()).collect()
+}
+
+#[test]
+fn filled_parts_leave_no_voids() {
+    println!("seed {SEED}");
+    let meshes = [
+        ("grooved", point_set(&cubes::grooved([9, 9, 9], [4, 4, 4])), 0.01),
+        ("long", point_set(&cubes::grooved([11, 9, 8], [5, 3, 4])), 0.01),
+        ("turned", turned(point_set(&cubes::grooved([8, 9, 9], [4, 4, 3]))), 0.01),
+        ("hollow", point_set(&cubes::hollow([6, 5, 4])), 0.01),
+        ("stair", point_set(&concave::spiral_stair(7)), 0.01),
+    ];
+    let mut with_voids = 0;
+    for (name, mesh, error) in meshes {
+        let usual = Cover { max_error: Length::Relative(error), ..Cover::default() };
+        let (without, with) = (parts(&mesh, &usual), parts(&mesh, &Cover { fill: true, ..usual }));
+        let [[inside, voids], [_, left]] = [&without, &with].map(|parts| sampled(&mesh, parts));
+        println!("{name}: {voids} of {inside}; {} parts, then {left}; {} parts", without.len(), with.len());
+        assert!(inside > 200, "{name}: {inside} points");
+        assert_eq!(left, 0, "{name}");
+        with_voids += usize::from(voids > 0);
+        let refs: Vec<&Hull> = with.iter().collect();
+        assert!(remainder(&Solid::new(&mesh), &refs).is_empty(), "{name}");
+        // Both bounds still hold.
+        let diagonal = Solid::new(&mesh).diagonal();
+        for fit in fits(&mesh, &refs, None).unwrap() {
+            assert!(fit.uncovered <= 1e-6 * diagonal && fit.protrusion <= 1.001 * error * diagonal, "{name}: {fit:?}");
+        }
+        assert!(with.iter().all(|part| part.vertices.len() <= usual.max_vertices as usize), "{name}");
+    }
+    assert!(with_voids > 2, "{with_voids} meshes have voids");
+}
+
+/// A sheet has no inside, and a mesh with a hole none that is known.
+#[test]
+fn meshes_that_are_not_closed_are_left_as_they_are() {
+    let mut open = point_set(&cubes::grooved([5, 5, 5], [2, 2, 2]));
+    open.triangles.truncate(open.triangles.len() - 2);
+    let usual = Cover { max_error: Length::Relative(0.03), ..Cover::default() };
+    let [without, with] = [false, true].map(|fill| decompose(&open, &Cover { fill, ..usual }).unwrap().unwrap());
+    let positions = |parts: &[PointSet]| parts.iter().map(|part| part.positions.clone()).collect::<Vec<_>>();
+    assert_eq!(positions(&without), positions(&with));
+}
+
+/// What is left has the volume that the parts leave out, for parts whose volume is known.
+#[test]
+fn what_is_left_has_the_rest_of_the_volume() {
+    let mesh = point_set(&cubes::surface(&[[0, 0, 0], [1, 0, 0], [0, 1, 0]]));
+    let solid = Solid::new(&mesh);
+    // They contain the surface, and overlap in the corner.
+    let block = |low: [f32; 3], high: [f32; 3]| {
+        let corner = |i: usize| [0, 1, 2].map(|axis| [low, high][i >> axis & 1][axis]);
+        let source_vertices = (0..8).collect();
+        hull::build(&PointSet { positions: (0..8).map(corner).collect(), source_vertices, ..PointSet::default() })
+            .unwrap()
+    };
+    let (thin, end) = (0.125, 1.0 - 0.125);
+    let slabs = [
+        block([0.0; 3], [2.0, 2.0, thin]),
+        block([0.0, 0.0, end], [2.0, 2.0, 1.0]),
+        block([0.0; 3], [2.0, thin, 1.0]),
+        block([0.0; 3], [thin, 2.0, 1.0]),
+        block([0.0, 2.0 - thin, 0.0], [1.0, 2.0, 1.0]),
+        block([2.0 - thin, 0.0, 0.0], [2.0, 1.0, 1.0]),
+        block([end, end, 0.0], [1.0, 2.0, 1.0]),
+        block([end, end, 0.0], [2.0, 1.0, 1.0]),
+    ];
+    let left = remainder(&solid, &slabs.iter().collect::<Vec<_>>());
+    let volume: f64 = left.iter().map(|piece| piece.body.volume()).sum();
+    let (thin, height) = (f64::from(thin), 1.0 - 2.0 * f64::from(thin));
+    // Two arms that share a square, without the slabs at their sides.
+    let arms = 2.0 * (2.0 - 2.0 * thin) * height - height * height;
+    assert!((volume - arms * height).abs() < 1e-4, "{volume}");
+}

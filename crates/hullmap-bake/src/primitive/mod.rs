@@ -1,0 +1,188 @@
+//! Primitives that replace parts: a box, a sphere, a capsule or a cylinder where both bounds of the
+//! part hold for it, too.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`candidates`] | the smallest primitives of each kind around points |
+//! | [`around`] | polytopes around primitives |
+//!
+//! # Steps
+//! 1. Clip the mesh's triangles by the planes of the part, moved outward by what the parts leave
+//!    uncovered. The primitive must contain the corners of all pieces.
+//! 2. Find the smallest primitive of each kind around these points.
+//! 3. Prove the smallest one, or else the next one: the polytope around it must protrude by at most
+//!    the limit.
+//!
+//! # Why the bounds hold
+//! - *Cover.* A primitive is convex, so it contains a piece whose corners it contains. Each point of
+//!    the surface is in a part to within what the parts leave uncovered, so it is in a piece of some
+//!    part, and in the primitive that replaces that part.
+//! - *Protrusion.* The polytope contains the primitive: the primitive's support point along the
+//!    normal of each face is behind the face. The polytope is measured like any part.
+//!
+//! What the parts overlap, and the voids between them, are those of the hulls.
+
+pub mod around;
+pub mod candidates;
+
+use glam::{DQuat, DVec3};
+use hullmap_format::PrimitiveKind;
+use rayon::prelude::*;
+
+use crate::{
+    PointSet,
+    decompose::partition::body::Body,
+    fit::{Accuracy, Fit, Solid, planes, protrusion},
+    hull::Hull,
+};
+
+/// Distance by which primitives are larger than the smallest one around their points, relative to
+/// the diagonal: more than rounding to stored coordinates moves a point.
+const MARGIN: f64 = 1e-9;
+
+/// Share of the limit by which the polytope may protrude more than the primitive in it.
+const EXCESS: f64 = 0.04;
+
+/// A box, a sphere, a capsule or a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Primitive {
+    /// What it is.
+    pub kind: PrimitiveKind,
+    /// Its centre.
+    pub center: DVec3,
+    /// Rotation from its own axes: a unit quaternion. The axis of capsules and cylinders is z.
+    pub rotation: DQuat,
+    /// Box: half of its extent along x, y and z. Sphere: radius. Capsule and cylinder: radius, and
+    /// half the length of its axis, without the ends of the capsule. The others are 0.
+    pub sizes: [f64; 3],
+}
+
+/// A primitive with its proven bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProvenPrimitive {
+    /// The primitive.
+    pub primitive: Primitive,
+    /// Upper bound on how far a point of it lies outside the mesh's solid.
+    pub protrusion: f64,
+}
+
+impl Primitive {
+    /// A point in the axes of the primitive, from its centre.
+    pub fn local(&self, p: DVec3) -> DVec3 {
+        self.rotation.inverse() * (p - self.center)
+    }
+
+    /// Whether a point is at most `slack` outside.
+    pub fn holds(&self, p: DVec3, slack: f64) -> bool {
+        let ([a, b, c], p) = (self.sizes, self.local(p));
+        let from_axis = p.truncate().length();
+        match self.kind {
+            PrimitiveKind::Box => p.abs().cmple(DVec3::new(a, b, c) + slack).all(),
+            PrimitiveKind::Sphere => p.length() <= a + slack,
+            PrimitiveKind::Capsule => (p - DVec3::Z * p.z.clamp(-b, b)).length() <= a + slack,
+            PrimitiveKind::Cylinder => from_axis <= a + slack && p.z.abs() <= b + slack,
+        }
+    }
+
+    /// The greatest height of its points above the plane through its centre with this unit normal.
+    pub fn reach(&self, normal: DVec3) -> f64 {
+        let ([a, b, c], n) = (self.sizes, self.rotation.inverse() * normal);
+        match self.kind {
+            PrimitiveKind::Box => n.abs().dot(DVec3::new(a, b, c)),
+            PrimitiveKind::Sphere => a,
+            PrimitiveKind::Capsule => a + b * n.z.abs(),
+            PrimitiveKind::Cylinder => a * n.truncate().length() + b * n.z.abs(),
+        }
+    }
+
+    /// Its volume.
+    pub fn volume(&self) -> f64 {
+        let [a, b, c] = self.sizes;
+        let pi = std::f64::consts::PI;
+        match self.kind {
+            PrimitiveKind::Box => 8.0 * a * b * c,
+            PrimitiveKind::Sphere => 4.0 / 3.0 * pi * a.powi(3),
+            PrimitiveKind::Capsule => pi * a * a * (4.0 / 3.0 * a + 2.0 * b),
+            PrimitiveKind::Cylinder => pi * a * a * 2.0 * b,
+        }
+    }
+}
+
+/// For each part of `mesh` the smallest primitive that can replace it; `None` where there is none.
+/// `fits` are the bounds of the parts. A primitive protrudes from `solid` by at most `limit`. With
+/// `whole`, it contains all of its part, so that no voids arise.
+///
+/// # Complexity
+/// For each part, a pass over the triangles, and at most four proofs.
+pub fn primitives(
+    solid: &Solid,
+    mesh: &PointSet,
+    parts: &[&Hull],
+    fits: &[Fit],
+    limit: f64,
+    whole: bool,
+) -> Vec<Option<ProvenPrimitive>> {
+    let replaced = |(part, fit): (&&Hull, &Fit)| {
+        if part.rank < 3 {
+            return None;
+        }
+        let mut points = contained(mesh, part, fit.uncovered, solid.diagonal());
+        if whole || points.is_empty() {
+            points.extend(part.positions());
+        }
+        of_points(solid, &points, limit)
+    };
+    parts.par_iter().zip(fits).map(replaced).collect()
+}
+
+/// The corners of all pieces of the mesh's surface that are in a part, or at most `uncovered`
+/// outside.
+pub fn contained(mesh: &PointSet, part: &Hull, uncovered: f64, diagonal: f64) -> Vec<DVec3> {
+    let room = uncovered + MARGIN * diagonal;
+    let planes: Vec<_> = planes::half_spaces(part).into_iter().map(|plane| plane.moved(room)).collect();
+    let positions = part.positions();
+    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min) - room;
+    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + room;
+    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let mut points = Vec::new();
+    for triangle in &mesh.triangles {
+        let corners = triangle.map(at);
+        let is_apart = |p: fn(DVec3, DVec3) -> DVec3| corners.into_iter().reduce(p).unwrap_or_default();
+        if is_apart(DVec3::min).cmpgt(high).any() || is_apart(DVec3::max).cmplt(low).any() {
+            continue;
+        }
+        points.extend(planes::divide(&corners, &planes, 0.0).0);
+    }
+    points
+}
+
+/// The smallest primitive around points that protrudes by at most `limit`.
+fn of_points(solid: &Solid, points: &[DVec3], limit: f64) -> Option<ProvenPrimitive> {
+    let diagonal = solid.diagonal();
+    let body = Body::new(points, 0.0);
+    let mut found = candidates::candidates(&body, MARGIN * diagonal);
+    found.retain(|primitive| points.iter().all(|p| primitive.holds(*p, 0.0)));
+    found.sort_by(|a, b| a.volume().total_cmp(&b.volume()));
+    found.into_iter().find_map(|primitive| {
+        let protrusion = proven(solid, &primitive, limit)?;
+        Some(ProvenPrimitive { primitive, protrusion })
+    })
+}
+
+/// A bound on how far a primitive protrudes from a solid, if it is at most `limit`.
+pub fn proven(solid: &Solid, primitive: &Primitive, limit: f64) -> Option<f64> {
+    let diagonal = solid.diagonal();
+    // Most primitives that protrude are refuted by a few points. Written so that NaN fails.
+    if !around::surface_points(primitive).iter().all(|p| solid.distance(*p) <= limit) {
+        return None;
+    }
+    let polytope = around::polytope(primitive, EXCESS * limit, diagonal)?;
+    let mut found = protrusion(solid, &polytope, &Accuracy::tight(diagonal)).bound;
+    if found > limit {
+        found = protrusion(solid, &polytope, &Accuracy::decide(limit)).bound;
+    }
+    (found <= limit).then_some(found)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+//! Primitives against points at random: of the mesh's surface, which must be in the primitive or in
+//! another part, and of the primitives' surfaces, which must be near the solid. Distances are the
+//! least over all triangles; whether a point is inside is a sum of solid angles.
+
+use glam::DMat3;
+use shapes::{
+    mesh::Mesh,
+    rng::SplitMix64,
+    solids::{extrusion, lathe},
+};
+
+use super::*;
+use crate::{
+    decompose::{Cover, Length, decompose},
+    fit::fits,
+    hull,
+};
+
+const SEED: u64 = 43;
+
+/// Points that are drawn on each surface.
+const POINTS: usize = 1_500;
+
+fn turned(mesh: &Mesh) -> PointSet {
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let place = |p: &[f32; 3]| (turn * DVec3::from_array(p.map(f64::from)) + 0.25).as_vec3().to_array();
+    PointSet {
+        name: "mesh".into(),
+        positions: mesh.vertices.iter().map(place).collect(),
+        source_vertices: (0..mesh.vertices.len() as u32).collect(),
+        triangles: mesh.fans(),
+        ..PointSet::default()
+    }
+}
+
+fn corners(mesh: &PointSet, triangle: &[u32; 3]) -> [DVec3; 3] {
+    triangle.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)))
+}
+
+/// The distance of a point from a segment.
+fn from_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    p.distance(a + along * t)
+}
+
+/// The distance of a point from a triangle: from its plane if it is above the triangle, else from
+/// its sides.
+fn from_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let is_above = [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).cross(p - *u).dot(normal) >= 0.0);
+    if is_above {
+        return normal.dot(p - a).abs();
+    }
+    from_segment(p, a, b).min(from_segment(p, b, c)).min(from_segment(p, c, a))
+}
+
+/// The distance of a point from the solid of a closed mesh.
+fn from_solid(mesh: &PointSet, p: DVec3) -> f64 {
+    let angle = |triangle: &[u32; 3]| {
+        let [a, b, c] = corners(mesh, triangle).map(|corner| corner - p);
+        let [x, y, z] = [a, b, c].map(DVec3::length);
+        2.0 * a.dot(b.cross(c)).atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+    };
+    if mesh.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * std::f64::consts::PI {
+        return 0.0;
+    }
+    mesh.triangles.iter().map(|triangle| from_triangle(p, corners(mesh, triangle))).fold(f64::INFINITY, f64::min)
+}
+
+/// A point on the surface of a primitive, by its definition.
+fn on_surface(rng: &mut SplitMix64, primitive: &Primitive) -> DVec3 {
+    let mut unit = || 2.0 * rng.unit() - 1.0;
+    let direction = DVec3::new(unit(), unit(), unit()).normalize_or(DVec3::X);
+    let flat = DVec3::new(direction.x, direction.y, 0.0).normalize_or(DVec3::X);
+    let [a, b, c] = primitive.sizes;
+    let (along, side) = (unit(), unit());
+    let local = match primitive.kind {
+        PrimitiveKind::Box => {
+            let p = DVec3::new(unit(), along, side);
+            p / p.abs().max_element() * DVec3::new(a, b, c)
+        }
+        PrimitiveKind::Sphere => direction * a,
+        PrimitiveKind::Capsule if side > 0.0 => flat * a + DVec3::Z * along * b,
+        PrimitiveKind::Capsule => direction * a + DVec3::Z * b * direction.z.signum(),
+        PrimitiveKind::Cylinder if side > 0.0 => flat * a + DVec3::Z * along * b,
+        PrimitiveKind::Cylinder => flat * a * along + DVec3::Z * b * direction.z.signum(),
+    };
+    primitive.center + primitive.rotation * local
+}
+
+/// The kinds of primitives of a mesh's parts, after a judgement by points.
+fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>> {
+    let cover = Cover { max_error: Length::Relative(error), ..Cover::default() };
+    let parts: Vec<Hull> = match decompose(mesh, &cover).unwrap() {
+        Some(parts) => parts.iter().map(|part| hull::build(part).unwrap()).collect(),
+        None => vec![hull::build(mesh).unwrap()],
+    };
+    let parts: Vec<&Hull> = parts.iter().collect();
+    let solid = Solid::new(mesh);
+    let (diagonal, limit) = (solid.diagonal(), error * solid.diagonal());
+    let fits = fits(mesh, &parts, Some(limit)).unwrap();
+    let found = primitives(&solid, mesh, &parts, &fits, limit, false);
+    let mut rng = SplitMix64::new(SEED);
+    let planes: Vec<_> = parts.iter().map(|part| planes::half_spaces(part)).collect();
+    let room = 1e-6 * diagonal;
+    for _ in 0..POINTS {
+        let triangle = &mesh.triangles[rng.below(mesh.triangles.len())];
+        let [a, b, c] = corners(mesh, triangle);
+        let (u, v) = (rng.unit(), rng.unit());
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let p = a + (b - a) * u + (c - a) * v;
+        let is_in = |part: usize| match found[part] {
+            Some(proven) => proven.primitive.holds(p, 0.0),
+            None => planes[part].iter().all(|plane| plane.height(p) <= room),
+        };
+        assert!((0..parts.len()).any(is_in), "{name}: {p} is in nothing");
+    }
+    for proven in found.iter().flatten() {
+        assert!(proven.protrusion <= limit, "{name}: {proven:?}");
+        let farthest =
+            (0..POINTS / 3).map(|_| from_solid(mesh, on_surface(&mut rng, &proven.primitive))).fold(0.0, f64::max);
+        assert!(farthest <= proven.protrusion + 1e-9 * diagonal, "{name}: {farthest} {proven:?}");
+    }
+    println!("{name}: {found:?}");
+    found.iter().map(|proven| proven.map(|proven| proven.primitive.kind)).collect()
+}
+
+/// Profile of a body of revolution with a round end at each height.
+fn rounded(half: f64, steps: usize) -> Vec<[f64; 2]> {
+    let angle = |k: usize| std::f64::consts::PI * (k as f64 / (2 * steps + 1) as f64 - 0.5);
+    let ring = |k: usize| [angle(k).cos(), angle(k).sin() + if k <= steps { -half } else { half }];
+    let middle = (1..=2 * steps).map(ring);
+    [[0.0, -1.0 - half]].into_iter().chain(middle).chain([[0.0, 1.0 + half]]).collect()
+}
+
+#[test]
+fn bodies_of_one_primitive_are_found() {
+    println!("seed {SEED}");
+    let flat = [[0.0, -1.5], [0.8, -1.5], [0.8, 1.5], [0.0, 1.5]];
+    for (name, mesh, kind) in [
+        ("ball", lathe(&rounded(0.0, 12), 32), PrimitiveKind::Sphere),
+        ("capsule", lathe(&rounded(1.5, 12), 32), PrimitiveKind::Capsule),
+        ("cylinder", lathe(&flat, 40), PrimitiveKind::Cylinder),
+        ("box", extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]], 0.0, 3.0), PrimitiveKind::Box),
+    ] {
+        assert_eq!(judged(name, &turned(&mesh), 0.02), [Some(kind)], "{name}");
+    }
+}
+
+/// A slab on four legs of different heights, each a shell of its own.
+fn table() -> Mesh {
+    let slab = |low: [f64; 3], high: [f64; 3]| {
+        let outline = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]];
+        extrusion(&outline, low[2], high[2])
+    };
+    let mut table = slab([0.0, 0.0, 0.0], [3.0, 2.0, 0.2]);
+    for (x, y, length) in [(0.1, 0.1, 1.5), (2.6, 0.1, 1.2), (0.1, 1.6, 1.0), (2.6, 1.6, 1.4)] {
+        let leg = slab([x, y, -length], [x + 0.3, y + 0.3, 0.0]);
+        let start = table.vertices.len() as u32;
+        table.vertices.extend(&leg.vertices);
+        table.faces.extend(leg.faces.iter().map(|face| face.iter().map(|v| v + start).collect::<Vec<_>>()));
+    }
+    table
+}
+
+#[test]
+fn a_table_of_boxes_becomes_boxes() {
+    println!("seed {SEED}");
+    assert_eq!(judged("table", &turned(&table()), 0.01), [Some(PrimitiveKind::Box); 5]);
+}
+
+/// A ring of rounded section is in no primitive that stays near it.
+#[test]
+fn pieces_of_a_ring_stay_hulls() {
+    println!("seed {SEED}");
+    let steps = 24;
+    let turn = |angle: f64| DMat3::from_rotation_z(angle);
+    let mut mesh = Mesh::default();
+    let at = |i: usize, k: usize| ((i % steps) * steps + k % steps) as u32;
+    for i in 0..steps {
+        for k in 0..steps {
+            let [around, across] = [i, k].map(|at| 2.0 * std::f64::consts::PI * at as f64 / steps as f64);
+            let p = DVec3::new(1.0 + 0.3 * across.cos(), 0.0, 0.3 * across.sin());
+            mesh.push_vertex((turn(around) * p).to_array());
+            mesh.faces.push(vec![at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)]);
+        }
+    }
+    let kinds = judged("ring", &turned(&mesh), 0.01);
+    assert!(kinds.len() > 5 && kinds.iter().all(Option::is_none), "{kinds:?}");
+}
