@@ -56,7 +56,7 @@ fn main() {
         }
     }
     println!(
-        "| folder | parts | vertices | ms a step: first quarter | last quarter | deepest mm: ever | at the end | asleep | lost |"
+        "| folder | parts | vertices | ms a step: first quarter | last quarter | deepest mm: ever | at the end | slower than 10 mm/s | lost |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     let rows = arguments.folders.iter().zip(&all).zip(&pits).zip(times.iter().zip(&deepest));
@@ -73,7 +73,7 @@ fn main() {
             mean(&times[times.len() - quarter..]),
             1e3 * deepest,
             1e3 * pit.deepest(),
-            pit.asleep(),
+            pit.slower_than(0.01),
             pit.lost(),
         );
     }
