@@ -1,4 +1,5 @@
-//! Bodies of the scenes: a baked hull, or several convex parts, and parry's hulls of the same points.
+//! Bodies of the scenes: a baked hull, or several convex parts, and parry's hulls of the same
+//! points.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,8 +34,8 @@ impl Model {
         Self::new(name, &moved)
     }
 
-    /// A body of convex parts, each given by its points, moved and scaled as by [`Self::sized`]. Flat
-    /// parts are left out. `None` if all are flat. Panics as that does.
+    /// A body of convex parts, each given by its points, moved and scaled as by [`Self::sized`].
+    /// Flat parts are left out. `None` if all are flat. Panics as that does.
     pub fn of_parts(name: &str, parts: &[Vec<[f32; 3]>], size: f32) -> Option<Self> {
         let whole = Self::sized(name, &parts.concat(), size)?;
         let all = parts.concat();
