@@ -1,5 +1,6 @@
 //! Gives the shared library the name that programs record (SONAME, install name). The file itself
-//! gets that name from the script `install`. The crate hullmap-decompose-c has the same build script.
+//! gets that name from the script `install`. The crate hullmap-decompose-c has the same build
+//! script.
 
 fn main() {
     println!("cargo:rerun-if-changed=../hullmap-c/build.rs");

@@ -24,8 +24,8 @@ pub struct Part<'a> {
 /// The points of each hull that point sets become: the sets themselves, or their convex parts.
 ///
 /// Without a time limit, the result depends on the sets and the parameters only, so that `bake
-/// verify` can compute it again. With a limit, sets are decomposed one after the other, so that each
-/// has its time on all threads. `stage` shows the progress.
+/// verify` can compute it again. With a limit, sets are decomposed one after the other, so that
+/// each has its time on all threads. `stage` shows the progress.
 ///
 /// # Errors
 /// A point set has no hull; the error names the first one.

@@ -59,7 +59,7 @@ pub enum PrimitiveError {
 ///
 /// # Complexity
 /// O(log n) for n records.
-pub fn of_hull<'a>(records: &'a [ArchivedPrimitiveRecord], hull: u32) -> Option<&'a ArchivedPrimitiveRecord> {
+pub fn of_hull(records: &[ArchivedPrimitiveRecord], hull: u32) -> Option<&ArchivedPrimitiveRecord> {
     let index = records.binary_search_by_key(&hull, |record| record.hull.to_native()).ok()?;
     records.get(index)
 }
@@ -90,7 +90,7 @@ pub(crate) fn check(pack: &Sections<'_>) -> Result<(), PrimitiveError> {
         let protrusion = primitive.protrusion.to_native();
         let length_sq: f64 = rotation.iter().map(|component| component * component).sum();
         let is_frame = center.iter().all(|c| c.is_finite()) && (length_sq - 1.0).abs() <= UNIT;
-        if !is_frame || !(protrusion >= 0.0 && protrusion < f64::INFINITY) {
+        if !(is_frame && (0.0..f64::INFINITY).contains(&protrusion)) {
             return Err(PrimitiveError::Frame { record, center, rotation, protrusion });
         }
     }

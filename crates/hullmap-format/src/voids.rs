@@ -35,7 +35,7 @@ pub enum VoidsError {
 ///
 /// # Complexity
 /// O(log n) for n records.
-pub fn of_object<'a>(records: &'a [ArchivedVoidsRecord], first: u32) -> Option<&'a ArchivedVoidsRecord> {
+pub fn of_object(records: &[ArchivedVoidsRecord], first: u32) -> Option<&ArchivedVoidsRecord> {
     let index = records.binary_search_by_key(&first, |record| record.hull.to_native()).ok()?;
     records.get(index)
 }

@@ -1,24 +1,27 @@
-//! Bodies of the scenes: a baked hull, and parry's hull of the same points.
+//! Bodies of the scenes: a baked hull, or several convex parts, and parry's hulls of the same
+//! points.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hullmap::{Pack, SharedHull};
 use hullmap_bake::PointSet;
-use hullmap_import::{ImportOptions, Limits, import, read};
-use hullmap_parry::BakedHull;
+use hullmap_import::{ImportOptions, Limits, Split, import, read};
+use hullmap_parry::{BakedHull, union};
 use hullmap_testkit::packs;
 use rapier3d::prelude::*;
 
 use crate::way::Way;
 
-/// A convex body.
+/// A convex body, or one of convex parts.
 #[derive(Clone)]
 pub struct Model {
     /// Name in a table.
     pub name: String,
-    /// The baked hull.
+    /// The baked hull; of a body of parts, that of all of them.
     pub hull: SharedHull,
+    /// The baked hulls of the parts; of a convex body, its own.
+    pub parts: Vec<SharedHull>,
     parry: SharedShape,
 }
 
@@ -27,13 +30,21 @@ impl Model {
     /// origin, and its longest side `size`. `None` if the hull is flat. Panics if the points cannot
     /// be baked, or parry refuses them.
     pub fn sized(name: &str, points: &[[f32; 3]], size: f32) -> Option<Self> {
-        let bound = |k: usize, pick: fn(f32, f32) -> f32| points.iter().map(|p| p[k]).reduce(pick).unwrap_or(0.0);
-        let (low, high) = ([0, 1, 2].map(|k| bound(k, f32::min)), [0, 1, 2].map(|k| bound(k, f32::max)));
-        let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f32::max);
-        let factor = size / longest;
-        let moved: Vec<[f32; 3]> =
-            points.iter().map(|p| [0, 1, 2].map(|k| (p[k] - 0.5 * (low[k] + high[k])) * factor)).collect();
+        let moved: Vec<[f32; 3]> = points.iter().map(centred(points, size)).collect();
         Self::new(name, &moved)
+    }
+
+    /// A body of convex parts, each given by its points, moved and scaled as by [`Self::sized`].
+    /// Flat parts are left out. `None` if all are flat. Panics as that does.
+    pub fn of_parts(name: &str, parts: &[Vec<[f32; 3]>], size: f32) -> Option<Self> {
+        let whole = Self::sized(name, &parts.concat(), size)?;
+        let all = parts.concat();
+        let moved = centred(&all, size);
+        let of_part = |points: &Vec<[f32; 3]>| Self::new(name, &points.iter().map(&moved).collect::<Vec<_>>());
+        let models: Vec<Self> = parts.iter().filter_map(of_part).collect();
+        let parry = models.iter().map(|model| (Pose::identity(), model.parry.clone())).collect();
+        let parts: Vec<SharedHull> = models.into_iter().map(|model| model.hull).collect();
+        Some(Self { parry: SharedShape::compound(parry), parts, ..whole })
     }
 
     /// The hull of `points` as they are. `None` if it is flat. Panics if the points cannot be
@@ -49,14 +60,16 @@ impl Model {
         let parry = SharedShape::convex_hull(&vertices)
             .or_else(|| Some(SharedShape::new(BakedHull::new(hull.clone()).to_convex_polyhedron()?)))
             .expect("parry takes the hull");
-        Some(Self { name: name.to_owned(), hull, parry })
+        Some(Self { name: name.to_owned(), parts: vec![hull.clone()], hull, parry })
     }
 
     /// The shape for a way of using hulls.
     pub fn shape(&self, way: Way) -> SharedShape {
         match way {
             Way::Parry => self.parry.clone(),
-            Way::Shapes | Way::Dispatcher => BakedHull::new(self.hull.clone()).into(),
+            Way::Shapes | Way::Dispatcher => {
+                union(self.parts.iter().cloned().map(BakedHull::new)).expect("a body has parts")
+            }
         }
     }
 
@@ -65,33 +78,67 @@ impl Model {
         self.extent(Pose::from_parts(Vector::ZERO, rotation), -Vector::Y)
     }
 
+    /// Distance of the farthest point from the origin.
+    pub fn radius(&self) -> f32 {
+        self.hull.hull().vertices().map(Vector::length).fold(0.0, f32::max)
+    }
+
     /// How far the body at `pose` reaches in direction `dir`, from the world's origin.
     pub fn extent(&self, pose: Pose, dir: Vector) -> f32 {
         (pose * self.hull.hull().support(pose.rotation.inverse() * dir).point).dot(dir)
     }
 }
 
+/// Moves the centre of the box around points to the origin, and scales its longest side to `size`.
+fn centred(points: &[[f32; 3]], size: f32) -> impl Fn(&[f32; 3]) -> [f32; 3] {
+    let bound = |k: usize, pick: fn(f32, f32) -> f32| points.iter().map(|p| p[k]).reduce(pick).unwrap_or(0.0);
+    let (low, high) = ([0, 1, 2].map(|k| bound(k, f32::min)), [0, 1, 2].map(|k| bound(k, f32::max)));
+    let factor = size / (0..3).map(|k| high[k] - low[k]).fold(0.0, f32::max);
+    move |p| [0, 1, 2].map(|k| (p[k] - 0.5 * (low[k] + high[k])) * factor)
+}
+
 /// The hulls of all solid meshes in a folder of OBJ and STL files, each with `size` as the longest
 /// side of its box. Sorted by name. Panics if a file cannot be read or imported.
 pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
-    let mut files: Vec<_> = std::fs::read_dir(folder)
+    files(folder, &["obj", "stl"]).iter().filter_map(|path| mesh(path, size)).collect()
+}
+
+/// The files in a folder that have one of these extensions, sorted.
+fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let is_wanted = |path: &PathBuf| path.extension().is_some_and(|own| extensions.iter().any(|one| own == *one));
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
         .map(|entry| entry.expect("a folder entry").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "obj" || extension == "stl"))
+        .filter(is_wanted)
         .collect();
     files.sort();
-    files.iter().filter_map(|path| mesh(path, size)).collect()
+    files
+}
+
+/// The name and the point sets of a mesh file.
+fn imported(path: &Path, options: &ImportOptions) -> (String, Vec<PointSet>) {
+    let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
+    let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
+    let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
+    let imported = import(&file, name, path, &source, options, &limits).unwrap_or_else(|error| panic!("{error}"));
+    (name.to_owned(), imported.point_sets)
+}
+
+/// The bodies whose parts are the objects of the OBJ files in a folder, with `size` as the longest
+/// side of their boxes. Sorted by name. Panics if a file cannot be read or imported.
+pub fn bodies_of_parts(folder: &Path, size: f32) -> Vec<Model> {
+    let body = |path: &PathBuf| {
+        let objects = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
+        let (name, sets) = imported(path, &objects);
+        Model::of_parts(&name, &sets.into_iter().map(|set| set.positions).collect::<Vec<_>>(), size)
+    };
+    files(folder, &["obj"]).iter().filter_map(body).collect()
 }
 
 /// The hull of one mesh file; `None` if it is flat. Panics if the file cannot be read or imported.
 pub fn mesh(path: &Path, size: f32) -> Option<Model> {
-    let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
-    let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
-    let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
-    let imported =
-        import(&file, name, path, &source, &ImportOptions::DEFAULT, &limits).unwrap_or_else(|error| panic!("{error}"));
-    let points: Vec<[f32; 3]> = imported.point_sets.iter().flat_map(|set: &PointSet| set.positions.clone()).collect();
-    Model::sized(name, &points, size)
+    let (name, sets) = imported(path, &ImportOptions::DEFAULT);
+    Model::sized(&name, &sets.into_iter().flat_map(|set| set.positions).collect::<Vec<_>>(), size)
 }
 
 /// Bodies that need no file: generated families of many kinds.

@@ -58,6 +58,11 @@ impl<'m> Pit<'m> {
         self.bodies.iter().filter(|(body, _)| self.world.bodies[*body].is_sleeping()).count()
     }
 
+    /// Bodies whose centres move by less than a speed, in metres per second.
+    pub fn slower_than(&self, speed: f32) -> usize {
+        self.bodies.iter().filter(|(body, _)| self.world.bodies[*body].linvel().length() < speed).count()
+    }
+
     /// Bodies that fell through the floor or a wall.
     pub fn lost(&self) -> usize {
         let is_out = |at: Vector| !(at.y > 0.0 && at.x.abs().max(at.z.abs()) < self.half_width);
@@ -75,13 +80,18 @@ impl<'m> Pit<'m> {
                 deepest = deepest.max(model.extent(*pose, outward) - wall);
             }
             for (other, on) in &placed[..i] {
+                if pose.translation.distance(other.translation) > model.radius() + on.radius() {
+                    continue;
+                }
                 let b_in_a = hullmap::Pose::new(
                     (pose.inverse() * other.translation).as_dvec3(),
                     (pose.rotation.inverse() * other.rotation).as_dquat(),
                 );
-                let (a, b, b_in_a) = (model.hull.hull(), on.hull.hull(), b_in_a.expect("a finite pose"));
-                deepest =
-                    deepest.max(hullmap::contact(a, b, b_in_a, &Settings::default(), &mut Cache::new()).depth as f32);
+                let b_in_a = b_in_a.expect("a finite pose");
+                for (a, b) in model.parts.iter().flat_map(|a| on.parts.iter().map(move |b| (a, b))) {
+                    let contact = hullmap::contact(a.hull(), b.hull(), b_in_a, &Settings::default(), &mut Cache::new());
+                    deepest = deepest.max(contact.depth as f32);
+                }
             }
         }
         deepest

@@ -38,17 +38,22 @@ impl Pile {
         Self { world }
     }
 
-    /// Time of `steps` steps: of the processor where the system reports it (Linux), so that other
-    /// processes do not count, otherwise elapsed time.
+    /// Time of `steps` steps.
     pub fn step(&mut self, steps: usize) -> Duration {
-        let (start, on_processor) = (Instant::now(), processor_time());
-        for _ in 0..steps {
-            self.world.step();
-        }
-        match (on_processor, processor_time()) {
-            (Some(before), Some(after)) => after.saturating_sub(before),
-            _ => start.elapsed(),
-        }
+        timed_steps(&mut self.world, steps)
+    }
+}
+
+/// Time of `steps` steps of a world: of the processor where the system reports it (Linux), so that
+/// other processes do not count, otherwise elapsed time.
+pub fn timed_steps(world: &mut PhysicsWorld, steps: usize) -> Duration {
+    let (start, on_processor) = (Instant::now(), processor_time());
+    for _ in 0..steps {
+        world.step();
+    }
+    match (on_processor, processor_time()) {
+        (Some(before), Some(after)) => after.saturating_sub(before),
+        _ => start.elapsed(),
     }
 }
 

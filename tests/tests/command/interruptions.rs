@@ -98,6 +98,35 @@ fn ctrl_c_leaves_whole_packs_alone_and_exits_with_130() {
     bake_in(folder.path(), ["build", "in", "--out", "o", "--check"]).expect(0);
 }
 
+/// Waits are repeated, longer each time, until the process has come far enough to catch Ctrl-C.
+#[test]
+fn ctrl_c_leaves_the_output_of_a_decomposition_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/torus_knot.obj");
+    fs::copy(mesh, folder.path().join("in.obj")).unwrap();
+    fs::create_dir(folder.path().join("o")).unwrap();
+    fs::write(folder.path().join("o/parts.obj"), "kept").unwrap();
+    let mut stderr = String::new();
+    for wait in [100, 500, 2500, 12_500] {
+        // Without a time limit, it takes far longer than the wait.
+        let mut child =
+            command(folder.path(), ["decompose", "in.obj", "o/parts.obj", "--force", "--max-error", "0.1%"]);
+        let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(wait));
+        signal(&child, "INT");
+        let code = child.wait().unwrap().code();
+        child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+        assert_eq!(left_over(&folder.path().join("o")), ["parts.obj"]);
+        assert_eq!(fs::read_to_string(folder.path().join("o/parts.obj")).unwrap(), "kept");
+        // Before the handler is in place, the signal ends the process as usual.
+        assert!(code == Some(130) || code.is_none(), "{code:?}: {stderr}");
+        if code == Some(130) {
+            break;
+        }
+    }
+    assert!(stderr.contains("interrupted"), "{stderr}");
+}
+
 /// A kill cannot be caught. The next bake removes the leftovers, but not the files of a running
 /// bake.
 #[test]

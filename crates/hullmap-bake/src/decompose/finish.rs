@@ -136,8 +136,8 @@ impl Finish<'_, '_> {
         Unit { image: image_of(&hull), hull }
     }
 
-    /// A part of a triangle that no other covers, and its image if that is another part and there is
-    /// `room`.
+    /// A part of a triangle that no other covers, and its image if that is another part and there
+    /// is `room`.
     fn of_triangle(&self, corners: &Triangle, room: usize) -> Vec<Unit> {
         let Bounds { diagonal, max_vertices, .. } = self.bounds;
         let own = wrap::of_polygon(corners, diagonal, self.thin.thickness, max_vertices);

@@ -30,8 +30,8 @@ const STEP: i32 = 4;
 const LEAST_ERROR: f64 = 2e-5;
 
 /// The same, relative to the greatest coordinate, which is more where the mesh is far from the
-/// origin. Rounding to f32 moves a vertex by up to 2e-7 of the coordinate, and a cell may protrude by
-/// 8 % of the limit.
+/// origin. Rounding to f32 moves a vertex by up to 2e-7 of the coordinate, and a cell may protrude
+/// by 8 % of the limit.
 const LEAST_ROUNDED: f64 = 1e-5;
 
 /// Maximum number of parts made by halving, the result if the time ends at once.

@@ -49,8 +49,8 @@ pub struct Cover {
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume of
-    /// their union, relative to the latter.
+    /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume
+    /// of their union, relative to the latter.
     pub overlap: f64,
     /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
     /// the maximum error.

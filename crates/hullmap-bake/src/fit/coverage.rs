@@ -106,8 +106,8 @@ pub fn uncovered_by(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadline>
     Uncovered { bound: bound.max(subtracted), reached, at }
 }
 
-/// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending. After
-/// the deadline, no more are looked at.
+/// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending.
+/// After the deadline, no more are looked at.
 ///
 /// # Complexity
 /// The cost of [`uncovered()`], with up to 2,000 cells for each triangle.

@@ -55,8 +55,8 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
     fits_around(&Solid::new(mesh), mesh, parts, limit, None)
 }
 
-/// As [`fits`], of parts around the solid of `mesh`, which has triangles. After the deadline, bounds
-/// are not improved any more, but they still hold.
+/// As [`fits`], of parts around the solid of `mesh`, which has triangles. After the deadline,
+/// bounds are not improved any more, but they still hold.
 ///
 /// # Complexity
 /// That of [`fits`], without the solid.

@@ -2,8 +2,8 @@
 //! how far they leave the mesh's convex hull.
 //!
 //! Overlap and mean protrusion are estimates from points of a fixed sequence, so that they are the
-//! same everywhere. They promise nothing, unlike the bounds of [`fits`](super::fits()). The error of
-//! the overlap is stated.
+//! same everywhere. They promise nothing, unlike the bounds of [`fits`](super::fits()). The error
+//! of the overlap is stated.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -111,8 +111,8 @@ impl Parts {
         Self { tree: TriangleTree::of_boxes(all.iter().map(|part| Bounds::around(&part.points))), all }
     }
 
-    /// Number of parts other than the one with this index that a point is in, at least `depth` below
-    /// each face.
+    /// Number of parts other than the one with this index that a point is in, at least `depth`
+    /// below each face.
     fn others_around(&self, index: usize, p: DVec3, depth: f64) -> usize {
         let mut count = 0;
         let is_other = |part: u32| part as usize != index && self.all[part as usize].region.holds(p, depth);
@@ -149,7 +149,8 @@ fn count(share: f64) -> usize {
     ((POINTS as f64 * share).ceil() as usize).max(16)
 }
 
-/// A part's contribution to the volume of the union, and the variance of that if points were random.
+/// A part's contribution to the volume of the union, and the variance of that if points were
+/// random.
 fn share(parts: &Parts, index: usize, volume: f64) -> [f64; 2] {
     let part = &parts.all[index];
     let origin = part.points[0];

@@ -112,8 +112,8 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
     squares / (count * count) + VOLUME * volume / piece.body.volume().max(f64::MIN_POSITIVE)
 }
 
-/// The plane after which the sides protrude least; `None` if no plane cuts the piece, or the time is
-/// over.
+/// The plane after which the sides protrude least; `None` if no plane cuts the piece, or the time
+/// is over.
 ///
 /// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
 /// across the axes.

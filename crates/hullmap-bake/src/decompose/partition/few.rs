@@ -15,8 +15,8 @@ use crate::{
 /// Number of vertices above which a hull takes long to simplify.
 const MANY: usize = 256;
 
-/// Length of the tetrahedron's edges at the corner of the box, relative to the box: 3, and more than
-/// rounding takes away.
+/// Length of the tetrahedron's edges at the corner of the box, relative to the box: 3, and more
+/// than rounding takes away.
 const EDGE: f64 = 3.0 + 1e-5;
 
 /// Distance by which that corner is moved outward, relative to the greatest coordinate.

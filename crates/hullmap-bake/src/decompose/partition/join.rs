@@ -41,8 +41,8 @@ struct Merger {
 }
 
 /// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
-/// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as many; the
-/// other mergers are only counted.
+/// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as
+/// many; the other mergers are only counted.
 ///
 /// # Complexity
 /// One hull for each pair of parts that are near each other, including merged parts.

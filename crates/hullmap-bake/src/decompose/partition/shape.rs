@@ -107,8 +107,8 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     }
 }
 
-/// A tight hull of a part, or the hull that the part has, for instance when the time is over. `sides` are planes of large faces of the
-/// mesh's hull.
+/// A tight hull of a part, or the hull that the part has, for instance when the time is over.
+/// `sides` are planes of large faces of the mesh's hull.
 pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
     let body = &part.piece.body;
     let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness);
