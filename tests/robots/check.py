@@ -92,7 +92,7 @@ def equal(a, b):
 def main(bake, files):
     failed = 0
     for file in map(lambda name: pathlib.Path(name).resolve(), files):
-        for options in ([], ["--decompose", "--max-error", "2mm"]):
+        for options in ([], ["--decompose", "--max-error", "2mm"], ["--from-visual", "always"]):
             with tempfile.TemporaryDirectory() as out:
                 command = [bake, "robot", str(file), "--out", out, "--json", "--quiet", *options]
                 run = subprocess.run(command, capture_output=True, text=True)

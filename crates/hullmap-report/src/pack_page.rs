@@ -17,11 +17,12 @@ const PAGE: &str = include_str!("page/pack.html");
 pub const STYLE: &str = include_str!("page/style.css");
 /// Script of all pages, which counts errors.
 pub const FAULTS: &str = include_str!("page/faults.js");
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     FAULTS,
     include_str!("page/arrays.js"),
     include_str!("page/view3d.js"),
     include_str!("page/gauss.js"),
+    include_str!("page/elements.js"),
     include_str!("page/charts.js"),
     include_str!("page/pack.js"),
 ];

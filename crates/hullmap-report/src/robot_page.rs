@@ -21,7 +21,7 @@ const SCRIPTS: [&str; 6] = [
     FAULTS,
     include_str!("page/arrays.js"),
     include_str!("page/view3d.js"),
-    include_str!("page/charts.js"),
+    include_str!("page/elements.js"),
     include_str!("page/chain.js"),
     include_str!("page/robot.js"),
 ];
@@ -393,6 +393,6 @@ mod tests {
         assert!(links.find(">worst<").unwrap() < links.find(">&lt;base&gt;<").unwrap());
         assert!(page.contains("<span class=\"chip good\">no links touch</span>"));
         assert_eq!(page, robot_page(&robot()));
-        assert!(!page.contains("What is left out") && !page.contains("http"));
+        assert!(!page.contains("What is left out") && !page.contains("://"));
     }
 }

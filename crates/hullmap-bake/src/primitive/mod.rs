@@ -15,10 +15,10 @@
 //!
 //! # Why the bounds hold
 //! - *Cover.* A primitive is convex, so it contains a piece whose corners it contains. Each point of
-//!    the surface is in a part to within what the parts leave uncovered, so it is in a piece of some
-//!    part, and in the primitive that replaces that part.
+//!   the surface is in a part to within what the parts leave uncovered, so it is in a piece of some
+//!   part, and in the primitive that replaces that part.
 //! - *Protrusion.* The polytope contains the primitive: the primitive's support point along the
-//!    normal of each face is behind the face. The polytope is measured like any part.
+//!   normal of each face is behind the face. The polytope is measured like any part.
 //!
 //! What the parts overlap, and the voids between them, are those of the hulls.
 

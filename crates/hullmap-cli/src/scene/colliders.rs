@@ -99,22 +99,43 @@ pub struct Motion {
     pub orientation: DQuat,
 }
 
-/// The file with colliders and masses. Fails if it is not a glTF document, or has colliders
-/// already. Complexity: O(bytes).
+/// The file with colliders and masses. Fails if it is not a glTF document, has colliders already,
+/// or a number does not fit into the 32 bits of glTF. Complexity: O(bytes).
 pub fn add(file: &GltfFile, colliders: &[Collider], motions: &[Motion], form: &Form) -> Result<Vec<u8>, String> {
     let root = members(&file.text)?;
     let mut writer = Writer::new(&root, &file.text)?;
     writer.check_no_colliders(form)?;
     let mut buffer = writer.buffer(file)?;
     for collider in colliders {
-        writer.add_collider(collider, form, &mut buffer);
+        writer.add_collider(collider, form, &mut buffer)?;
     }
     for motion in motions {
-        writer.add_motion(motion, form);
+        writer.add_motion(motion, form)?;
     }
     let added = writer.add_buffer(buffer)?;
     let text = writer.finish(form)?;
     file.with(text, &added)
+}
+
+/// Whether a number is finite as one of 32 bits. NaN is not.
+fn is_in_range(number: f64) -> bool {
+    number.abs() <= f64::from(f32::MAX)
+}
+
+/// Fails if positions of a hull in its node, or its matrix, overflow 32 bits.
+fn check_range(collider: &Collider) -> Result<(), String> {
+    let place =
+        |position: &[f32; 3]| collider.pack_in_node.transform_point3(DVec3::from_array(position.map(f64::from)));
+    let placed = collider.body.positions.iter().flat_map(|position| place(position).to_array());
+    let Some(found) = placed.chain(collider.pack_in_node.to_cols_array()).find(|number| !is_in_range(*number)) else {
+        return Ok(());
+    };
+    let node = collider.node.map_or_else(|| "the scene".to_owned(), |node| format!("node {node}"));
+    Err(format!(
+        "hull {}: a coordinate in {node} is {found:e}, which 32 bits do not hold; the node is scaled by too little: apply \
+         its scale to its mesh",
+        collider.body.name
+    ))
 }
 
 /// Where new bytes go.
@@ -226,11 +247,13 @@ impl<'a> Writer<'a> {
         self.push(List::Views, view.to_string())
     }
 
-    fn add_collider(&mut self, collider: &Collider, form: &Form, buffer: &mut Buffer) {
+    fn add_collider(&mut self, collider: &Collider, form: &Form, buffer: &mut Buffer) -> Result<(), String> {
         let body = &collider.body;
+        check_range(collider)?;
         let keeps_positions = is_similarity(&collider.pack_in_node);
         if let Some(primitive) = body.primitive.filter(|_| keeps_positions && !form.is_visible) {
-            return self.add_primitive(collider, &primitive, form);
+            self.add_primitive(collider, &primitive, form);
+            return Ok(());
         }
         let positions: Vec<[f32; 3]> = if keeps_positions {
             body.positions.clone()
@@ -295,6 +318,7 @@ impl<'a> Writer<'a> {
             Some(parent) => self.children.entry(parent).or_default().push(node),
             None => self.roots.push(node),
         }
+        Ok(())
     }
 
     /// Adds a shape to a list, and returns its index.
@@ -337,7 +361,12 @@ impl<'a> Writer<'a> {
         self.add_node(collider, node);
     }
 
-    fn add_motion(&mut self, motion: &Motion, form: &Form) {
+    fn add_motion(&mut self, motion: &Motion, form: &Form) -> Result<(), String> {
+        let numbers = [motion.mass].into_iter().chain(motion.center.to_array()).chain(motion.moments.to_array());
+        if let Some(found) = numbers.into_iter().find(|number| !is_in_range(*number)) {
+            let fault = format!("its mass, centre or inertia is {found:e}, which 32 bits do not hold");
+            return Err(format!("node {}: {fault}; scale the node less, or pass --static", motion.node));
+        }
         let mut described = json!({
             "mass": motion.mass,
             "centerOfMass": motion.center.to_array(),
@@ -352,6 +381,7 @@ impl<'a> Writer<'a> {
             described["type"] = "dynamic".into();
             extensions.push((OMI_BODY, json!({ "motion": described }).to_string()));
         }
+        Ok(())
     }
 
     /// Adds the new bytes to the document, and returns those for the BIN chunk.
@@ -516,5 +546,36 @@ mod tests {
         assert!(is_similarity(&with(DVec3::splat(0.01))) && is_similarity(&with(DVec3::new(-2.0, 2.0, 2.0))));
         assert!(!is_similarity(&with(DVec3::new(1.0, 1.0, 1.01))) && !is_similarity(&with(DVec3::ZERO)));
         assert!(!is_similarity(&with(DVec3::splat(f64::NAN))));
+    }
+
+    #[test]
+    fn what_32_bits_do_not_hold_is_an_error() {
+        let body = || Body {
+            name: "stone".to_owned(),
+            rank: 3,
+            part: 0,
+            origin: [0.0; 3],
+            positions: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]],
+            polygons: vec![vec![0, 1, 2], vec![0, 2, 3], vec![0, 3, 1], vec![1, 3, 2]],
+        };
+        let form = Form { khr: None, is_omi: true, is_visible: false };
+        let add = |scale: DVec3, mass: f64| {
+            let collider = Collider { body: body(), node: None, pack_in_node: DAffine3::from_scale(scale) };
+            let motion =
+                Motion { node: 0, mass, center: DVec3::ZERO, moments: DVec3::ONE, orientation: DQuat::IDENTITY };
+            super::add(
+                &GltfFile::empty(),
+                &[collider],
+                if mass > 0.0 { vec![motion] } else { Vec::new() }.as_slice(),
+                &form,
+            )
+        };
+        assert!(add(DVec3::splat(1e38), 0.0).is_ok() && add(DVec3::new(1e38, 1.0, 1.0), 0.0).is_ok());
+        // As a matrix, and as positions.
+        for scale in [DVec3::splat(1e39), DVec3::new(1.0, 1e39, 1.0), DVec3::NAN] {
+            let error = add(scale, 0.0).unwrap_err();
+            assert!(error.starts_with("hull stone: a coordinate in the scene is "), "{error}");
+        }
+        assert!(add(DVec3::ONE, 1e39).unwrap_err().contains("which 32 bits do not hold"));
     }
 }

@@ -9,13 +9,6 @@ function svg(name, attributes, text) {
   return made;
 }
 
-function element(name, text, className) {
-  const made = document.createElement(name);
-  if (text !== undefined) made.textContent = text;
-  if (className) made.className = className;
-  return made;
-}
-
 /** Mean, median, 99th percentile and maximum of pairs of a value and its count. */
 function summary(pairs) {
   const total = pairs.reduce((sum, [, count]) => sum + count, 0);

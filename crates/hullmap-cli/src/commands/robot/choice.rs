@@ -137,7 +137,7 @@ impl Chooser<'_> {
         link.takes_visuals
             && match self.args.from_visual {
                 FromVisual::Missing => link.collisions.is_empty(),
-                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped && !has_only_hulls(link),
+                FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped && !has_hulls(link),
                 FromVisual::Never => false,
             }
     }
@@ -233,9 +233,9 @@ impl Chooser<'_> {
     }
 }
 
-/// Whether all collisions of a link were made by an earlier run.
-fn has_only_hulls(link: &Link) -> bool {
-    link.collisions.iter().all(|shape| match &shape.geometry {
+/// Whether a collision of a link was made by an earlier run.
+fn has_hulls(link: &Link) -> bool {
+    link.collisions.iter().any(|shape| match &shape.geometry {
         Geometry::Mesh(mesh) => mesh.file.as_ref().is_ok_and(|file| is_own(file)),
         _ => false,
     })
