@@ -67,7 +67,7 @@ impl Goal {
     /// To prove a better clearance of bodies that do not meet, with what is left of the budget.
     /// `None` if that of the first searches is good enough. NaN and negative shares count as 0.
     pub(crate) fn better(&self, share: f64) -> Option<Self> {
-        let share = share.max(0.0).min(MAX_SHARE);
+        let share = share.clamp(0.0, MAX_SHARE).max(0.0);
         let is_open = self.clearance < share * self.nearest && self.margin < share * self.nearest;
         (is_open && self.budget > 0).then_some(Self { share, seeks_meeting: false, clearance: f64::INFINITY, ..*self })
     }
