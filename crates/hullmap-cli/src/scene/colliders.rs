@@ -305,6 +305,7 @@ impl<'a> Writer<'a> {
             node["matrix"] = json!(DMat4::from(collider.pack_in_node).to_cols_array());
         }
         self.add_node(collider, node);
+        Ok(())
     }
 
     /// Adds a node below that of a collider's object.
@@ -318,7 +319,6 @@ impl<'a> Writer<'a> {
             Some(parent) => self.children.entry(parent).or_default().push(node),
             None => self.roots.push(node),
         }
-        Ok(())
     }
 
     /// Adds a shape to a list, and returns its index.
