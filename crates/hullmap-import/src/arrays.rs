@@ -3,10 +3,10 @@
 use hullmap_bake::MAX_POINTS;
 
 use crate::fault::{Fault, ImportError, counted};
+use crate::import::{Imported, imported};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, Positions, SourceMesh};
 use crate::options::ImportOptions;
-use crate::{Imported, imported};
 
 /// A mesh in memory.
 #[derive(Clone, Debug, Default)]

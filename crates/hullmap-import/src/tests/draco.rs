@@ -1,6 +1,8 @@
 //! glTF primitives compressed by Draco, encoded here by the crate that decodes them. Its own tests
 //! compare it with Google's library.
 
+use std::path::Path;
+
 use draco_core::{
     DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh as DracoInput, MeshEncoder,
     PointAttribute, PointIndex,

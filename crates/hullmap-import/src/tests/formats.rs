@@ -1,6 +1,8 @@
 //! glTF, STL and PLY: one mesh in every format, comparison with other readers, and the errors of
 //! bad files.
 
+use std::path::Path;
+
 use std::sync::Arc;
 
 use shapes::mesh::Mesh;

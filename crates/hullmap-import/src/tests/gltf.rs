@@ -1,6 +1,8 @@
 //! glTF files as exporters and converters write them: extensions, missing buffers, integers written
 //! as floats, primitive restart, version 1.0.
 
+use std::path::Path;
+
 use shapes::gltf;
 
 use super::super::*;

@@ -13,6 +13,8 @@
 //! because they take their part of the caches: the tests that run on every change only distinguish
 //! linear from quadratic work, and `the_exponent_of_every_count_is_1` is run on a quiet machine.
 
+use std::path::Path;
+
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 

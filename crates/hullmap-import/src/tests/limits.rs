@@ -4,6 +4,8 @@
 //! Each file is imported in a process of its own. The memory is the peak resident size, not
 //! counting what was resident before the file was loaded.
 
+use std::path::Path;
+
 use std::fmt::Write as _;
 use std::process::Command;
 

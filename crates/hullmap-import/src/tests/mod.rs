@@ -9,6 +9,8 @@ mod limits;
 mod meshopt;
 mod physics;
 
+use std::path::Path;
+
 use super::fault::Fault;
 use super::*;
 use crate::options::Split;

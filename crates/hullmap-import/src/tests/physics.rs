@@ -1,5 +1,7 @@
 //! Colliders of physics extensions, read with `--split auto`.
 
+use std::path::Path;
+
 use shapes::gltf;
 use shapes::solids::{extrusion, regular_polygon};
 

@@ -2,6 +2,8 @@
 //! meshoptimizer (`tests/gltf/streams.mjs`), and the GLB files are from gltfpack, which packed
 //! `model.glb` (`tests/gltf/model.mjs`).
 
+use std::path::Path;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;
