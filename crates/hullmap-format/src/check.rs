@@ -74,12 +74,11 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("outer_vertices", pack.outer_vertices),
         extent("slots", pack.slots),
         extent("edges", pack.edges),
-        extent("voids", pack.voids),
-        extent("primitives", pack.primitives),
-        root,
     ];
+    let further = [extent("voids", pack.voids), extent("primitives", pack.primitives)];
+    let further = if pack.is_extended() { &further[..] } else { &[] };
     let mut end = 0_usize;
-    for (section, len, alignment) in sections {
+    for &(section, len, alignment) in sections.iter().chain(further).chain([&root]) {
         let start = end.next_multiple_of(alignment);
         let gap = payload.get(end..start).unwrap_or_default();
         if let Some(byte) = gap.iter().position(|byte| *byte != 0) {
@@ -199,8 +198,8 @@ pub fn contents(pack: &Sections<'_>) -> Result<(), CheckError> {
         let check = HullCheck { hull, pack, start, end, record };
         check.run(&mut scratch).map_err(|source| CheckError::Hull { hull, source })?;
     }
-    voids::check(pack)?;
-    primitive::check(pack)?;
+    voids::check(pack.voids, pack.hulls, pack.spans)?;
+    primitive::check(pack.primitives, pack.hulls)?;
     bvh::check(pack)?;
     Ok(())
 }
