@@ -90,8 +90,8 @@ pub struct BakedHull {
     /// Mass properties of the solid that the source object's mesh bounds; `None` if it is unknown.
     /// Of the parts of an object, the first one's counts.
     pub mesh_mass: Option<mass::Mass>,
-    /// Share of that solid that lies in no part; `None` if it is unknown. Of the parts of an object,
-    /// the first one's counts.
+    /// Share of that solid that lies in no part; `None` if it is unknown. Of the parts of an
+    /// object, the first one's counts.
     pub voids: Option<fit::VoidsShare>,
     /// A primitive that may replace it; `None` if there is none, or none was sought.
     pub primitive: Option<primitive::ProvenPrimitive>,

@@ -119,9 +119,9 @@ fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Rema
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
-/// mesh and the voids of its solid. `limit` is the protrusion that they were proven not to exceed; `None` if there is no
-/// proof. Estimates how the parts of a mesh that was divided fit together; `cover` are its
-/// parameters. After the deadline, measures are coarse.
+/// mesh and the voids of its solid. `limit` is the protrusion that they were proven not to exceed;
+/// `None` if there is no proof. Estimates how the parts of a mesh that was divided fit together;
+/// `cover` are its parameters. After the deadline, measures are coarse.
 fn record(
     mesh: &PointSet,
     own: &mut [BakedHull],

@@ -74,11 +74,10 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("outer_vertices", pack.outer_vertices),
         extent("slots", pack.slots),
         extent("edges", pack.edges),
-        extent("voids", pack.voids),
-        extent("primitives", pack.primitives),
-        root,
     ];
-    zeros_between(payload, sections)
+    let further = [extent("voids", pack.voids), extent("primitives", pack.primitives)];
+    let further = if pack.is_extended() { &further[..] } else { &[] };
+    zeros_between(payload, sections.into_iter().chain(further.iter().copied()).chain([root]))
 }
 
 /// Checks that the bytes between sections, given by name, length and alignment, are zero.
@@ -207,8 +206,8 @@ pub fn contents(pack: &Sections<'_>) -> Result<(), CheckError> {
         let check = HullCheck { hull, pack, start, end, record };
         check.run(&mut scratch).map_err(|source| CheckError::Hull { hull, source })?;
     }
-    voids::check(pack)?;
-    primitive::check(pack)?;
+    voids::check(pack.voids, pack.hulls, pack.spans)?;
+    primitive::check(pack.primitives, pack.hulls)?;
     bvh::check(pack)?;
     Ok(())
 }

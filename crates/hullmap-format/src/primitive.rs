@@ -2,7 +2,10 @@
 
 use rkyv::rend::f64_le;
 
-use crate::{archive::ArchivedPrimitiveRecord, primitive_kind::PrimitiveKind, sections::Sections};
+use crate::{
+    archive::{ArchivedHullRecord, ArchivedPrimitiveRecord},
+    primitive_kind::PrimitiveKind,
+};
 
 /// Difference of the square of a quaternion's length from 1 up to which it is a rotation.
 const UNIT: f64 = 1e-9;
@@ -65,11 +68,11 @@ pub fn of_hull(records: &[ArchivedPrimitiveRecord], hull: u32) -> Option<&Archiv
 }
 
 /// Checks the records of primitives of an archive.
-pub(crate) fn check(pack: &Sections<'_>) -> Result<(), PrimitiveError> {
+pub(crate) fn check(records: &[ArchivedPrimitiveRecord], hulls: &[ArchivedHullRecord]) -> Result<(), PrimitiveError> {
     let mut least = 0;
-    for (record, primitive) in pack.primitives.iter().enumerate() {
+    for (record, primitive) in records.iter().enumerate() {
         let found = primitive.hull.to_native();
-        let is_measured = pack.hulls.get(found as usize).is_some_and(|hull| hull.solid.to_native() > 0);
+        let is_measured = hulls.get(found as usize).is_some_and(|hull| hull.solid.to_native() > 0);
         if found < least || !is_measured {
             return Err(PrimitiveError::Hull { record, found, least });
         }

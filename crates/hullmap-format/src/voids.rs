@@ -1,6 +1,6 @@
 //! Voids: whether recorded shares of solids in no part can be true.
 
-use crate::{archive::ArchivedVoidsRecord, sections::Sections};
+use crate::archive::{ArchivedHullRecord, ArchivedSpan, ArchivedVoidsRecord};
 
 /// Why a record of voids is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -41,13 +41,17 @@ pub fn of_object(records: &[ArchivedVoidsRecord], first: u32) -> Option<&Archive
 }
 
 /// Checks the records of voids of an archive whose spans have been checked.
-pub(crate) fn check(pack: &Sections<'_>) -> Result<(), VoidsError> {
+pub(crate) fn check(
+    records: &[ArchivedVoidsRecord],
+    hulls: &[ArchivedHullRecord],
+    spans: &[ArchivedSpan],
+) -> Result<(), VoidsError> {
     let mut least = 0;
-    for (record, voids) in pack.voids.iter().enumerate() {
+    for (record, voids) in records.iter().enumerate() {
         let (found, share, error) = (voids.hull.to_native(), voids.share.to_native(), voids.error.to_native());
         let is_measured = |hull: usize| {
-            let (start, end) = (pack.spans.get(hull)?, pack.spans.get(hull + 1)?);
-            let of_hull = pack.hulls.get(hull)?;
+            let (start, end) = (spans.get(hull)?, spans.get(hull + 1)?);
+            let of_hull = hulls.get(hull)?;
             let is_first_part = of_hull.part.to_native() == 0 && of_hull.part_count.to_native() > 0;
             Some(is_first_part && start.mass < end.mass)
         };

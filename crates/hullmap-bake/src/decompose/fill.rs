@@ -7,7 +7,8 @@
 //!    adds little volume besides. Otherwise, try with the nearer half of the pieces, and so on.
 //! 3. The hull of all other pieces becomes a part under the same conditions. Otherwise, divide them
 //!    in the middle of the longest side. A single piece protrudes nowhere.
-//! 4. Repeat with the hulls that are stored, until nothing is left.
+//! 4. Join the new parts in pairs, the cheapest in volume first, under the same conditions.
+//! 5. Repeat with the hulls that are stored, until nothing is left.
 //!
 //! The search is not symmetric, so the parts of a symmetric mesh may no longer be.
 //!
@@ -21,7 +22,7 @@ use glam::DVec3;
 use super::{
     part::SourceVertices,
     partition::{
-        body::{bounds, longest},
+        body::{Body, bounds, longest},
         few,
         field::Field,
         wrap::{self, Bounds},
@@ -39,8 +40,8 @@ use crate::{
 /// Maximum number of times that what is left is measured and filled.
 const ROUNDS: usize = 6;
 
-/// Share of the volume that may still be added besides what is filled that one hull may add.
-const ONE_HULL: f64 = 0.25;
+/// Number of new parts up to which all pairs are compared to join them.
+const FEW: usize = 48;
 
 /// Maximum number of hulls that are tried for one part in a round.
 const TRIALS: usize = 24;
@@ -61,8 +62,8 @@ pub struct Filling<'a, 'b> {
     pub max_parts: Option<usize>,
 }
 
-/// Pieces of the solid in no part, and their volume.
-#[derive(Default)]
+/// Pieces of the solid in no part.
+#[derive(Clone, Default)]
 struct Left {
     pieces: Vec<Remnant>,
 }
@@ -88,20 +89,28 @@ impl Filling<'_, '_> {
     /// Hulls that contain `hulls`, and more, and leave no voids if they are allowed to be enough.
     pub fn filled(&self, hulls: Vec<Hull>) -> Vec<Hull> {
         let mut hulls = hulls;
-        let mut room = self.overlap * hulls.iter().map(|hull| mass::mass(hull).volume).sum::<f64>();
+        let volume = |hulls: &[Hull]| hulls.iter().map(|hull| mass::mass(hull).volume).sum::<f64>();
+        // Volume that may be added besides what is filled.
+        let mut spare = self.overlap * volume(&hulls);
         for _ in 0..ROUNDS {
-            let left = remainder(self.solid, &hulls.iter().collect::<Vec<_>>());
-            if left.is_empty() || self.bounds.is_over() {
+            let pieces = remainder(self.solid, &hulls.iter().collect::<Vec<_>>());
+            if pieces.is_empty() || self.bounds.is_over() {
                 break;
             }
-            let rest = self.absorb(&mut hulls, left, &mut room);
-            self.add(&mut hulls, rest, &mut room);
+            let left = Left { pieces };
+            let (before, filled) = (volume(&hulls), left.volume());
+            // Each hull may add its share of that.
+            let room = spare / filled;
+            let rest = self.absorb(&mut hulls, left.pieces, room);
+            let new = self.joined(self.divided(rest, hulls.len(), room), room);
+            hulls.extend(new.into_iter().map(|(hull, _)| hull));
+            spare = (spare - (volume(&hulls) - before - filled).max(0.0)).max(0.0);
         }
         hulls
     }
 
     /// Lets parts absorb the pieces next to them, and returns the others.
-    fn absorb(&self, hulls: &mut [Hull], left: Vec<Remnant>, room: &mut f64) -> Left {
+    fn absorb(&self, hulls: &mut [Hull], left: Vec<Remnant>, room: f64) -> Left {
         let mut rest = Left::default();
         let mut of_parts: Vec<Left> = hulls.iter().map(|_| Left::default()).collect();
         let planes: Vec<_> = hulls.iter().map(crate::fit::planes::half_spaces).collect();
@@ -138,17 +147,22 @@ impl Filling<'_, '_> {
         rest
     }
 
-    /// Adds parts for pieces that no part absorbs.
-    fn add(&self, hulls: &mut Vec<Hull>, left: Left, room: &mut f64) {
+    /// Parts for pieces that no part absorbs, with the pieces of each. `count` is the number of
+    /// other parts.
+    fn divided(&self, left: Left, count: usize, room: f64) -> Vec<(Hull, Left)> {
+        let mut found = Vec::new();
         let mut stack = vec![left];
         while let Some(left) = stack.pop() {
-            let may_add = self.max_parts.is_none_or(|most| hulls.len() < most);
+            let may_add = self.max_parts.is_none_or(|most| count + found.len() < most);
             if left.pieces.is_empty() || !may_add || self.bounds.is_over() {
                 continue;
             }
             match self.hull_of(None, &left, room) {
-                Some(hull) => hulls.push(hull),
-                None if left.pieces.len() == 1 => hulls.extend(self.alone(&left.pieces[0])),
+                Some(hull) => found.push((hull, left)),
+                None if left.pieces.len() == 1 => {
+                    let alone = self.alone(&left.pieces[0]);
+                    found.extend(alone.into_iter().map(|hull| (hull, left.clone())));
+                }
                 None => {
                     let (low, high) = bounds(&left.points().collect::<Vec<_>>());
                     let axis = longest(high - low);
@@ -156,22 +170,41 @@ impl Filling<'_, '_> {
                 }
             }
         }
+        found
+    }
+
+    /// New parts, of which pairs are joined.
+    fn joined(&self, parts: Vec<(Hull, Left)>, room: f64) -> Vec<(Hull, Left)> {
+        if parts.len() > FEW {
+            return parts;
+        }
+        let mut parts: Vec<Option<(Hull, Left)>> = parts.into_iter().map(Some).collect();
+        let mut pairs = Vec::new();
+        (1..parts.len()).for_each(|last| pairs.extend(pairs_with(&parts, last)));
+        while let Some(next) = (0..pairs.len()).min_by(|a, b| pairs[*a].added.total_cmp(&pairs[*b].added)) {
+            let Pair { of: [a, b], .. } = pairs.swap_remove(next);
+            let (Some((_, left)), Some((_, other))) = (&parts[a], &parts[b]) else { continue };
+            let left = Left { pieces: left.pieces.iter().chain(&other.pieces).cloned().collect() };
+            let Some(hull) = self.hull_of(None, &left, room) else { continue };
+            (parts[a], parts[b]) = (None, None);
+            parts.push(Some((hull, left)));
+            pairs.extend(pairs_with(&parts, parts.len() - 1));
+        }
+        parts.into_iter().flatten().collect()
     }
 
     /// The hull of a part and of pieces, if it is proven and adds little volume besides.
-    fn hull_of(&self, part: Option<&Hull>, left: &Left, room: &mut f64) -> Option<Hull> {
+    fn hull_of(&self, part: Option<&Hull>, left: &Left, room: f64) -> Option<Hull> {
         let mut points: Vec<DVec3> = left.points().collect();
         points.extend(part.iter().flat_map(|hull| hull.positions()));
-        let volume = part.map_or(0.0, |hull| mass::mass(hull).volume) + left.volume();
+        let (before, filled) = (part.map_or(0.0, |hull| mass::mass(hull).volume), left.volume());
         let hull = self.within_limits(&points)?;
-        let added = (mass::mass(&hull).volume - volume).max(0.0);
+        let added = (mass::mass(&hull).volume - before - filled).max(0.0);
         // Written so that NaN fails. Infinity is no limit.
-        if !(added <= ONE_HULL * *room) {
+        if !(added <= room * filled) {
             return None;
         }
-        wrap::prove(self.field, &hull, &self.bounds, wrap::MEASUREMENTS).ok()?;
-        *room -= added;
-        Some(hull)
+        wrap::prove(self.field, &hull, &self.bounds, wrap::MEASUREMENTS).ok().map(|_| hull)
     }
 
     /// The hull of points, if it has few enough vertices.
@@ -190,6 +223,24 @@ impl Filling<'_, '_> {
             None => piece.body.tetrahedra().filter_map(|corners| self.within_limits(&corners)).collect(),
         }
     }
+}
+
+/// Two new parts, and the volume that their hull adds.
+struct Pair {
+    added: f64,
+    of: [usize; 2],
+}
+
+/// The pairs of a part with those before it.
+fn pairs_with(parts: &[Option<(Hull, Left)>], last: usize) -> Vec<Pair> {
+    let Some((hull, _)) = &parts[last] else { return Vec::new() };
+    let pair = |(index, other): (usize, &Option<(Hull, Left)>)| {
+        let (other, _) = other.as_ref()?;
+        let points = [hull.positions(), other.positions()].concat();
+        let volumes = mass::mass(hull).volume + mass::mass(other).volume;
+        Some(Pair { added: Body::new(&points, 0.0).volume() - volumes, of: [index, last] })
+    };
+    parts[..last].iter().enumerate().filter_map(pair).collect()
 }
 
 #[cfg(test)]

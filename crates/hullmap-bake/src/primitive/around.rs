@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use hullmap_format::PrimitiveKind;
 
-use super::Primitive;
+use super::shape::Primitive;
 use crate::{decompose::partition::wrap, fit::planes, hull::Hull};
 
 /// Numbers of sides around the axis of a round primitive.

@@ -11,7 +11,7 @@
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use hullmap_format::PrimitiveKind;
 
-use super::Primitive;
+use super::shape::Primitive;
 use crate::decompose::partition::{body::Body, cuts};
 
 /// Number of large faces whose normals are tried as axes.

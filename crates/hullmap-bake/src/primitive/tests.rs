@@ -3,6 +3,7 @@
 //! least over all triangles; whether a point is inside is a sum of solid angles.
 
 use glam::DMat3;
+use hullmap_format::PrimitiveKind;
 use shapes::{
     mesh::Mesh,
     rng::SplitMix64,
@@ -60,7 +61,7 @@ fn from_solid(mesh: &PointSet, p: DVec3) -> f64 {
     let angle = |triangle: &[u32; 3]| {
         let [a, b, c] = corners(mesh, triangle).map(|corner| corner - p);
         let [x, y, z] = [a, b, c].map(DVec3::length);
-        2.0 * a.dot(b.cross(c)).atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+        2.0 * libm::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     };
     if mesh.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * std::f64::consts::PI {
         return 0.0;
@@ -129,7 +130,7 @@ fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>>
 /// Profile of a body of revolution with a round end at each height.
 fn rounded(half: f64, steps: usize) -> Vec<[f64; 2]> {
     let angle = |k: usize| std::f64::consts::PI * (k as f64 / (2 * steps + 1) as f64 - 0.5);
-    let ring = |k: usize| [angle(k).cos(), angle(k).sin() + if k <= steps { -half } else { half }];
+    let ring = |k: usize| [libm::cos(angle(k)), libm::sin(angle(k)) + if k <= steps { -half } else { half }];
     let middle = (1..=2 * steps).map(ring);
     [[0.0, -1.0 - half]].into_iter().chain(middle).chain([[0.0, 1.0 + half]]).collect()
 }
@@ -181,7 +182,7 @@ fn pieces_of_a_ring_stay_hulls() {
     for i in 0..steps {
         for k in 0..steps {
             let [around, across] = [i, k].map(|at| 2.0 * std::f64::consts::PI * at as f64 / steps as f64);
-            let p = DVec3::new(1.0 + 0.3 * across.cos(), 0.0, 0.3 * across.sin());
+            let p = DVec3::new(1.0 + 0.3 * libm::cos(across), 0.0, 0.3 * libm::sin(across));
             mesh.push_vertex((turn(around) * p).to_array());
             mesh.faces.push(vec![at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)]);
         }

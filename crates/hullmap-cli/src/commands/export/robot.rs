@@ -193,7 +193,7 @@ mod tests {
 
     use super::*;
 
-    /// The angles give the rotation again, by three matrices, also where the pitch is a right angle.
+    /// The angles give the rotation again, by three matrices, also for a pitch of a right angle.
     #[test]
     fn angles_give_the_rotation() {
         let axis = |k: usize| DVec3::new(1.0, 0.3 * k as f64 - 2.0, (k * k % 7) as f64 - 3.0).normalize();
