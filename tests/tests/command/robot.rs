@@ -285,8 +285,9 @@ fn protrusion_of_a_hull_is_reported_in_millimetres_of_the_robot() {
     let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
     let links = section(&page, "links");
     let cells: Vec<&str> = links.split("|tool|").nth(1).unwrap().split('|').collect();
-    // A foot of 4 x 1 x 1 and a post of 1 x 1 x 2 on it. The slope from (1, 3) to (4, 1) has the points
-    // (1 + 3 t, 3 - 2 t), at 3 t from the post and 2 - 2 t from the foot: the most is 1.2, of 50 mm.
+    // A foot of 4 x 1 x 1 and a post of 1 x 1 x 2 on it. The slope from (1, 3) to (4, 1) has the
+    // points (1 + 3 t, 3 - 2 t), at 3 t from the post and 2 - 2 t from the foot: the most is 1.2,
+    // of 50 mm.
     let bound: f64 = cells[5].parse().unwrap();
     assert!((60.0..60.6).contains(&bound), "{links}");
 }
