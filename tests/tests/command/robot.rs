@@ -188,7 +188,7 @@ fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
     near(numbers("ixz=\"")[0], ixz);
     near(numbers("ixy=\"")[0], 0.0);
     assert!(left.contains("<mass value=\"2\"/>"));
-    // The body `left` of the model: the mass of its `inertial`, and no orientation beside the tensor.
+    // The body `left` of the model has the mass of its `inertial`, and no orientation beside it.
     run(folder.path(), "robot in/arm.xml --out out --inertia").expect(0);
     let text = fs::read_to_string(folder.path().join("out/arm.xml")).unwrap();
     let inertial = text.split("<inertial ").nth(1).unwrap().split("/>").next().unwrap();
