@@ -188,7 +188,7 @@ fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
     near(numbers("ixz=\"")[0], ixz);
     near(numbers("ixy=\"")[0], 0.0);
     assert!(left.contains("<mass value=\"2\"/>"));
-    // The body `left` of the model: the mass of its `inertial`, and no orientation beside the tensor.
+    // The body `left` of the model has the mass of its `inertial`, and no orientation beside it.
     run(folder.path(), "robot in/arm.xml --out out --inertia").expect(0);
     let text = fs::read_to_string(folder.path().join("out/arm.xml")).unwrap();
     let inertial = text.split("<inertial ").nth(1).unwrap().split("/>").next().unwrap();
@@ -285,8 +285,9 @@ fn protrusion_of_a_hull_is_reported_in_millimetres_of_the_robot() {
     let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
     let links = section(&page, "links");
     let cells: Vec<&str> = links.split("|tool|").nth(1).unwrap().split('|').collect();
-    // A foot of 4 x 1 x 1 and a post of 1 x 1 x 2 on it. The slope from (1, 3) to (4, 1) has the points
-    // (1 + 3 t, 3 - 2 t), at 3 t from the post and 2 - 2 t from the foot: the most is 1.2, of 50 mm.
+    // A foot of 4 x 1 x 1 and a post of 1 x 1 x 2 on it. The slope from (1, 3) to (4, 1) has the
+    // points (1 + 3 t, 3 - 2 t), at 3 t from the post and 2 - 2 t from the foot: the most is 1.2,
+    // of 50 mm.
     let bound: f64 = cells[5].parse().unwrap();
     assert!((60.0..60.6).contains(&bound), "{links}");
 }
