@@ -41,7 +41,7 @@ struct Arguments {
     #[arg(long, default_value_t = 600)]
     samples: usize,
     /// Maximum processor time for a mesh, in seconds
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 30.0)]
     seconds: f64,
 }
 
