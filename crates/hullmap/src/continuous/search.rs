@@ -25,6 +25,10 @@ pub(crate) const DIRECTIONS: Settings = Settings { tolerance: 1e-6, max_iteratio
 /// Multiples of the estimated time to the impact at which the shapes may surely have met.
 const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
 
+/// The search ends where the distance exceeds the target by at most this many noises. Below one, no
+/// step is sure; a step that starts here would lead to little more than that.
+const LAST: f64 = 2.5;
+
 /// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
 /// room for a step.
 const MAX_SHARE: f64 = 0.95;
@@ -67,7 +71,7 @@ impl Goal {
     /// To prove a better clearance of bodies that do not meet, with what is left of the budget.
     /// `None` if that of the first searches is good enough. NaN and negative shares count as 0.
     pub(crate) fn better(&self, share: f64) -> Option<Self> {
-        let share = share.max(0.0).min(MAX_SHARE);
+        let share = share.clamp(0.0, MAX_SHARE).max(0.0);
         let is_open = self.clearance < share * self.nearest && self.margin < share * self.nearest;
         (is_open && self.budget > 0).then_some(Self { share, seeks_meeting: false, clearance: f64::INFINITY, ..*self })
     }
@@ -129,7 +133,7 @@ where
         while self.goal.budget > 0 {
             let (t, normal, target) = (self.found.t_lower, self.found.normal, self.goal.target());
             let excess = gap.upper - target;
-            let is_last = excess <= 4.0 * self.noise;
+            let is_last = excess <= LAST * self.noise;
             if !self.goal.seeks_meeting && excess <= self.enough {
                 return self.end(Status::Stalled);
             }
