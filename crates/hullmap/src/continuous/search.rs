@@ -25,6 +25,10 @@ pub(crate) const DIRECTIONS: Settings = Settings { tolerance: 1e-6, max_iteratio
 /// Multiples of the estimated time to the impact at which the shapes may surely have met.
 const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
 
+/// The search ends where the distance exceeds the target by at most this many noises. Below one, no
+/// step is sure; a step that starts here would lead to little more than that.
+const LAST: f64 = 2.5;
+
 /// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
 /// room for a step.
 const MAX_SHARE: f64 = 0.95;
@@ -129,7 +133,7 @@ where
         while self.goal.budget > 0 {
             let (t, normal, target) = (self.found.t_lower, self.found.normal, self.goal.target());
             let excess = gap.upper - target;
-            let is_last = excess <= 4.0 * self.noise;
+            let is_last = excess <= LAST * self.noise;
             if !self.goal.seeks_meeting && excess <= self.enough {
                 return self.end(Status::Stalled);
             }
