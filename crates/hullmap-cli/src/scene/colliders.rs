@@ -557,6 +557,8 @@ mod tests {
             origin: [0.0; 3],
             positions: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]],
             polygons: vec![vec![0, 1, 2], vec![0, 2, 3], vec![0, 3, 1], vec![1, 3, 2]],
+            mesh: None,
+            primitive: None,
         };
         let form = Form { khr: None, is_omi: true, is_visible: false };
         let add = |scale: DVec3, mass: f64| {
