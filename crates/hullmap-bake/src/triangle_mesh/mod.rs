@@ -4,9 +4,9 @@
 //! # Steps
 //! 1. Merge vertices that are equal, since files repeat them where texture coordinates or normals
 //!    differ. Vertices without a triangle are left out.
-//! 2. Order the triangles by the leaves of the tree ([`order`]), and the vertices by their first
+//! 2. Order the triangles by the leaves of the tree (`order`), and the vertices by their first
 //!    triangle.
-//! 3. Find neighbours and classes ([`edges`]).
+//! 3. Find neighbours and classes (`edges`).
 //! 4. Find the boxes of the tree ([`tree`]).
 //!
 //! Nothing is repaired: degenerate, duplicate and reversed triangles are kept, and counted.
