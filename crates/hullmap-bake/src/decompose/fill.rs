@@ -5,9 +5,10 @@
 //! 1. Find what is left, as convex pieces ([`remainder`]).
 //! 2. Give each piece to the nearest part. The hull of both replaces the part if it is proven, and
 //!    adds little volume besides. Otherwise, try with the nearer half of the pieces, and so on.
-//! 3. The hull of all other pieces becomes a part under the same conditions. Otherwise, divide them
-//!    in the middle of the longest side. A single piece protrudes nowhere.
-//! 4. Join the new parts in pairs, the cheapest in volume first, under the same conditions.
+//! 3. The hull of all other pieces becomes a part if it is proven, and adds little volume besides, or
+//!    stands for many pieces. Otherwise, divide them in the middle of the longest side. A single
+//!    piece protrudes nowhere.
+//! 4. Join new parts in pairs, the cheapest in volume first, under the same conditions.
 //! 5. Repeat with the hulls that are stored, until nothing is left.
 //!
 //! The search is not symmetric, so the parts of a symmetric mesh may no longer be.
@@ -43,6 +44,10 @@ const ROUNDS: usize = 6;
 /// Number of new parts up to which all pairs are compared to join them.
 const FEW: usize = 48;
 
+/// Number of pieces from which their hull may overlap parts by more than is allowed: otherwise they
+/// become as many parts.
+const MANY_PIECES: usize = 8;
+
 /// Maximum number of hulls that are tried for one part in a round.
 const TRIALS: usize = 24;
 
@@ -75,6 +80,12 @@ impl Left {
 
     fn volume(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.body.volume()).sum()
+    }
+
+    /// What a hull of the pieces alone may add, relative to their volume: `room`, unless they are
+    /// many.
+    fn room(&self, room: f64) -> f64 {
+        if self.pieces.len() < MANY_PIECES { room } else { f64::INFINITY }
     }
 
     /// The first half of the pieces in the order of a key, and the rest.
@@ -157,7 +168,7 @@ impl Filling<'_, '_> {
             if left.pieces.is_empty() || !may_add || self.bounds.is_over() {
                 continue;
             }
-            match self.hull_of(None, &left, room) {
+            match self.hull_of(None, &left, left.room(room)) {
                 Some(hull) => found.push((hull, left)),
                 None if left.pieces.len() == 1 => {
                     let alone = self.alone(&left.pieces[0]);
@@ -185,7 +196,7 @@ impl Filling<'_, '_> {
             let Pair { of: [a, b], .. } = pairs.swap_remove(next);
             let (Some((_, left)), Some((_, other))) = (&parts[a], &parts[b]) else { continue };
             let left = Left { pieces: left.pieces.iter().chain(&other.pieces).cloned().collect() };
-            let Some(hull) = self.hull_of(None, &left, room) else { continue };
+            let Some(hull) = self.hull_of(None, &left, left.room(room)) else { continue };
             (parts[a], parts[b]) = (None, None);
             parts.push(Some((hull, left)));
             pairs.extend(pairs_with(&parts, parts.len() - 1));

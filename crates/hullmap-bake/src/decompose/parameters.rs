@@ -61,7 +61,8 @@ pub struct Cover {
     /// everywhere.
     pub reachable: Option<Length>,
     /// Whether parts leave no voids: every point of a closed mesh's solid is in a part. Parts are
-    /// added for that, unless there are `max_parts` already.
+    /// added for that, unless there are `max_parts` already. They may overlap others by more than
+    /// `overlap`.
     pub fill: bool,
     /// Time for the parts of a mesh, in seconds: to search, finish and measure them. A fifth of it,
     /// but at most four seconds, is left for measuring. The result then depends on the machine, and
