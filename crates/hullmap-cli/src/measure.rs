@@ -141,7 +141,8 @@ fn record(
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit, deadline));
     let estimates =
         solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume, deadline).0);
-    if let Some(first) = own.first_mut() {
+    // One part leaves nothing.
+    if let [first, _, ..] = own {
         first.voids = estimates.as_ref().and_then(|estimates| estimates.voids_share());
     }
     for (index, baked) in own.iter_mut().enumerate() {

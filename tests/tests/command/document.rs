@@ -131,6 +131,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
                 "build in --out o --check --json",
                 "build in --out p --json",
                 "build sheet.obj --out q --decompose --json",
+                "build in/a.obj --out t --decompose --primitives --json",
             ]
             .as_slice(),
         ),
@@ -139,7 +140,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
         ("plan", &["plan in/a.obj --out o"]),
         ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
         ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
-        ("inspect", &["inspect o --json", "inspect o --json --vertices", "inspect q --json"]),
+        ("inspect", &["inspect o --json", "inspect o --json --vertices", "inspect q --json", "inspect t --json"]),
         ("export", &["export o/a.hullmap --format json"]),
         ("robot", &["robot r.urdf --out o/r.urdf --json", "robot r.urdf --out o/r.urdf --json --exclude-pairs"]),
         (

@@ -560,7 +560,7 @@ fn files_of_older_versions_are_rejected_with_the_remedy() {
         let error = Pack::from_bytes(file).unwrap_err().to_string();
         println!("{error}");
         let expected =
-            format!("format version {version}, but this build reads versions 7 and 8; bake the source again");
+            format!("format version {version}, but this build reads versions 7 to 10; bake the source again");
         assert!(error.contains(&expected), "{error}");
         assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
         assert_eq!(

@@ -175,7 +175,7 @@ fn a_table_of_boxes_becomes_boxes() {
 #[test]
 fn pieces_of_a_ring_stay_hulls() {
     println!("seed {SEED}");
-    let steps = 24;
+    let steps = 16;
     let turn = |angle: f64| DMat3::from_rotation_z(angle);
     let mut mesh = Mesh::default();
     let at = |i: usize, k: usize| ((i % steps) * steps + k % steps) as u32;
