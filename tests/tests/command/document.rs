@@ -116,6 +116,10 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     // A sheet of two parts.
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
     fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
+    // A closed box.
+    let sides = "f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\n";
+    let closed = CUBE.replace("f 1 2 4 3", "f 1 3 4 2") + sides;
+    fs::write(folder.path().join("box.obj"), closed).unwrap();
     let collision = "<collision><geometry><mesh filename='in/a.obj'/></geometry></collision>";
     let link = |name: &str| format!("<link name='{name}'>{collision}</link>");
     let joint = "<joint name='j' type='fixed'><parent link='l'/><child link='m'/></joint>";
@@ -131,7 +135,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
                 "build in --out o --check --json",
                 "build in --out p --json",
                 "build sheet.obj --out q --decompose --json",
-                "build in/a.obj --out t --decompose --primitives --json",
+                "build box.obj --out t --decompose --primitives --json",
             ]
             .as_slice(),
         ),
