@@ -5,8 +5,8 @@
 //! 1. Find what is left, as convex pieces ([`remainder`]).
 //! 2. Give each piece to the nearest part. The hull of both replaces the part if it is proven, and
 //!    adds little volume besides. Otherwise, try with the nearer half of the pieces, and so on.
-//! 3. The hull of all other pieces becomes a part if it is proven, and adds little volume besides, or
-//!    stands for many pieces. Otherwise, divide them in the middle of the longest side. A single
+//! 3. The hull of all other pieces becomes a part if it is proven, and adds little volume besides,
+//!    or stands for many pieces. Otherwise, divide them in the middle of the longest side. A single
 //!    piece protrudes nowhere.
 //! 4. Join new parts in pairs, the cheapest in volume first, under the same conditions.
 //! 5. Repeat with the hulls that are stored, until nothing is left.

@@ -16,7 +16,8 @@
 //!
 //! # Reference
 //! Khronos, "KHR_physics_rigid_bodies" and "KHR_implicit_shapes", the drafts of [`Draft`]; Open
-//! Metaverse Interoperability Group, "OMI_physics_body" and "OMI_physics_shape", commit 89d328b of August 2026.
+//! Metaverse Interoperability Group, "OMI_physics_body" and "OMI_physics_shape", commit 89d328b of
+//! August 2026.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;

@@ -1,9 +1,9 @@
 //! The tree of boxes over a triangle mesh, without pointers.
 //!
 //! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Of n triangles, node p
-//! of the level d, counted from the left, has those from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋. A node with
-//! one triangle is a leaf. So the numbers of a node follow from its index, and every level holds
-//! all triangles.
+//! of the level d, counted from the left, has those from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋. A node
+//! with one triangle is a leaf. So the numbers of a node follow from its index, and every level
+//! holds all triangles.
 //!
 //! Boxes are stored for the levels whose nodes have at least two triangles each. Below, a box is
 //! read off the three corners of at most four triangles.

@@ -191,8 +191,8 @@ impl<'q> Placement<'q> {
         (length(in_a).max(length(in_b)) - self.rounding_error).max(0.0)
     }
 
-    /// Lower bound on the length that B's box moves along a unit vector until it meets A's: infinite
-    /// if it never does. `inverse` has the inverses of the vector's components.
+    /// Lower bound on the length that B's box moves along a unit vector until it meets A's:
+    /// infinite if it never does. `inverse` has the inverses of the vector's components.
     ///
     /// The box around B's box along A's axes moves through A's box, grown by half of that box.
     pub(super) fn travel_lower_bound(&self, a: &Node, b: &Node, inverse: DVec3) -> f64 {

@@ -1,8 +1,8 @@
 //! Rays and linear shape casts of compounds: the first hit over all pairs of parts.
 //!
 //! # Steps
-//! 1. Visit the pairs of boxes that meet on the path, the first ones first. Parts cannot meet before
-//!    their boxes do, so pairs beyond the first certain hit are skipped.
+//! 1. Visit the pairs of boxes that meet on the path, the first ones first. Parts cannot meet
+//!    before their boxes do, so pairs beyond the first certain hit are skipped.
 //! 2. Cast each pair by itself.
 //! 3. The first of all hits has the minimum of their lower bounds and the minimum of their upper
 //!    bounds. A pair that only grazes may miss, so its upper bound does not count.

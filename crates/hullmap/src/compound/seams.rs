@@ -612,8 +612,8 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
     }
 
     /// Whether the other body may have come through this face: it is not below the middle of the
-    /// part, nor below the face by more than the prediction if the part is only near it. A flat part
-    /// has no middle: the faces are tried in the order of their depths.
+    /// part, nor below the face by more than the prediction if the part is only near it. A flat
+    /// part has no middle: the faces are tried in the order of their depths.
     fn is_plausible(&self, face: &Face, depth: f64) -> bool {
         if depth > 0.0 && self.own.shape.inner_radius() == 0.0 {
             return true;

@@ -15,8 +15,8 @@ pub(super) trait BoxPairs {
     /// The BVHs of A and of B.
     fn nodes(&self) -> [Nodes<'_>; 2];
 
-    /// The lower bound of a pair of boxes, and a number that orders pairs with equal bounds. `outer`
-    /// is the bound of the pair of boxes that this pair is inside of.
+    /// The lower bound of a pair of boxes, and a number that orders pairs with equal bounds.
+    /// `outer` is the bound of the pair of boxes that this pair is inside of.
     fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2];
 }
 

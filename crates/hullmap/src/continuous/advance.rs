@@ -184,8 +184,8 @@ pub(super) enum Step {
 type Try = (f64, f64);
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
-    /// Upper bound of the rounding error of the poses, and of a separation along a direction that is
-    /// fixed in space or is the only one: a length.
+    /// Upper bound of the rounding error of the poses, and of a separation along a direction that
+    /// is fixed in space or is the only one: a length.
     pub(super) fn noise(&self) -> f64 {
         self.noise_in(if self.is_plane && self.a.turns() { Frame::A } else { Frame::Space })
     }

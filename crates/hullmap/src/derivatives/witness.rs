@@ -82,7 +82,8 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         if (p - q).dot(across) > self.same_place() { Facing::Face } else { Facing::Edge(along) }
     }
 
-    /// Whether the shape is known to be a polytope: it has faces, or features identify its vertices.
+    /// Whether the shape is known to be a polytope: it has faces, or features identify its
+    /// vertices.
     fn is_polytope(&self, normal: DVec3) -> bool {
         let feature = || self.shape.support_point(self.pose.inverse_transform_vector(normal)).feature;
         let has_corners = self.shape.facets().is_some() || self.shape.point(feature()).is_some();

@@ -1,9 +1,9 @@
 //! Static triangle meshes: levels and terrains, which keep their triangles.
 //!
 //! `hullmap_bake::triangle_mesh` bakes the file. A [`TriangleMesh`] is one side of the queries in
-//! [`compound`](crate::compound): its parts are its triangles, found by a tree of boxes in the file.
-//! [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that touches,
-//! with normals of the surface: a body does not stumble over edges inside it.
+//! [`compound`](crate::compound): its parts are its triangles, found by a tree of boxes in the
+//! file. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that
+//! touches, with normals of the surface: a body does not stumble over edges inside it.
 //!
 //! # What an answer means
 //! Triangles are thin, and collide on both sides. `distance` is that to the nearest triangle.

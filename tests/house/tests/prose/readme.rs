@@ -31,7 +31,8 @@ fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'
     found
 }
 
-/// Every Rust example in these guides is one of a module's documentation, which is compiled and run.
+/// Every Rust example in these guides is one of a module's documentation, which is compiled and
+/// run.
 #[test]
 fn the_examples_are_doctests() {
     let modules = [("docs/rust.md", "lib.rs", 2), ("docs/triangle-meshes.md", "triangle_mesh/mod.rs", 1)];
