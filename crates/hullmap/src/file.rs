@@ -12,7 +12,7 @@ use hullmap_format::{
 };
 use rkyv::util::AlignedVec;
 
-use crate::pack::{InvalidPack, OpenError};
+use crate::pack::error::{InvalidPack, OpenError};
 
 /// Bytes of a whole file, header included.
 #[derive(Debug)]

@@ -244,9 +244,7 @@
 pub mod batch;
 pub mod cascade;
 pub mod compound;
-#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 mod continuous;
-#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 mod derivatives;
 mod facets;
 mod file;

@@ -2,7 +2,7 @@
 //! another part, and of the primitives' surfaces, which must be near the solid. Distances are the
 //! least over all triangles; whether a point is inside is a sum of solid angles.
 
-use glam::DMat3;
+use glam::{DMat3, DQuat};
 use hullmap_format::PrimitiveKind;
 use shapes::{
     mesh::Mesh,
@@ -23,7 +23,7 @@ const SEED: u64 = 43;
 const POINTS: usize = 1_500;
 
 fn turned(mesh: &Mesh) -> PointSet {
-    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let turn = DMat3::from_quat(DQuat::from_xyzw(0.09, 0.18, 0.27, 0.94).normalize());
     let place = |p: &[f32; 3]| (turn * DVec3::from_array(p.map(f64::from)) + 0.25).as_vec3().to_array();
     PointSet {
         name: "mesh".into(),
@@ -176,7 +176,10 @@ fn a_table_of_boxes_becomes_boxes() {
 fn pieces_of_a_ring_stay_hulls() {
     println!("seed {SEED}");
     let steps = 16;
-    let turn = |angle: f64| DMat3::from_rotation_z(angle);
+    let turn = |angle: f64| {
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        DMat3::from_cols(DVec3::new(cos, sin, 0.0), DVec3::new(-sin, cos, 0.0), DVec3::Z)
+    };
     let mut mesh = Mesh::default();
     let at = |i: usize, k: usize| ((i % steps) * steps + k % steps) as u32;
     for i in 0..steps {

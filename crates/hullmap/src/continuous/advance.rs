@@ -268,13 +268,14 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
             let half = 0.5 * angle * time;
             0.125 * time * time * (1.0 + 0.56 * half * half)
         };
-        let extent = |i: usize| from.extents[i].max(to.extents[i]).max(0.0);
+        let ([from_a, from_b], [to_a, to_b]) = (from.extents, to.extents);
+        let (extent_a, extent_b) = (from_a.max(to_a).max(0.0), from_b.max(to_b).max(0.0));
         let by = |angle: f64, extent: f64| curve(angle) * angle * angle * extent;
         let normal = || direction.at(&self.poses(from.t));
         let bulge = match direction.frame {
-            Frame::Space => by(angle_a, extent(0)) + by(angle_b, extent(1)),
-            Frame::A => by(angle_a, extent(1)) + curve(angle_a) * a.drift(b, normal(), from.t),
-            Frame::B => by(angle_b, extent(0)) + curve(angle_b) * b.drift(a, normal(), from.t),
+            Frame::Space => by(angle_a, extent_a) + by(angle_b, extent_b),
+            Frame::A => by(angle_a, extent_b) + curve(angle_a) * a.drift(b, normal(), from.t),
+            Frame::B => by(angle_b, extent_a) + curve(angle_b) * b.drift(a, normal(), from.t),
         };
         from.gap.min(to.gap) - bulge - self.noise_in(direction.frame)
     }

@@ -178,7 +178,7 @@ impl Polygon {
     /// outward unit normal. `None` if all corners are at one place.
     fn nearest_side(&self) -> Option<(usize, f64, DVec2)> {
         let sides = (0..self.len).filter_map(|at| {
-            let (from, to) = (self.corners[at], self.corners[(at + 1) % self.len]);
+            let (from, to) = (*self.corners.get(at)?, *self.corners.get((at + 1) % self.len)?);
             let outward = DVec2::new(to.y - from.y, from.x - to.x).try_normalize()?;
             Some((at, outward.dot(from), outward))
         });
@@ -186,8 +186,11 @@ impl Polygon {
     }
 
     fn insert(&mut self, at: usize, corner: DVec2) {
-        self.corners[at..=self.len].rotate_right(1);
-        self.corners[at] = corner;
-        self.len += 1;
+        // Nothing is inserted into a full polygon.
+        if let Some([first, rest @ ..]) = self.corners.get_mut(at..=self.len) {
+            let mut displaced = std::mem::replace(first, corner);
+            rest.iter_mut().for_each(|corner| std::mem::swap(corner, &mut displaced));
+            self.len += 1;
+        }
     }
 }

@@ -43,7 +43,7 @@
 //! A sealed `memfd` instead of read-only pages would let the copy be handed to other processes.
 //! Those can map the file instead, and `memfd` needs a dependency or foreign calls.
 
-mod error;
+pub(crate) mod error;
 #[cfg(feature = "mmap")]
 mod map;
 mod mass;

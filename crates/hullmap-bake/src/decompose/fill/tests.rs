@@ -2,7 +2,7 @@
 //! the sum of the solid angles of all triangles; whether it is in a part follows from the part's
 //! vertices.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use shapes::{concave, cubes, rng::SplitMix64};
 
 use super::super::{Cover, Length, decompose, tests::point_set};
@@ -19,7 +19,7 @@ const POINTS: usize = 4_000;
 
 /// The mesh, turned about an axis that is not one of the coordinates'.
 fn turned(mut mesh: PointSet) -> PointSet {
-    let turn = DMat3::from_axis_angle(DVec3::new(3.0, 1.0, 2.0).normalize(), 0.6);
+    let turn = DMat3::from_quat(DQuat::from_xyzw(0.24, 0.08, 0.16, 0.96).normalize());
     mesh.positions.iter_mut().for_each(|p| *p = (turn * DVec3::from_array(p.map(f64::from))).as_vec3().to_array());
     mesh
 }
