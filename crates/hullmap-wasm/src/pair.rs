@@ -241,7 +241,7 @@ impl Pair {
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::contact(a, b, pose, settings, cache), [0, 0]),
                 _ => of_parts!(a, b, |a, b| compound::contact(a, b, pose, settings, compound))?
-                    .map_or_else(separated, of),
+                    .map_or_else(separated, of_compound),
             },
         })
     }
