@@ -6,7 +6,7 @@
 //! holds all triangles.
 //!
 //! Boxes are stored for the levels whose nodes have at least two triangles each. Below, a box is
-//! read off the three corners of at most four triangles.
+//! computed from the corners of at most two triangles.
 //!
 //! A stored box has six numbers of 16 bits, low x, y, z, then high x, y, z: positions between the
 //! bounds of the mesh ([`Grid`]). A low number is the greatest one that is not above the vertices
@@ -184,7 +184,7 @@ mod tests {
                 let ([a, middle], [again, b]) = (triangles(child, count), triangles(child + 1, count));
                 assert_eq!((a, middle, b), (start, again, end));
                 if node as usize >= stored_boxes(count) {
-                    assert!(end - start <= 4);
+                    assert!(end - start <= 2);
                 }
                 open.extend([child + 1, child]);
             }

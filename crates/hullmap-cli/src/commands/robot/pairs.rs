@@ -38,7 +38,7 @@ pub struct Pairs {
     neutral: Vec<Frame>,
     sampling: Sampling,
     format: Format,
-    /// Whether there are so many links that no pair was tested.
+    /// Whether the robot has too many links for a test of all pairs. Then none was tested.
     is_cut: bool,
 }
 
