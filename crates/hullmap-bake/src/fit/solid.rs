@@ -256,6 +256,15 @@ impl Solid {
         Some(near)
     }
 
+    /// Whether a point is certainly within a distance of the surface: whether [`near`](Self::near)
+    /// finds that distance or less. Where the mesh is closed, any triangle that near will do.
+    pub fn is_near(&self, p: DVec3, limit: f64) -> bool {
+        if self.surface.triangles.len() == self.mesh_count {
+            return self.surface.has_triangle_within(p, limit);
+        }
+        self.near(p, limit).is_some_and(|near| near.distance <= limit)
+    }
+
     /// Neighbourhood of a point, given a triangle that is probably close, and a length that exceeds
     /// the distance from the solid.
     pub fn near_beside(&self, p: DVec3, within: f64, hint: Option<&Triangle>) -> Option<Near> {

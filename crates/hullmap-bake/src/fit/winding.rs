@@ -109,6 +109,21 @@ impl ClosedSurface {
         Some((square.sqrt(), index as usize))
     }
 
+    /// Whether the distance of some triangle is less than `within`, also with allowance for errors.
+    pub(super) fn has_triangle_within(&self, p: DVec3, within: f64) -> bool {
+        let square = within * within;
+        let is_near = |own: &Bounds| (own.low - p).max(p - own.high).max(DVec3::ZERO).length_squared() < square;
+        let take = |index: u32| {
+            let own = triangle::nearest(&self.triangles[index as usize], p).distance_squared(p);
+            if own < square && own.sqrt() + self.tolerance() <= within {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        self.tree.visit(is_near, take).is_break()
+    }
+
     /// Winding number, as the signed number of triangles that a ray crosses.
     pub(super) fn crossings(&self, p: DVec3, direction: DVec3) -> Result<i32, Doubt> {
         let inverse = direction.recip();

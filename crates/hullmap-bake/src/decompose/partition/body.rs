@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use super::extremes::Extremes;
 use crate::fit::planes::{self, HalfSpace};
 use crate::hull::{
     polygon, quickhull,
@@ -35,7 +36,21 @@ impl Body {
     /// The hull of finite points. A flat one is thickened by `thickness`. Without points, the body
     /// is empty.
     pub fn new(points: &[DVec3], thickness: f64) -> Self {
-        let points = if points.len() < MANY { distinct(points) } else { distinct(&outer(points)) };
+        if points.len() < MANY {
+            return Self::of_outer_points(points.iter().copied(), thickness);
+        }
+        let inner = Inner::new(&Extremes::of(points));
+        let outer = points.iter().filter(|p| !inner.holds(**p)).copied();
+        Self::of_outer_points(outer, thickness)
+    }
+
+    /// The hull of points, without some of those inside.
+    pub fn of_outer_points(points: impl Iterator<Item = DVec3>, thickness: f64) -> Self {
+        Self::of_distinct(distinct(points), thickness)
+    }
+
+    /// The hull of points in ascending order, each once.
+    fn of_distinct(points: Vec<DVec3>, thickness: f64) -> Self {
         let (low, high) = bounds(&points);
         let (extreme, around) = match points.as_slice() {
             [] => return Self { low, high, ..Self::default() },
@@ -55,7 +70,7 @@ impl Body {
         };
         let steps = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * thickness);
         let thick: Vec<DVec3> = around.iter().flat_map(|p| steps.iter().flat_map(|s| [*p + *s, *p - *s])).collect();
-        let thick = distinct(&thick);
+        let thick = distinct(thick.into_iter());
         let mut body =
             Self { low: low - DVec3::splat(thickness), high: high + DVec3::splat(thickness), ..Self::default() };
         if let Simplex::Tetrahedron(simplex) = spanning_simplex(&thick) {
@@ -142,44 +157,47 @@ pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
 }
 
 /// Number of points from which points deep inside the hull are dropped before it is built.
-const MANY: usize = 256;
-
-/// The farthest points along the directions of a grid with `steps` steps from the middle to its
-/// border, along each axis.
-fn extremes(points: &[DVec3], steps: i32) -> Vec<DVec3> {
-    let all = || (-steps..=steps).map(f64::from);
-    let is_border = |d: &DVec3| d.abs().max_element() == f64::from(steps);
-    let directions: Vec<DVec3> = all()
-        .flat_map(|x| all().flat_map(move |y| all().map(move |z| DVec3::new(x, y, z))))
-        .filter(is_border)
-        .collect();
-    let mut farthest = vec![(f64::NEG_INFINITY, DVec3::ZERO); directions.len()];
-    for p in points {
-        for (direction, farthest) in directions.iter().zip(&mut farthest) {
-            let along = direction.dot(*p);
-            if along > farthest.0 {
-                *farthest = (along, *p);
-            }
-        }
-    }
-    farthest.into_iter().map(|(_, p)| p).collect()
-}
+pub const MANY: usize = 256;
 
 /// Points whose hull lies in the hull of all and is nearly as large, for comparisons of trials.
 pub fn rough(points: &[DVec3]) -> Vec<DVec3> {
-    if points.len() < ROUGH { points.to_vec() } else { extremes(points, 2) }
+    if points.len() < ROUGH { points.to_vec() } else { Extremes::of(points).points() }
 }
 
 /// Number of points from which a trial uses some of them.
-const ROUGH: usize = 128;
+pub const ROUGH: usize = 128;
 
-/// The points without those deep inside the hull of the farthest points along a few directions.
-fn outer(points: &[DVec3]) -> Vec<DVec3> {
-    let inner = Body::new(&extremes(points, 1), 0.0);
-    // Far from the origin, heights above planes are off by the rounding error of the coordinates.
-    let greatest = inner.low.abs().max(inner.high.abs()).max_element();
-    let slack = INNER * inner.diagonal() + INNER_ROUNDING * greatest;
-    points.iter().filter(|p| !inner.holds(**p, -slack)).copied().collect()
+/// A body inside the hull of points. Those deep inside of it are no corners of the hull.
+pub struct Inner {
+    body: Body,
+    /// How deep they are.
+    slack: f64,
+}
+
+impl Inner {
+    /// The hull of the farthest points along a few directions.
+    pub fn new(extremes: &Extremes) -> Self {
+        let body = Body::of_outer_points(extremes.few_points().into_iter(), 0.0);
+        // Far from the origin, heights above planes are off by the rounding error of the
+        // coordinates.
+        let greatest = body.low.abs().max(body.high.abs()).max_element();
+        let slack = INNER * body.diagonal() + INNER_ROUNDING * greatest;
+        Self { body, slack }
+    }
+
+    /// Whether a point is deep inside.
+    pub fn holds(&self, p: DVec3) -> bool {
+        self.body.holds(p, -self.slack)
+    }
+
+    /// Whether all points of a box are certainly deep inside.
+    pub fn holds_box(&self, low: DVec3, high: DVec3) -> bool {
+        let middle = 0.5 * (low + high);
+        let half = high - middle;
+        // The slack is more than the rounding errors of two heights.
+        let is_below = |plane: &HalfSpace| plane.height(middle) + plane.normal.abs().dot(half) <= -2.0 * self.slack;
+        self.holds(low) && self.holds(high) && self.body.planes.iter().all(is_below)
+    }
 }
 
 /// Depth from which a point counts as deep inside, relative to the diagonal.
@@ -189,8 +207,8 @@ const INNER: f64 = 1e-9;
 const INNER_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The points in ascending order, each once. Negative zeros become positive.
-fn distinct(points: &[DVec3]) -> Vec<DVec3> {
-    let mut all: Vec<DVec3> = points.iter().filter(|p| p.is_finite()).map(|p| *p + DVec3::ZERO).collect();
+fn distinct(points: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    let mut all: Vec<DVec3> = points.filter(|p| p.is_finite()).map(|p| p + DVec3::ZERO).collect();
     all.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
     all.dedup();
     all
@@ -215,9 +233,10 @@ mod tests {
                 offset + flat * if round % 3 == 1 { p.normalize_or_zero() * p.length().min(1.0).sqrt() } else { p }
             };
             let points: Vec<DVec3> = (0..600).map(|_| point()).collect();
-            let outer = outer(&points);
+            let inner = Inner::new(&Extremes::of(&points));
+            let outer: Vec<DVec3> = points.iter().filter(|p| !inner.holds(**p)).copied().collect();
             let mut body = Body { low: offset - 1.0, high: offset + 1.0, ..Body::default() };
-            let all = distinct(&points);
+            let all = distinct(points.iter().copied());
             if let Simplex::Tetrahedron(simplex) = spanning_simplex(&all) {
                 body.add_faces(&all, simplex);
                 assert!(body.points.iter().all(|p| outer.contains(p)), "round {round}: an extreme point is missing");

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::{
-    body::{Body, longest, rough},
+    body::{Body, longest},
     cells::FacePlanes,
     conflicts::Conflicts,
     context::Search,
@@ -103,7 +103,8 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
     }
     let (mut squares, mut volume) = (0.0, 0.0);
     for component in sides.iter().flatten() {
-        let body = scale.body(&rough(&component.points));
+        let points = &component.points;
+        let body = scale.rough_body(points).unwrap_or_else(|| scale.body_of(points));
         let count = forbidden.iter().filter(|p| scale.is_inside(&body, **p)).count() as f64;
         squares += count * count;
         volume += body.volume();

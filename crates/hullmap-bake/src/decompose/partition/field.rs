@@ -5,6 +5,7 @@
 //! 1. Label voxels that a triangle may enter as mixed.
 //! 2. The other voxels form connected components, each all inside or all outside. Label each
 //!    component by one query of the solid.
+//! 3. Count the steps from each voxel to the nearest mixed one: a lower bound on the distance.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -32,6 +33,9 @@ pub struct Field<'a> {
     step: f64,
     size: [usize; 3],
     labels: Vec<u8>,
+    /// For each voxel, the number of steps to the nearest mixed one, of which each leads to a
+    /// neighbour across a face, an edge or a corner.
+    steps: Vec<u8>,
     peaks: Option<Peaks>,
 }
 
@@ -45,17 +49,18 @@ impl<'a> Field<'a> {
         let extent = (high - low).max_element();
         let step = extent / VOXELS as f64;
         if !(step > 0.0) || !step.is_finite() {
-            return Self { solid, low, step: 1.0, size: [0; 3], labels: Vec::new(), peaks: None };
+            return Self { solid, low, step: 1.0, size: [0; 3], labels: Vec::new(), steps: Vec::new(), peaks: None };
         }
         // A voxel of margin on every side.
         let low = low - DVec3::splat(step);
         let size = (high - low).to_array().map(|x| (x / step) as usize + 2);
-        let mut field =
-            Self { solid, low, step, size, labels: vec![UNKNOWN; size[0] * size[1] * size[2]], peaks: None };
+        let labels = vec![UNKNOWN; size[0] * size[1] * size[2]];
+        let mut field = Self { solid, low, step, size, labels, steps: Vec::new(), peaks: None };
         for triangle in solid.triangles() {
             field.mark(triangle);
         }
         field.fill();
+        field.count_steps();
         field
     }
 
@@ -112,6 +117,35 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// One axis after the other: the least of the greatest of the steps along the axes.
+    fn count_steps(&mut self) {
+        self.steps = self.labels.iter().map(|label| if *label == MIXED { 0 } else { u8::MAX }).collect();
+        for axis in 0..3 {
+            let stride = [1, self.size[0], self.size[0] * self.size[1]][axis];
+            let length = self.size[axis];
+            for start in (0..self.steps.len()).filter(|at| at / stride % length == 0) {
+                let line: Vec<u8> = (0..length).map(|k| self.steps[start + k * stride]).collect();
+                for k in 0..length {
+                    let mut least = line[k];
+                    for away in 1..length {
+                        if away >= usize::from(least) {
+                            break;
+                        }
+                        let both = [k.checked_sub(away), Some(k + away)];
+                        let near = both.into_iter().flatten().filter_map(|k| line.get(k)).min();
+                        least = near.map_or(least, |near| least.min((*near).max(away as u8)));
+                    }
+                    self.steps[start + k * stride] = least;
+                }
+            }
+        }
+    }
+
+    /// Lower bound of the distance of a point in the grid from the surface.
+    fn clearance(&self, at: usize) -> f64 {
+        f64::from(self.steps[at].saturating_sub(1)) * self.step * (1.0 - 1e-5)
+    }
+
     fn cell(&self, p: DVec3) -> [usize; 3] {
         let q = ((p - self.low) / self.step).to_array();
         [0, 1, 2].map(|axis| (q[axis].max(0.0) as usize).min(self.size[axis] - 1))
@@ -123,14 +157,14 @@ impl<'a> Field<'a> {
 
     /// Whether a point is farther than `limit` from the solid.
     pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
-        let label = self.label(p);
-        if label == INSIDE {
-            return false;
+        let Some(at) = self.voxel(p) else {
+            return !self.solid.is_near(p, limit) && (!self.labels.is_empty() || !self.solid.is_inside(p));
+        };
+        match self.labels[at] {
+            INSIDE => false,
+            OUTSIDE => self.clearance(at) > limit || !self.solid.is_near(p, limit),
+            _ => !self.solid.is_near(p, limit) && !self.solid.is_inside(p),
         }
-        if self.solid.near(p, limit).is_some_and(|near| near.distance <= limit) {
-            return false;
-        }
-        label == OUTSIDE || !self.solid.is_inside(p)
     }
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
@@ -204,21 +238,19 @@ impl<'a> Field<'a> {
 
     /// Whether a point is inside the solid.
     fn is_inside(&self, p: DVec3) -> bool {
-        match self.label(p) {
-            INSIDE => true,
-            OUTSIDE => false,
+        match self.voxel(p).map(|at| self.labels[at]) {
+            Some(INSIDE) => true,
+            Some(OUTSIDE) => false,
+            None if !self.labels.is_empty() => false,
             _ => self.solid.is_inside(p),
         }
     }
 
-    /// The label of the voxel around a point.
-    fn label(&self, p: DVec3) -> u8 {
-        if self.labels.is_empty() {
-            return MIXED;
-        }
+    /// The voxel around a point; `None` outside of the grid.
+    fn voxel(&self, p: DVec3) -> Option<usize> {
         let q = (p - self.low) / self.step;
         let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
-        if is_in_grid { self.labels[self.cell_index(self.cell(p))] } else { OUTSIDE }
+        is_in_grid.then(|| self.cell_index(self.cell(p)))
     }
 
     /// The solid.

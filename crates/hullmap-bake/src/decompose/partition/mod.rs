@@ -17,7 +17,7 @@
 //! | [`shape`] | final hulls of pieces |
 //! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
 //! | [`few`] | hulls of few vertices, however far they protrude |
-//! | [`body`], [`sample`] | trial hulls, points on faces |
+//! | [`body`], [`extremes`], [`sample`] | trial hulls, farthest points, points on faces |
 //!
 //! # Steps
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
@@ -46,6 +46,7 @@ pub mod cells;
 pub mod conflicts;
 pub mod context;
 pub mod cuts;
+pub mod extremes;
 pub mod few;
 pub mod field;
 pub mod halves;
@@ -137,7 +138,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     stage.reach(STAGES[0]);
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
-    let hull = scale.body(&piece::points(&atoms));
+    let hull = scale.body_of_atoms(&atoms);
     let search = Search { field, scale, planes: &planes, bounds, peels };
     let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);

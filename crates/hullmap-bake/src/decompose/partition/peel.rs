@@ -9,10 +9,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    body::rough,
+    body::Body,
     context::Search,
     cuts::{directions, faces, range},
-    piece::Piece,
+    piece::{Cloud, Piece},
 };
 use crate::fit::planes::HalfSpace;
 
@@ -102,14 +102,10 @@ fn caps(search: &Search, whole: &Piece, along: Along) -> Vec<Cap> {
             return None;
         }
         let components = scale.above(&whole.atoms, &near, plane);
-        let is_free = |points: &[DVec3]| {
-            let body = scale.body(points);
-            !whole.forbidden.iter().any(|p| scale.is_inside(&body, *p))
-        };
+        let is_free = |body: &Body| !whole.forbidden.iter().any(|p| scale.is_inside(body, *p));
         // What is in a smaller hull is in the hull, too.
-        let is_fine = |points: &[DVec3]| {
-            let some = rough(points);
-            is_free(&some) && (some.len() == points.len() || is_free(points))
+        let is_fine = |points: &Cloud| {
+            scale.rough_body(points).is_none_or(|rough| is_free(&rough)) && is_free(&scale.body_of(points))
         };
         if components.is_empty() || !components.iter().all(|component| is_fine(&component.points)) {
             return None;

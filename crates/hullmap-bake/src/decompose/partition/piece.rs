@@ -1,10 +1,11 @@
 //! Pieces of the surface, and how planes divide them.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use super::body::{self, Body, THICKNESS};
+use super::body::{self, Body, Inner, MANY, ROUGH, THICKNESS};
+use super::extremes::Extremes;
 use crate::{
     decompose::patch::Patch,
     fit::{
@@ -31,13 +32,15 @@ pub struct Atom {
     area: f64,
     /// Sum of the polygons' normals, each as long as its area.
     normal: DVec3,
+    /// The extremes of its points, once they are used.
+    extremes: OnceLock<Box<Extremes>>,
 }
 
 impl Atom {
     /// An atom of a patch.
     pub fn new(patch: Patch) -> Self {
         let (low, high) = body::bounds(&patch.points);
-        let mut atom = Self { patch, low, high, area: 0.0, normal: DVec3::ZERO };
+        let mut atom = Self { patch, low, high, area: 0.0, normal: DVec3::ZERO, extremes: OnceLock::new() };
         let normals: Vec<DVec3> = atom.triangles().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).collect();
         (atom.area, atom.normal) = (normals.iter().map(|n| n.length()).sum(), normals.iter().sum());
         atom
@@ -78,15 +81,76 @@ impl Piece {
     }
 }
 
-/// The corners of atoms.
-pub fn points(atoms: &[Arc<Atom>]) -> Vec<DVec3> {
-    atoms.iter().flat_map(|atom| atom.patch.points.iter().copied()).collect()
+/// The points of atoms, of which some are cut off.
+#[derive(Default)]
+pub struct Cloud<'a> {
+    groups: Vec<Group<'a>>,
+    count: usize,
+}
+
+enum Group<'a> {
+    Atom(&'a Atom),
+    Rest(Vec<DVec3>),
+}
+
+impl Group<'_> {
+    fn points(&self) -> &[DVec3] {
+        match self {
+            Self::Atom(atom) => &atom.patch.points,
+            Self::Rest(points) => points,
+        }
+    }
+}
+
+impl<'a> Cloud<'a> {
+    /// The points of whole atoms.
+    fn of_atoms(atoms: &'a [Arc<Atom>]) -> Self {
+        let mut cloud = Self::default();
+        atoms.iter().for_each(|atom| cloud.push(Group::Atom(atom)));
+        cloud
+    }
+
+    fn push(&mut self, group: Group<'a>) {
+        self.count += group.points().len();
+        self.groups.push(group);
+    }
+
+    fn extremes(&self) -> Extremes {
+        let mut found = Extremes::EMPTY;
+        for group in &self.groups {
+            match group {
+                Group::Atom(atom) => {
+                    found.add_all(atom.extremes.get_or_init(|| Box::new(Extremes::of(&atom.patch.points))));
+                }
+                Group::Rest(points) => points.iter().for_each(|p| found.add(*p)),
+            }
+        }
+        found
+    }
+
+    fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.groups.iter().flat_map(|group| group.points().iter().copied())
+    }
+
+    /// Their hull. A flat one is thickened.
+    fn body(&self, thickness: f64) -> Body {
+        if self.count < MANY {
+            return Body::of_outer_points(self.points(), thickness);
+        }
+        let inner = Inner::new(&self.extremes());
+        let is_outer = |group: &&Group| match group {
+            Group::Atom(atom) => !inner.holds_box(atom.low, atom.high),
+            Group::Rest(_) => true,
+        };
+        let points = self.groups.iter().filter(is_outer).flat_map(|group| group.points().iter().copied());
+        Body::of_outer_points(points.filter(|p| !inner.holds(*p)), thickness)
+    }
 }
 
 /// What lies above a plane and is connected.
-pub struct Above {
+pub struct Above<'a> {
     /// Its corners.
-    pub points: Vec<DVec3>,
+    pub points: Cloud<'a>,
     /// Its approximate area.
     pub area: f64,
 }
@@ -111,9 +175,25 @@ impl Scale {
         Body::new(points, THICKNESS * self.diagonal)
     }
 
+    /// The hull of atoms.
+    pub fn body_of_atoms(&self, atoms: &[Arc<Atom>]) -> Body {
+        self.body_of(&Cloud::of_atoms(atoms))
+    }
+
+    /// The hull of points.
+    pub fn body_of(&self, points: &Cloud) -> Body {
+        points.body(THICKNESS * self.diagonal)
+    }
+
+    /// A body that lies in the hull of points and is nearly as large, for comparisons of trials.
+    /// `None` if it would be the hull.
+    pub fn rough_body(&self, points: &Cloud) -> Option<Body> {
+        (points.count >= ROUGH).then(|| self.body(&points.extremes().points()))
+    }
+
     /// A piece; those of `forbidden` that are in its hull stay forbidden.
     pub fn piece(&self, atoms: Vec<Arc<Atom>>, planes: Vec<HalfSpace>, forbidden: &[DVec3]) -> Piece {
-        let body = self.body(&points(&atoms));
+        let body = self.body_of_atoms(&atoms);
         let forbidden = forbidden.iter().copied().filter(|p| self.is_inside(&body, *p)).collect();
         Piece { atoms, body, planes, forbidden }
     }
@@ -177,17 +257,19 @@ impl Scale {
     }
 
     /// The connected components above a plane.
-    pub fn above(&self, atoms: &[Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<Above> {
+    pub fn above<'a>(&self, atoms: &'a [Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<Above<'a>> {
         let range: Vec<(f64, f64)> = atoms.iter().map(|atom| heights(atom, plane)).collect();
         let is_above: Vec<bool> = range.iter().map(|(_, high)| *high > self.tolerance()).collect();
         let collect = |list: Vec<u32>| {
-            let (mut points, mut area) = (Vec::new(), 0.0);
+            let (mut points, mut area) = (Cloud::default(), 0.0);
             for i in list.into_iter().map(|i| i as usize) {
                 if range[i].0 >= -self.tolerance() {
-                    points.extend_from_slice(&atoms[i].patch.points);
+                    points.push(Group::Atom(&atoms[i]));
                     area += atoms[i].area;
                 } else {
-                    atoms[i].patch.polygons.iter().for_each(|polygon| collect_above(polygon, plane, &mut points));
+                    let mut rest = Vec::new();
+                    atoms[i].patch.polygons.iter().for_each(|polygon| collect_above(polygon, plane, &mut rest));
+                    points.push(Group::Rest(rest));
                     area += 0.5 * atoms[i].area;
                 }
             }

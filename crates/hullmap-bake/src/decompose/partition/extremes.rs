@@ -1,0 +1,92 @@
+//! Farthest points along fixed directions, of groups of points. The extremes of several groups are
+//! the extremes of their union, so that a trial need not see every point again.
+
+use std::sync::LazyLock;
+
+use glam::DVec3;
+
+/// Number of steps from the middle of the grid of directions to its border, along each axis.
+const STEPS: i32 = 2;
+
+/// Number of directions: the border of the grid.
+const COUNT: usize = 98;
+
+/// Where a direction is, by component.
+static DIRECTIONS: LazyLock<[[f64; COUNT]; 3]> = LazyLock::new(|| {
+    let all = || -STEPS..=STEPS;
+    let grid = all().flat_map(|x| all().flat_map(move |y| all().map(move |z| [x, y, z])));
+    let mut found = [[0.0; COUNT]; 3];
+    for (k, at) in grid.filter(|at| at.iter().any(|c| c.abs() == STEPS)).enumerate() {
+        for axis in 0..3 {
+            found[axis][k] = f64::from(at[axis]);
+        }
+    }
+    found
+});
+
+/// The farthest points of a group along the directions of a grid; of equally far ones, the first.
+#[derive(Clone, Debug)]
+pub struct Extremes {
+    /// How far they are: the products with the directions, which are not of unit length.
+    reach: [f64; COUNT],
+    /// The points, by component.
+    at: [[f64; COUNT]; 3],
+}
+
+impl Extremes {
+    /// Of no points.
+    pub const EMPTY: Self = Self { reach: [f64::NEG_INFINITY; COUNT], at: [[0.0; COUNT]; 3] };
+
+    /// Of points.
+    ///
+    /// # Complexity
+    /// 98 products for each point.
+    pub fn of(points: &[DVec3]) -> Self {
+        let mut extremes = Self::EMPTY;
+        for p in points {
+            extremes.add(*p);
+        }
+        extremes
+    }
+
+    /// Adds a point.
+    pub fn add(&mut self, p: DVec3) {
+        let [x, y, z] = &*DIRECTIONS;
+        for k in 0..COUNT {
+            let along = x[k] * p.x + y[k] * p.y + z[k] * p.z;
+            let is_farther = along > self.reach[k];
+            self.reach[k] = if is_farther { along } else { self.reach[k] };
+            for (at, own) in self.at.iter_mut().zip(p.to_array()) {
+                at[k] = if is_farther { own } else { at[k] };
+            }
+        }
+    }
+
+    /// Adds the points of another group, which come after those of this one.
+    pub fn add_all(&mut self, other: &Self) {
+        for k in 0..COUNT {
+            let is_farther = other.reach[k] > self.reach[k];
+            self.reach[k] = if is_farther { other.reach[k] } else { self.reach[k] };
+            for (at, own) in self.at.iter_mut().zip(&other.at) {
+                at[k] = if is_farther { own[k] } else { at[k] };
+            }
+        }
+    }
+
+    /// The points, with repetitions.
+    pub fn points(&self) -> Vec<DVec3> {
+        self.along(|_| true)
+    }
+
+    /// Those along the directions to the corners, and to the middles of the edges and faces, of a
+    /// cube.
+    pub fn few_points(&self) -> Vec<DVec3> {
+        let [x, y, z] = &*DIRECTIONS;
+        self.along(|k| [x[k], y[k], z[k]].iter().all(|c| c.abs() != 1.0))
+    }
+
+    fn along(&self, is_wanted: impl Fn(usize) -> bool) -> Vec<DVec3> {
+        let [x, y, z] = &self.at;
+        (0..COUNT).filter(|k| is_wanted(*k)).map(|k| DVec3::new(x[k], y[k], z[k])).collect()
+    }
+}
