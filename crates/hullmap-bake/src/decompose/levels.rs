@@ -85,6 +85,8 @@ pub struct Found {
     pub mirrored: Vec<Part>,
     /// Approximate number of parts to which they can be merged.
     pub fewest: usize,
+    /// Number of parts before mergers.
+    pub divided: usize,
     /// The limit on their protrusion.
     pub limit: f64,
 }
@@ -228,8 +230,8 @@ impl<'a> Levels<'a> {
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             peels,
         };
-        let partition::Found { parts, mirrored, fewest } = partition::search(self.surface, &mut self.field, &limits)?;
-        Some(Found { parts, mirrored, fewest, limit })
+        let partition::Found { parts, mirrored, fewest, divided } = partition::search(self.surface, &mut self.field, &limits)?;
+        Some(Found { parts, mirrored, fewest, divided, limit })
     }
 
     /// The fewest parts within `error`.
@@ -239,7 +241,12 @@ impl<'a> Levels<'a> {
         let mut best: Option<Found> = self.rough(first);
         let (mut level, mut misses) = (first, 0);
         while misses < MISSES && level >= last {
-            let enough = best.as_ref().filter(|best| best.limit <= error).map(|best| best.count()).or(self.enough);
+            let within = best.as_ref().filter(|best| best.limit <= error);
+            // Lower limits take about as many parts before mergers, or more.
+            if within.is_some_and(|best| best.divided > partition::most_before_mergers(best.count())) {
+                break;
+            }
+            let enough = within.map(|best| best.count()).or(self.enough);
             let found = self.search(level, enough, true);
             if self.is_over() {
                 return better(best, found, error);
@@ -281,8 +288,8 @@ impl<'a> Levels<'a> {
         let count = if is_half { count / 2 } else { count };
         let halved = partition::halved(self.surface, &self.bounds(limit), count.min(HALVED));
         let (parts, mirrored) = if is_half { (Vec::new(), halved) } else { (halved, Vec::new()) };
-        let mut found = Found { parts, mirrored, fewest: 0, limit };
-        found.fewest = found.count();
+        let mut found = Found { parts, mirrored, fewest: 0, divided: 0, limit };
+        (found.fewest, found.divided) = (found.count(), found.count());
         (found.fewest > 1).then_some(found)
     }
 

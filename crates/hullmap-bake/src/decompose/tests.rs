@@ -120,11 +120,11 @@ fn the_number_of_parts_is_never_exceeded() {
     let (solid, cover) = (Solid::new(&mesh), Cover::default());
     let surface = Surface::new(&mesh);
     let mut levels = Levels::new(&surface, &solid, &cover, 64, None, Stage::default());
-    let Found { mut parts, limit, fewest, .. } = levels.parts().unwrap();
+    let Found { mut parts, limit, fewest, divided, .. } = levels.parts().unwrap();
     assert_eq!(parts.len(), 2);
     parts.truncate(1);
     for max_parts in [Some(1), Some(2), None] {
-        let found = Found { parts: parts.clone(), mirrored: Vec::new(), fewest, limit };
+        let found = Found { parts: parts.clone(), mirrored: Vec::new(), fewest, divided, limit };
         let hulls = finished(&mesh, &SourceVertices::new(&mesh), &levels, found, max_parts);
         assert!(max_parts.is_none_or(|count| hulls.len() <= count as usize), "{} of {max_parts:?}", hulls.len());
         let fits = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), None).unwrap();

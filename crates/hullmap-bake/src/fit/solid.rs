@@ -256,13 +256,13 @@ impl Solid {
         Some(near)
     }
 
-    /// Whether a point is certainly within a distance of the surface: whether [`near`](Self::near)
-    /// finds that distance or less. Where the mesh is closed, any triangle that near will do.
+    /// Whether a point is within a distance of the solid, up to rounding error: whether
+    /// [`near`](Self::near) finds that distance or less. Any of the mesh's own triangles that is
+    /// near will do.
     pub fn is_near(&self, p: DVec3, limit: f64) -> bool {
-        if self.surface.triangles.len() == self.mesh_count {
-            return self.surface.has_triangle_within(p, limit);
-        }
-        self.near(p, limit).is_some_and(|near| near.distance <= limit)
+        self.surface.has_triangle_within(p, limit, |index| index < self.mesh_count)
+            || self.surface.triangles.len() > self.mesh_count
+                && self.near(p, limit).is_some_and(|near| near.distance <= limit)
     }
 
     /// Neighbourhood of a point, given a triangle that is probably close, and a length that exceeds

@@ -109,13 +109,13 @@ impl ClosedSurface {
         Some((square.sqrt(), index as usize))
     }
 
-    /// Whether the distance of some triangle is less than `within`, also with allowance for errors.
-    pub(super) fn has_triangle_within(&self, p: DVec3, within: f64) -> bool {
+    /// Whether some triangle that `counts` is nearer than `within`, also with allowance for errors.
+    pub(super) fn has_triangle_within(&self, p: DVec3, within: f64, counts: impl Fn(usize) -> bool) -> bool {
         let square = within * within;
         let is_near = |own: &Bounds| (own.low - p).max(p - own.high).max(DVec3::ZERO).length_squared() < square;
         let take = |index: u32| {
             let own = triangle::nearest(&self.triangles[index as usize], p).distance_squared(p);
-            if own < square && own.sqrt() + self.tolerance() <= within {
+            if counts(index as usize) && own < square && own.sqrt() + self.tolerance() <= within {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())

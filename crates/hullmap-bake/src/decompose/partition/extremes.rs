@@ -11,7 +11,10 @@ const STEPS: i32 = 2;
 /// Number of directions: the border of the grid.
 const COUNT: usize = 98;
 
-/// Where a direction is, by component.
+/// Length of the longest direction, rounded up.
+const LONGEST: f64 = 3.5;
+
+/// The directions, by component.
 static DIRECTIONS: LazyLock<[[f64; COUNT]; 3]> = LazyLock::new(|| {
     let all = || -STEPS..=STEPS;
     let grid = all().flat_map(|x| all().flat_map(move |y| all().map(move |z| [x, y, z])));
@@ -71,6 +74,14 @@ impl Extremes {
                 at[k] = if is_farther { own[k] } else { at[k] };
             }
         }
+    }
+
+    /// Whether a point is at most `slack` beyond the farthest ones along all directions. All others
+    /// are outside of the hull.
+    pub fn may_hold(&self, p: DVec3, slack: f64) -> bool {
+        let [x, y, z] = &*DIRECTIONS;
+        let reach = self.reach.iter().enumerate();
+        reach.into_iter().all(|(k, reach)| x[k] * p.x + y[k] * p.y + z[k] * p.z <= reach + LONGEST * slack)
     }
 
     /// The points, with repetitions.

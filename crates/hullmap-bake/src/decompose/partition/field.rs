@@ -141,9 +141,15 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Lower bound of the distance of a point in the grid from the surface.
-    fn clearance(&self, at: usize) -> f64 {
-        f64::from(self.steps[at].saturating_sub(1)) * self.step * (1.0 - 1e-5)
+    /// The label of the voxel around a point, and a lower bound of the point's distance from the
+    /// surface; `None` outside of the grid.
+    fn side(&self, p: DVec3) -> Option<(u8, f64)> {
+        let q = (p - self.low) / self.step;
+        let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
+        is_in_grid.then(|| {
+            let at = self.cell_index(self.cell(p));
+            (self.labels[at], f64::from(self.steps[at].saturating_sub(1)) * self.step * (1.0 - 1e-5))
+        })
     }
 
     fn cell(&self, p: DVec3) -> [usize; 3] {
@@ -157,13 +163,10 @@ impl<'a> Field<'a> {
 
     /// Whether a point is farther than `limit` from the solid.
     pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
-        let Some(at) = self.voxel(p) else {
-            return !self.solid.is_near(p, limit) && (!self.labels.is_empty() || !self.solid.is_inside(p));
-        };
-        match self.labels[at] {
-            INSIDE => false,
-            OUTSIDE => self.clearance(at) > limit || !self.solid.is_near(p, limit),
-            _ => !self.solid.is_near(p, limit) && !self.solid.is_inside(p),
+        match self.side(p) {
+            Some((INSIDE, _)) => false,
+            Some((OUTSIDE, clearance)) if clearance > limit => true,
+            _ => !self.solid.is_near(p, limit) && !self.is_inside(p),
         }
     }
 
@@ -202,6 +205,17 @@ impl<'a> Field<'a> {
             let Some(piece) = queue.pop() else { break };
             let centre = triangle::centroid(&piece.corners);
             let radius = piece.corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+            match self.side(centre) {
+                Some((OUTSIDE, clearance)) if clearance > limit => {
+                    found.push(centre);
+                    if found.len() >= count {
+                        break;
+                    }
+                    continue;
+                }
+                Some((INSIDE, clearance)) if clearance > radius => continue,
+                _ => {}
+            }
             let Some(near) = self.solid.near_beside(centre, piece.within, piece.hint.as_ref()) else { continue };
             let to_corners =
                 piece.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
@@ -238,19 +252,12 @@ impl<'a> Field<'a> {
 
     /// Whether a point is inside the solid.
     fn is_inside(&self, p: DVec3) -> bool {
-        match self.voxel(p).map(|at| self.labels[at]) {
-            Some(INSIDE) => true,
-            Some(OUTSIDE) => false,
+        match self.side(p) {
+            Some((INSIDE, _)) => true,
+            Some((OUTSIDE, _)) => false,
             None if !self.labels.is_empty() => false,
             _ => self.solid.is_inside(p),
         }
-    }
-
-    /// The voxel around a point; `None` outside of the grid.
-    fn voxel(&self, p: DVec3) -> Option<usize> {
-        let q = (p - self.low) / self.step;
-        let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
-        is_in_grid.then(|| self.cell_index(self.cell(p)))
     }
 
     /// The solid.

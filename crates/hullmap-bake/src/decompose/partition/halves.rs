@@ -60,12 +60,13 @@ pub fn merge(
     overlap: f64,
     wanted: usize,
 ) -> Found {
+    let divided = found.divided;
     let image = |part: &Part| Some(search.scale.body(&images(&part.piece.body, mirror)));
     let mut units: Vec<Option<Unit>> =
         found.parts.into_iter().map(|part| Some(Unit { image: image(&part), part })).collect();
     let mut count: usize = units.iter().flatten().map(Unit::count).sum();
     if count > join::MANY {
-        return result(units, count);
+        return result(units, count, divided);
     }
     let mut shared = Overlap::new(units.iter().flatten().flat_map(Unit::bodies), overlap);
     let mut failures = join::FAILURES + units.len();
@@ -105,13 +106,13 @@ pub fn merge(
             }
         }
     }
-    result(enough.unwrap_or(units), count)
+    result(enough.unwrap_or(units), count, divided)
 }
 
-fn result(units: Vec<Option<Unit>>, fewest: usize) -> Found {
+fn result(units: Vec<Option<Unit>>, fewest: usize, divided: usize) -> Found {
     let (own, whole): (Vec<Unit>, Vec<Unit>) = units.into_iter().flatten().partition(|unit| unit.image.is_some());
     let parts = |units: Vec<Unit>| units.into_iter().map(|unit| unit.part).collect();
-    Found { parts: parts(whole), mirrored: parts(own), fewest }
+    Found { parts: parts(whole), mirrored: parts(own), fewest, divided }
 }
 
 /// The reflections of a body's points.

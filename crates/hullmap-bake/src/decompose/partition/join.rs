@@ -6,7 +6,12 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{body::Body, context::Search, piece::Piece, shape::Part};
+use super::{
+    body::Body,
+    context::Search,
+    piece::{Cloud, Piece},
+    shape::Part,
+};
 use crate::{fit::planes::HalfSpace, spread::spread};
 
 /// Number of points by which the common volume of two bodies is estimated.
@@ -30,6 +35,8 @@ pub struct Found {
     pub mirrored: Vec<Part>,
     /// Number of parts to which they can be merged.
     pub fewest: usize,
+    /// Number of parts before mergers.
+    pub divided: usize,
 }
 
 /// A merger of two parts.
@@ -50,9 +57,12 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
     let scale = &search.scale;
     let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
     if left.len() > MANY {
-        return Found { fewest: left.len(), parts: left.into_iter().flatten().collect(), mirrored: Vec::new() };
+        let count = left.len();
+        let parts = left.into_iter().flatten().collect();
+        return Found { parts, mirrored: Vec::new(), fewest: count, divided: count };
     }
-    let (mut count, mut enough) = (left.len(), None);
+    let divided = left.len();
+    let (mut count, mut enough) = (divided, None);
     let mut shared = Overlap::new(left.iter().flatten().map(|part| &part.piece.body), overlap);
     let mut failures = FAILURES + left.len();
     // Each pair is tried once.
@@ -93,7 +103,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
         }
     }
     let parts = enough.unwrap_or(left).into_iter().flatten().collect();
-    Found { parts, mirrored: Vec::new(), fewest: count }
+    Found { parts, mirrored: Vec::new(), fewest: count, divided }
 }
 
 /// Pairs of parts whose boxes are at most `gap` apart.
@@ -114,9 +124,11 @@ fn merger(search: &Search, parts: &[Option<Part>], (i, j): (usize, usize), forbi
         return None;
     }
     let (a, b) = (&parts[i].as_ref()?.piece.body, &parts[j].as_ref()?.piece.body);
-    let body = search.scale.body(&[a.points.as_slice(), &b.points].concat());
-    let is_free = forbidden.iter().all(|p| !search.scale.is_inside(&body, *p));
-    is_free.then(|| Merger { cost: body.volume() - a.volume() - b.volume(), body })
+    let points = Cloud::of_points([a.points.as_slice(), &b.points].concat());
+    search.scale.is_free(&points, forbidden).then(|| {
+        let body = search.scale.body_of(&points);
+        Merger { cost: body.volume() - a.volume() - b.volume(), body }
+    })
 }
 
 /// The union of two pieces, whose hull is `body`.

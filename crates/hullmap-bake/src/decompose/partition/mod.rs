@@ -119,6 +119,11 @@ pub struct PartitionLimits<'a> {
     pub peels: bool,
 }
 
+/// Number of parts before mergers above which a search gives up, if only `enough` are useful.
+pub fn most_before_mergers(enough: usize) -> usize {
+    (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize
+}
+
 /// Parts that together contain a surface; of half a surface, with their mirror images.
 ///
 /// Without a deadline, the result depends on the surface and the limits only. In the worst case, a
@@ -142,7 +147,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let search = Search { field, scale, planes: &planes, bounds, peels };
     let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
-    let most = enough.map_or(usize::MAX, |enough| (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize);
+    let most = enough.map_or(usize::MAX, most_before_mergers);
     let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
     let Some(mirror) = &surface.mirror else {
         return Some(join::merge(&search, parts, &mut forbidden, overlap, wanted));

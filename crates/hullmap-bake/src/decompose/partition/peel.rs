@@ -9,10 +9,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    body::Body,
     context::Search,
     cuts::{directions, faces, range},
-    piece::{Cloud, Piece},
+    piece::Piece,
 };
 use crate::fit::planes::HalfSpace;
 
@@ -102,12 +101,7 @@ fn caps(search: &Search, whole: &Piece, along: Along) -> Vec<Cap> {
             return None;
         }
         let components = scale.above(&whole.atoms, &near, plane);
-        let is_free = |body: &Body| !whole.forbidden.iter().any(|p| scale.is_inside(body, *p));
-        // What is in a smaller hull is in the hull, too.
-        let is_fine = |points: &Cloud| {
-            scale.rough_body(points).is_none_or(|rough| is_free(&rough)) && is_free(&scale.body_of(points))
-        };
-        if components.is_empty() || !components.iter().all(|component| is_fine(&component.points)) {
+        if components.is_empty() || !components.iter().all(|above| scale.is_free(&above.points, &whole.forbidden)) {
             return None;
         }
         Some(components.iter().map(|component| component.area).sum::<f64>() / components.len() as f64)

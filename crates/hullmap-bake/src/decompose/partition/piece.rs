@@ -103,6 +103,11 @@ impl Group<'_> {
 }
 
 impl<'a> Cloud<'a> {
+    /// Some points.
+    pub fn of_points(points: Vec<DVec3>) -> Self {
+        Self { count: points.len(), groups: vec![Group::Rest(points)] }
+    }
+
     /// The points of whole atoms.
     fn of_atoms(atoms: &'a [Arc<Atom>]) -> Self {
         let mut cloud = Self::default();
@@ -133,11 +138,11 @@ impl<'a> Cloud<'a> {
     }
 
     /// Their hull. A flat one is thickened.
-    fn body(&self, thickness: f64) -> Body {
+    fn body(&self, thickness: f64, extremes: impl FnOnce() -> Extremes) -> Body {
         if self.count < MANY {
             return Body::of_outer_points(self.points(), thickness);
         }
-        let inner = Inner::new(&self.extremes());
+        let inner = Inner::new(&extremes());
         let is_outer = |group: &&Group| match group {
             Group::Atom(atom) => !inner.holds_box(atom.low, atom.high),
             Group::Rest(_) => true,
@@ -182,7 +187,22 @@ impl Scale {
 
     /// The hull of points.
     pub fn body_of(&self, points: &Cloud) -> Body {
-        points.body(THICKNESS * self.diagonal)
+        points.body(THICKNESS * self.diagonal, || points.extremes())
+    }
+
+    /// Whether the hull of points contains none of those that are forbidden.
+    pub fn is_free(&self, points: &Cloud, forbidden: &[DVec3]) -> bool {
+        let extremes = points.extremes();
+        let slack = 2.0 * THICKNESS * self.diagonal;
+        let near: Vec<DVec3> = forbidden.iter().filter(|p| extremes.may_hold(**p, slack)).copied().collect();
+        if near.is_empty() {
+            return true;
+        }
+        let is_free = |body: &Body| !near.iter().any(|p| self.is_inside(body, *p));
+        // What is in a smaller hull is in the hull, too.
+        is_free(&self.body(&extremes.few_points()))
+            && (points.count < ROUGH || is_free(&self.body(&extremes.points())))
+            && is_free(&points.body(THICKNESS * self.diagonal, || extremes))
     }
 
     /// A body that lies in the hull of points and is nearly as large, for comparisons of trials.
