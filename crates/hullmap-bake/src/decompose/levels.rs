@@ -230,7 +230,8 @@ impl<'a> Levels<'a> {
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             peels,
         };
-        let partition::Found { parts, mirrored, fewest, divided } = partition::search(self.surface, &mut self.field, &limits)?;
+        let partition::Found { parts, mirrored, fewest, divided } =
+            partition::search(self.surface, &mut self.field, &limits)?;
         Some(Found { parts, mirrored, fewest, divided, limit })
     }
 

@@ -101,3 +101,43 @@ impl Extremes {
         (0..COUNT).filter(|k| is_wanted(*k)).map(|k| DVec3::new(x[k], y[k], z[k])).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+
+    /// Compared with a scan of all points along all directions; many points tie.
+    #[test]
+    fn extremes_of_groups_are_those_of_all_points() {
+        let seed = 4;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let mut ties = 0;
+        for round in 0..40 {
+            let mut point = || DVec3::from_array(std::array::from_fn(|_| (rng.between(-2.0, 2.0) * 4.0).round() / 4.0));
+            let groups: Vec<Vec<DVec3>> = (0..5).map(|k| (0..k * 7).map(|_| point()).collect()).collect();
+            let points = groups.concat();
+            let mut found = Extremes::EMPTY;
+            groups.iter().for_each(|group| found.add_all(&Extremes::of(group)));
+            let [x, y, z] = &*DIRECTIONS;
+            for (k, p) in found.points().iter().enumerate() {
+                let along = |p: &DVec3| DVec3::new(x[k], y[k], z[k]).dot(*p);
+                let reach = points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+                let farthest: Vec<&DVec3> = points.iter().filter(|p| along(p) == reach).collect();
+                assert_eq!(p, farthest[0], "round {round}, direction {k}");
+                ties += usize::from(farthest.iter().any(|p| *p != farthest[0]));
+            }
+            assert!(found.few_points().iter().all(|p| found.points().contains(p)));
+            assert_eq!(found.few_points().len(), 26);
+            // No point of the hull is beyond them.
+            for pair in points.windows(2) {
+                let p = pair[0].lerp(pair[1], 0.3);
+                assert!(found.may_hold(p, 1e-12), "round {round}: {p}");
+            }
+            assert!(!found.may_hold(DVec3::splat(2.5), 0.0));
+        }
+        assert!(ties > 500, "{ties}");
+    }
+}

@@ -297,3 +297,44 @@ impl Ord for Piece {
         self.bound.total_cmp(&other.bound).then(other.index.cmp(&self.index))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use shapes::{concave, rng::SplitMix64};
+
+    use super::*;
+    use crate::decompose::tests::point_set;
+
+    /// A mesh that is closed, one of which triangles are missing, and a sheet; compared with the
+    /// nearest triangle.
+    #[test]
+    fn points_are_beyond_if_the_nearest_triangle_is() {
+        let seed = 8;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let [mut open, mut sheet] = [point_set(&concave::mug(24)), point_set(&concave::bowl(16, 5))];
+        open.triangles.drain(..30);
+        sheet.triangles.truncate(40);
+        let (mut beyond, mut by_steps) = (0, 0);
+        for mesh in [point_set(&concave::pipe(16)), open, sheet] {
+            let solid = Solid::new(&mesh);
+            let field = Field::new(&solid);
+            let [low, high] = solid.bounds();
+            for round in 0..6_000 {
+                let t = DVec3::from_array(std::array::from_fn(|_| rng.between(-0.2, 1.2)));
+                let p = low + (high - low) * t;
+                let limit = solid.diagonal() * [0.002, 0.01, 0.05][round % 3];
+                let is_near = solid.near(p, limit).is_some_and(|near| near.distance <= limit);
+                let is_beyond = !is_near && !solid.is_inside(p);
+                assert_eq!(field.is_beyond(p, limit), is_beyond, "round {round}: {p}");
+                if let Some((_, clearance)) = field.side(p).filter(|side| side.1 > 0.0) {
+                    let near = solid.near(p, f64::INFINITY).unwrap();
+                    assert!(clearance <= near.gap, "round {round}: {clearance} at {p}");
+                    by_steps += usize::from(is_beyond && clearance > limit);
+                }
+                beyond += usize::from(is_beyond);
+            }
+        }
+        assert!(beyond > 3_000 && by_steps > 1_000, "{beyond} beyond, {by_steps} by steps");
+    }
+}

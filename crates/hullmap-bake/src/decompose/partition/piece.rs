@@ -346,3 +346,46 @@ fn connected(near: &[Vec<u32>], is_in: &[bool]) -> Vec<Vec<u32>> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use shapes::{concave, rng::SplitMix64};
+
+    use super::*;
+    use crate::decompose::tests::point_set;
+
+    /// Compared with the hull of all points.
+    #[test]
+    fn bodies_of_clouds_are_those_of_their_points() {
+        let seed = 6;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let (mut large, mut free) = (0, 0);
+        for mesh in [point_set(&concave::bowl(40, 12)), point_set(&concave::spiral_stair(30))] {
+            let corner = |v: &u32| DVec3::from_array(mesh.positions[*v as usize].map(f64::from));
+            let polygons: Vec<Vec<DVec3>> = mesh.triangles.iter().map(|t| t.iter().map(corner).collect()).collect();
+            let atom = |some: &[Vec<DVec3>]| Arc::new(Atom::new(Patch::new(some.to_vec()).unwrap()));
+            let atoms: Vec<Arc<Atom>> = polygons.chunks(5).map(atom).collect();
+            let (low, high) = body::bounds(&polygons.concat());
+            let scale = Scale { limit: 0.01 * high.distance(low), diagonal: high.distance(low) };
+            let near = scale.neighbours(&atoms);
+            for round in 0..40 {
+                let mut inside = || low + (high - low) * DVec3::from_array(std::array::from_fn(|_| rng.unit()));
+                let (a, b) = (inside(), inside());
+                let forbidden: Vec<DVec3> = (0..6).map(|_| inside()).collect();
+                let Some(normal) = (b - a).try_normalize() else { continue };
+                let plane = HalfSpace { normal, offset: normal.dot(0.5 * (a + b)) };
+                for above in scale.above(&atoms, &near, &plane) {
+                    let points: Vec<DVec3> = above.points.points().collect();
+                    let (found, expected) = (scale.body_of(&above.points), scale.body(&points));
+                    assert_eq!(found.points, expected.points, "round {round}");
+                    let is_free = !forbidden.iter().any(|p| scale.is_inside(&expected, *p));
+                    assert_eq!(scale.is_free(&above.points, &forbidden), is_free, "round {round}");
+                    large += usize::from(points.len() > MANY);
+                    free += usize::from(is_free);
+                }
+            }
+        }
+        assert!(large > 40 && free > 20, "{large} large, {free} free");
+    }
+}
