@@ -184,8 +184,8 @@ pub struct BuildArgs {
     /// Bake every mesh, even if its pack is fresh
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
-    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. A fresh pack
-    /// may still contradict its source, since no hull is computed; `bake verify` rejects it
+    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. No hull
+    /// is computed: `bake verify` finds packs that contradict their source
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
@@ -327,7 +327,7 @@ pub struct KeyArgs {
     /// The meshes.
     #[command(flatten)]
     pub meshes: MeshArgs,
-    /// Folder of the packs, for the recorded path [default: beside the meshes]
+    /// Folder in which the packs would be: paths in packs are relative to it [default: beside the meshes]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON object per mesh, with everything that goes into its key
@@ -410,7 +410,7 @@ pub struct StatusArgs {
     /// Folder of the packs, which mirrors the input folders
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// With N shards, list the incomplete ones
+    /// Number of shards of the bake; lists those that are incomplete
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub shards: Option<u32>,
     /// Print one JSON object per pack, also for packs that are present
@@ -467,8 +467,8 @@ pub struct RobotArgs {
     /// Replace the inertia of links by that of their meshes, for the mass that they state
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
-    /// Exclude contacts of pairs of links that touch in the neutral pose, or always: in MJCF by
-    /// `exclude`, of URDF in an SRDF file beside the output
+    /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
+    /// `exclude` elements; beside a URDF file, an SRDF file is written
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links

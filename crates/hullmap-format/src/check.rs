@@ -10,8 +10,8 @@
 //!    the speed of memory. Its loops have no early exit and run over whole sections where they can,
 //!    so that the compiler vectorises them. Only a loop that has failed is repeated to find the
 //!    first error.
-//! 4. [`crate::repeats`]: redundant values agree. Queries are safe without this check; `bake
-//!    verify` runs it. It is safe without level 3.
+//! 4. [`crate::repeats`]: redundant values agree. Only `bake verify` runs this check: queries are
+//!    safe without it. It may run before level 3.
 
 use rkyv::rend::u32_le;
 
@@ -100,8 +100,8 @@ pub(crate) fn zeros_between(
 /// Checks that the sections of a pack are those of the format version in its header.
 ///
 /// # Errors
-/// [`CheckError::SectionCount`] for the starts of neighbours, which only lean packs lack, and for
-/// records of voids and primitives, which only extended packs have.
+/// [`CheckError::SectionCount`] if a lean pack has starts of neighbours or another one lacks them,
+/// and if a pack that is not extended has records of voids or primitives.
 pub fn layout(pack: &Sections<'_>, layout: Layout) -> Result<(), CheckError> {
     let Layout { is_lean, is_extended } = layout;
     let found = pack.neighbour_starts.len();

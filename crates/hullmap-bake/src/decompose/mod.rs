@@ -113,8 +113,8 @@ fn decompose_by(
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
 }
 
-/// The hulls with what they leave of the mesh's own solid; the hulls as they are if it is not
-/// watertight. `solid` is the one from which protrusion counts.
+/// The hulls, grown and completed until they fill the mesh's own solid; unchanged if it is not
+/// watertight. Protrusion is measured from `solid`, which may be larger.
 fn filled(
     mesh: &PointSet,
     solid: &Solid,

@@ -45,16 +45,16 @@ pub struct Uncovered {
 }
 
 /// Pairs of tolerances for the subtraction of parts, relative to the diagonal, in the order in
-/// which they are tried. A point counts as inside a part up to the first distance from the planes
-/// of its faces. The subtracted pieces are then measured. The result is accepted if they are within
-/// the second distance of the part.
+/// which they are tried: `[outside, error]`. A point counts as inside a part if it is at most
+/// `outside` above the planes of all faces. What is subtracted is then measured, and accepted if it
+/// is nowhere farther than `error` from the part.
 ///
 /// Parts of f32 vertices miss the surface by 1e-8 to 3e-7, in narrow gaps. With a tolerance of 0,
 /// all gaps would be left as pieces that reach from part to part.
 ///
 /// The third pair is for triangles on which neither of the others is accepted: beside an acute
-/// edge, a point close to the planes of both faces can be far from the part. The first tolerance is
-/// hardly more than 0 there, and the result is accepted in any case.
+/// edge, a point close to the planes of both faces can be far from the part. There, `outside` is
+/// hardly more than 0, and no error is measured.
 const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [3e-7, 6e-7], [1e-12, f64::INFINITY]];
 
 /// Accuracy of the bound, relative to the diagonal.

@@ -61,8 +61,8 @@ pub struct ExportArgs {
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density for the mass in MJCF, URDF, SDF, USD and with --into, in kilograms per cubic unit of
-    /// the pack, or of the glTF file; default 1000, in USD per cubic metre
+    /// Density, from which MJCF, URDF, SDF, USD and --into get masses: kilograms per cubic unit of
+    /// the pack, with --into of the glTF file. Default 1000; in USD, 1000 per cubic metre
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh

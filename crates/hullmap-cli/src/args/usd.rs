@@ -5,10 +5,10 @@ use clap::ValueEnum;
 /// Where the hulls go in a stage, and what the layer states about it.
 #[derive(Debug, clap::Args)]
 pub struct UsdArgs {
-    /// Prim below which the mesh is, in USD, for instance /World/chair
+    /// Path of the USD prim that holds the mesh, for instance /World/chair
     #[arg(long, value_name = "PATH")]
     pub prim: Option<String>,
-    /// Asset that the USD layer goes over, as the layer names it, for instance ./chair.usd
+    /// File name of the USD asset, as the layer shall write it, for instance ./chair.usd
     #[arg(long, value_name = "ASSET")]
     pub asset: Option<String>,
     /// Length of a unit of the USD stage in metres; default 1

@@ -6,7 +6,7 @@
 //! | [`table`] | **the table of all options**: key, accepted values, default, help |
 //! | [`value`] | the values that options take, and how they are written |
 //! | [`layer`] | options given by one source: command line, `hullmap.toml`, or record |
-//! | [`resolved`] | the options of a bake, with their defaults |
+//! | [`resolved`] | the options of one bake, once all layers are laid over each other |
 //! | [`flags`] | a layer as flags of `bake build` and `bake decompose` |
 //! | [`mod@template`] | the `hullmap.toml` that `bake init` writes |
 //! | [`record`] | the text in which a pack records its options |

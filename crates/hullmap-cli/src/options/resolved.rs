@@ -15,8 +15,8 @@ use crate::budget::{Budget, budget};
 /// in spite of rounding.
 const THINNEST: f64 = 1e-5;
 
-/// Resolved options: those without a value have their defaults, and those that do not apply are
-/// reset to them.
+/// The options of a bake. An option that has no value, or does not apply, has its default from the
+/// [`table`](super::table).
 ///
 /// # Panics
 /// The methods panic if the [`table`](super::table) gives an option another kind of value than they

@@ -1,8 +1,8 @@
 //! The table of all options that shape a bake: key, accepted values, default, help.
 //!
 //! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
-//! come from this table. Every option in it changes the hulls of packs, except those that are never
-//! recorded; flags that no mesh can choose for itself (`--jobs`, `--verify`, …) are in `args.rs`.
+//! come from this table. An option that is recorded changes the hulls. Flags that apply to a whole run (`--jobs`,
+//! `--verify`, …) are in `args.rs`.
 
 use super::removed::instead_of_value;
 use super::value::Syntax::{self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, Switch, SwitchOr, Words};
@@ -219,7 +219,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Maximum number of vertices, 4 or more. Without --decompose: of an enclosing hull instead of the exact one; default none, the exact hull. With --decompose: of each part; default 64",
+        help: "Maximum number of vertices, 4 or more. Without --decompose, the hull then encloses the exact one; default none, the exact hull. With --decompose, each part has at most N; default 64",
         section: Section::Shape,
         group: Group::Limit,
         ..OPTION
@@ -261,7 +261,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: PositiveOrNone,
         default: DefaultValue::Value("0.05"),
         value_name: "SHARE",
-        help: "Merge parts only while the sum of their volumes exceeds that of their union by at most this share of the latter; none for any overlap",
+        help: "Merge parts only as long as the sum of all volumes exceeds the volume of the union by at most this share of the latter; none for any overlap",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),

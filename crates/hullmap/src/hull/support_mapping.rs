@@ -12,8 +12,8 @@ use crate::support::{Lookup, SupportMap, SupportPoint};
 
 /// Maximum difference between the maximum dot product and that of the support point, divided by the
 /// outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal cone
-/// reaches less than 4e-15 beyond the cut. The worst hulls constructed lost 80 times such a
-/// tolerance, which would be 3e-13. This allows three times that. See docs/intervals.md, section 9.
+/// reaches less than 4e-15 beyond the cut. The worst hulls that were constructed lost
+/// 80 times as much, 3e-13, and this is three times the latter. See docs/intervals.md, section 9.
 const SUPPORT_ERROR: f64 = 1e-12;
 
 /// Answer of [`Hull::support`].

@@ -40,8 +40,8 @@
 //!
 //! No signal handler is installed: the program decides what happens on a fault.
 //!
-//! A sealed `memfd` instead of read-only pages would let the copy be handed to other processes.
-//! Those can map the file instead, and `memfd` needs a dependency or foreign calls.
+//! The copy is on read-only pages and not in a sealed `memfd`, which needs a dependency. Only that
+//! could be handed to other processes, but these can map the file themselves.
 
 pub(crate) mod error;
 #[cfg(feature = "mmap")]
@@ -374,7 +374,12 @@ impl Pack {
             check_checksum(&header, bytes.payload())?;
         }
         let storage = Storage::new(bytes)?;
-        check::layout(storage.sections(), header.layout())?;
+        if let Err(error) = check::layout(storage.sections(), header.layout()) {
+            if checks == Checks::All {
+                check_checksum(&header, storage.payload())?;
+            }
+            return Err(error.into());
+        }
         match checks {
             Checks::Sections => {}
             Checks::Structure => check::structure(storage.sections(), storage.payload())?,

@@ -112,8 +112,8 @@ fn push_rim(out: &mut Feature, z: f64, radius: f64, first: u32) {
 
 /// Moves the feature of a core outward by the convex radius. `interior` is a point inside the core.
 ///
-/// A face moves along its own normal, and an edge along that of its normals that is closest to
-/// `dir`. So they lie on the rounded surface as they lay on the core's. A feature whose normal is
+/// A face moves along its own normal. An edge has many normals, and moves along the one closest to
+/// `dir`. Both then lie on the rounded surface. A feature whose normal is
 /// far from `dir`, such as a needle's, moves along `dir`, and counts as curved. An edge that is not
 /// perpendicular to `dir` also counts as curved, because its closest normal may not be a normal of
 /// the core.

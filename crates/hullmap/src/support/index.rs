@@ -9,8 +9,8 @@
 //!
 //! [`Index::support`] chooses the path. Up to four blocks without an index are scanned at once,
 //! without a look-up. Otherwise [`Index::leaf`] matches the kind of the index. A batch interrupts
-//! its look-ups instead ([`Index::start_lookup`], [`Index::continue_lookup`]). These take the same
-//! path, and only distinguish whether the index is a tree, and how it branches.
+//! its look-ups ([`Index::start_lookup`], [`Index::continue_lookup`]), which visit the same nodes.
+//! Whether a query starts at a hint instead, is decided in `hull/support_mapping.rs`.
 //!
 //! # Reference
 //! B. Kenwright, "Generic Convex Collision Detection using Support Mapping", for the cube map and
@@ -44,8 +44,8 @@ use super::simd::{self, Dispatch, Kernel, Portable, Simd};
 /// follows when it reads them.
 const FETCHED_BLOCKS: usize = 4;
 
-/// Number of blocks that are fetched with a support query on another hull. This many arrive before
-/// the next query starts.
+/// Number of blocks of a hull that are fetched while another hull is queried: as many as arrive in
+/// that time.
 const PART_BLOCKS: usize = 8;
 
 /// Slots at the front of a tree: one for each face of the cube.

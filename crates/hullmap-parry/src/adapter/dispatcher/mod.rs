@@ -30,8 +30,8 @@ use pair::{HullPair, Local, on_pair, pair};
 /// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment or
 /// triangle, and against parry's rounded versions of these. parry splits compounds, triangle
 /// meshes, height fields and voxels into their parts, and hullmap solves the parts. All other pairs
-/// go to parry's [`DefaultQueryDispatcher`]. So do half-spaces, for which parry has a closed form,
-/// except in contact manifolds.
+/// go to parry's [`DefaultQueryDispatcher`], and so do half-spaces, for which parry has a closed
+/// form. Contact manifolds with half-spaces are hullmap's.
 /// hullmap solves shape casts without rotation; parry solves those with rotation.
 ///
 /// In Rapier, set it once:

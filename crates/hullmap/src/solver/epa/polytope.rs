@@ -23,8 +23,8 @@
 //!   error of a dot product. The offset is the minimum over the three corners and not that of an
 //!   ideal plane.
 //! - [`Polytope::encloses`] proves that the surface winds around the origin. Inserting a vertex
-//!   keeps that property as long as the removed faces and the new vertex are beyond zero along the
-//!   normals of the removed faces. Then the minimum offset is the radius of a ball inside the
+//!   keeps that property if, along the normal of each removed face, the face and the new vertex are
+//!   beyond the origin. Then the minimum offset is the radius of a ball inside the
 //!   Minkowski difference, even if the surface is not convex (docs/intervals.md).
 
 use crate::solver::barycentric::on_triangle;
