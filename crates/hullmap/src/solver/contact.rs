@@ -289,7 +289,8 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         _ => upper <= epa::TOUCHING_ROUNDINGS * rounding,
     };
     let off = expanded.bound.off();
-    let roundings = if touching { epa::BESIDE_ROUNDINGS } else { FOOT_ROUNDINGS };
+    // Shapes that only touch need not have opposite witness points.
+    let roundings = if touching && depth_lower == 0.0 { epa::BESIDE_ROUNDINGS } else { FOOT_ROUNDINGS };
     // The interval is as wide as the witness points are off. NaN takes the failing branch.
     let width = upper - expanded.lower.max(0.0);
     let is_settled = off <= width.max(0.0) + roundings * rounding;
