@@ -74,6 +74,8 @@ pub struct CompoundManifolds {
     /// Lent by the caller, and passed to the cache in use.
     scratch: Option<Box<Scratch>>,
     welds: bool,
+    /// Upper bound of the smaller body's outer radius in the last update.
+    reach: f64,
 }
 
 /// A pair of parts that touch.
@@ -117,6 +119,7 @@ impl CompoundManifolds {
             others: CompoundCache::new(2 * pairs),
             scratch: None,
             welds: true,
+            reach: 0.0,
         }
     }
 
@@ -151,6 +154,7 @@ impl CompoundManifolds {
             (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union),
         ];
         let nodes = [a.nodes(), b.nodes()];
+        self.reach = 0.5 * nodes[0].diagonal().min(nodes[1].diagonal());
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
@@ -215,6 +219,7 @@ impl CompoundManifolds {
     ) -> ManifoldCounts {
         let mut frame = self.start();
         let nodes = b.nodes();
+        self.reach = 0.5 * nodes.diagonal();
         let reach = settings.prediction.length(nodes.diagonal());
         let mut descent = Descent::new(a, nodes, b_in_a);
         while let Some(index) = descent.next(-reach) {
@@ -294,6 +299,11 @@ impl CompoundManifolds {
         order[..kept].sort_unstable_by_key(|entry| entries[*entry].pair);
         *used = kept;
         ManifoldCounts { touching: kept as u32, ..frame.counts }
+    }
+
+    /// Upper bound of the outer radius of the smaller body in the last update.
+    pub(super) fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// Number of pairs of parts that touch.

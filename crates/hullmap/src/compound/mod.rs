@@ -5,7 +5,7 @@
 //! in the packs find the pairs of hulls to query. The answers are the same as when every pair is
 //! queried. [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its
 //! normals are normals of the union: [`seams`] corrects normals at edges between parts, where
-//! bodies would otherwise stumble.
+//! bodies would otherwise stumble. [`BodyManifold`] chooses at most eight of all their points.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
@@ -45,6 +45,7 @@
 
 #![forbid(unsafe_code)]
 
+mod body_manifold;
 mod bvh;
 mod cache;
 mod cast_motion;
@@ -61,6 +62,7 @@ mod traversal;
 use crate::cascade::{self, Stages};
 use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
+pub use body_manifold::{BodyManifold, BodyPoint, MAX_BODY_POINTS};
 use bvh::Placement;
 pub use cache::CompoundCache;
 pub use cast_motion::cast_motion;

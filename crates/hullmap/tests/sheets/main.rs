@@ -1,0 +1,6 @@
+//! Tests of triangle meshes, against brute force over all triangles in f64. A binary of its own,
+//! since that of all queries takes minutes to compile.
+
+mod body_manifold;
+mod meshes;
+mod triangle_mesh;
