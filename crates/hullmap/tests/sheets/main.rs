@@ -3,4 +3,8 @@
 
 mod body_manifold;
 mod meshes;
+mod one_sided;
+mod slide;
+mod surface;
+mod tiles;
 mod triangle_mesh;
