@@ -14,6 +14,7 @@ use super::bvh::{Node, Placement};
 use super::cache::CompoundCache;
 use super::half_space::Descent;
 use super::joined::Joined;
+use super::near::NearParts;
 use super::parts::Parts;
 use super::seams::{self, Side, Union};
 use super::sheet::Pair;
@@ -149,7 +150,11 @@ impl CompoundManifolds {
         b_in_a: Pose,
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
-        let union_a = seams::of(a);
+        // The correction of normals asks for parts within the prediction of the body, and a little
+        // farther.
+        let (center, radius) = b.nodes().ball();
+        let reach = radius + 2.0 * settings.prediction.length(radius);
+        let union_a = NearParts::new(a, b_in_a.transform_point(center), reach);
         let in_a = (self.welds && a.part_count() > 1).then_some((&union_a as &dyn Union, 0, Pose::IDENTITY));
         self.update_within(in_a, a, b, b_in_a, settings)
     }

@@ -55,6 +55,7 @@ mod joined;
 mod manifolds;
 mod members;
 mod motion;
+mod near;
 mod one_sided;
 mod parts;
 pub mod seams;

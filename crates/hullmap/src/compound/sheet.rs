@@ -104,7 +104,7 @@ impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> Pair<'p, A, B> {
     pub(super) fn update(&self, manifold: &mut Manifold, settings: &ManifoldSettings, cache: &mut Cache) -> Contact {
         let contact = manifold.update(&self.a, &self.b, self.b_in_a, settings, cache);
         if let Some(front) = self.front_of_back(&contact)
-            && !manifold.points().is_empty()
+            && contact.hit
         {
             manifold.update_along((&self.a, &self.b, self.b_in_a), front, settings);
         }

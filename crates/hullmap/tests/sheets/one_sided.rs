@@ -131,7 +131,7 @@ fn manifolds_push_to_the_front_until_the_middle_is_behind() {
         let mut manifolds = CompoundManifolds::new(32);
         manifolds.update(&floor, &die, at, &settings);
         // At the height 0, rounding decides.
-        if height > 0.52 || height < 1e-9 {
+        if !(1e-9..=0.52).contains(&height) {
             assert!(manifolds.is_empty(), "{height}");
             continue;
         }
