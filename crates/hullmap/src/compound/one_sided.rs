@@ -17,14 +17,14 @@ use crate::hull::Hull;
 /// # What a body behind the front gets
 /// A body is behind a triangle if its [interior point](crate::SupportMap::interior_point) is behind
 /// the triangle's plane, or in it.
-/// - `intersects`, `contact`, `contacts` and manifolds ignore a triangle that a body is behind. So a
-///   body that has come through a floor by more than half falls on, and is not pushed up.
+/// - `intersects`, `contact`, `contacts` and manifolds ignore a triangle that a body is behind. So
+///   a body that has come through a floor by more than half falls on, and is not pushed up.
 /// - If the interior point is in front, but the shortest way out is backwards through the face, the
 ///   contact is the one with the half-space behind the triangle's plane: the body is pushed out to
 ///   the front, by the depth of its lowest point. The interval is that of this depth.
-/// - Rays and casts ignore triangles that they do not move against: the product of velocity and
-///   front must be negative, by more than rounding error. A cast also ignores triangles that the
-///   body is behind at its start.
+/// - Rays and casts ignore triangles that they do not move against: the computed dot product of
+///   velocity and front must be negative. A cast also ignores triangles that the body is behind at
+///   its start.
 /// - `distance`, `signed_distance`, `clear` and `cast_motion` count both sides.
 ///
 /// At a border, a contact may lean backwards, as on any edge.

@@ -401,8 +401,8 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         })
     }
 
-    /// Whether the face with this normal is exposed near a point, to the other body, of which `body`
-    /// is a point. All are in the shape's frame.
+    /// Whether the face with this normal is exposed near a point, to the other body, of which
+    /// `body` is a point. All are in the shape's frame.
     fn is_exposed(&self, normal: DVec3, point: DVec3, body: DVec3, seam: f64) -> bool {
         let Some((union, part, place)) = self.union else { return true };
         let mut face = Feature::new();

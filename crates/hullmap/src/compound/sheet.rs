@@ -1,5 +1,5 @@
-//! A pair of parts, at least one of which may be a triangle of a sheet: tests that rule the pair out
-//! before the solver runs, and the contact of one-sided triangles.
+//! A pair of parts, at least one of which may be a triangle of a sheet: tests that rule the pair
+//! out before the solver runs, and the contact of one-sided triangles.
 //!
 //! # Steps
 //! 1. Separating axes of the triangle, for the ball around the other part: the normal, and the

@@ -69,8 +69,8 @@ pub enum SurfaceError {
 /// and to points near this one; the query reads and updates it.
 ///
 /// # Errors
-/// [`SurfaceError::Open`] if the mesh has an edge that not exactly two triangles share, front beside
-/// front, and [`SurfaceError::Point`] as for [`signed_distance`](super::signed_distance()).
+/// [`SurfaceError::Open`] if the mesh has an edge that not exactly two triangles share, front
+/// beside front, and [`SurfaceError::Point`] as for [`signed_distance`](super::signed_distance()).
 ///
 /// # Complexity
 /// Branch and bound for the nearest triangle, and one descent of the tree along an axis for the

@@ -28,8 +28,8 @@ pub(crate) unsafe fn map(path: &Path, kind: FileKind) -> Result<(Header, Bytes),
         // An empty file cannot be mapped.
         return Err(invalid(HeaderError::TooShort { found: 0 }));
     }
-    // SAFETY: the caller promises that no process writes to the file or truncates it while the bytes
-    // exist. They own the map.
+    // SAFETY: the caller promises that no process writes to the file or truncates it while the
+    // bytes exist. They own the map.
     let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
     let header = Header::read_kind(&map, kind).map_err(invalid)?;
     Ok((header, Bytes::File(map)))

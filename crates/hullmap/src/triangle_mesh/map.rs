@@ -16,9 +16,9 @@ impl TriangleMesh {
     /// # Safety
     /// As for [`Pack::map`](crate::Pack::map): while the mesh exists, no process may write to the
     /// file or truncate it. Replacing it by renaming another one over it is allowed. If a process
-    /// writes to it in spite of this, queries may return wrong answers, or panic. They end, and read
-    /// nothing outside of the map: the places of all sections were read once, at opening, and every
-    /// index is checked again when it is used.
+    /// writes to it in spite of this, queries may return wrong answers, or panic. They end, and
+    /// read nothing outside of the map: the places of all sections were read once, at opening, and
+    /// every index is checked again when it is used.
     ///
     /// # Errors
     /// As [`TriangleMesh::open`].

@@ -1,5 +1,5 @@
-//! A box that slides over ten slabs of triangles, by a small solver of impulses: its path is that over
-//! one slab.
+//! A box that slides over ten slabs of triangles, by a small solver of impulses: its path is that
+//! over one slab.
 
 use glam::{DMat3, DQuat, DVec3};
 use hullmap::compound::{BodyManifold, Joined, OneSided, Tile, seams};

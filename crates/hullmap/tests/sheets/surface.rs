@@ -1,5 +1,5 @@
-//! Signed distance of closed meshes, compared with brute force: the nearest of all triangles, and the
-//! sum of their solid angles.
+//! Signed distance of closed meshes, compared with brute force: the nearest of all triangles, and
+//! the sum of their solid angles.
 
 use glam::{DQuat, DVec3};
 use hullmap::compound::{SurfaceError, surface_distance};

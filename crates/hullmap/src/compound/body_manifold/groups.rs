@@ -7,9 +7,12 @@ use glam::DVec3;
 /// Cosine of the angle up to which manifolds are in the group of a deeper one: 5 degrees.
 const SAME_NORMAL: f64 = 0.9961946980917455;
 
+/// Maximum number of points of a [`BodyManifold`](super::BodyManifold).
+pub const MAX_BODY_POINTS: usize = 8;
+
 /// Most groups that there are. Directions that are more than 80 degrees apart are at most seven,
 /// so the angle is doubled at most four times.
-const MAX_GROUPS: usize = super::MAX_BODY_POINTS;
+const MAX_GROUPS: usize = MAX_BODY_POINTS;
 
 /// A manifold, as grouping sees it.
 #[derive(Clone, Copy, Debug)]

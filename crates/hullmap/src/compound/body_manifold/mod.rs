@@ -33,11 +33,9 @@ use crate::manifold::matching::{Likeness, match_points};
 use crate::manifold::select::SAME_PLACE;
 use crate::manifold::{ManifoldPoint, SAME_DEPTH};
 use crate::vector::perpendicular;
+pub use groups::MAX_BODY_POINTS;
 use groups::{Member, group, shares};
 use spread::{hull, reduce, span};
-
-/// Maximum number of points of a [`BodyManifold`].
-pub const MAX_BODY_POINTS: usize = 8;
 
 /// The points of the last frame stay while they span at least this share of the area of the best
 /// ones.
