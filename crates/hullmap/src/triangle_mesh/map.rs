@@ -15,10 +15,12 @@ impl TriangleMesh {
     ///
     /// # Safety
     /// As for [`Pack::map`](crate::Pack::map): while the mesh exists, no process may write to the
-    /// file or truncate it. Replacing it by renaming another one over it is allowed. If a process
-    /// writes to it in spite of this, queries may return wrong answers, or panic. They end, and
-    /// read nothing outside of the map: the places of all sections were read once, at opening, and
-    /// every index is checked again when it is used.
+    /// file or truncate it. Replacing it by renaming another one over it is allowed.
+    ///
+    /// If a process writes to it in spite of this, the behaviour is undefined by the rules of Rust.
+    /// In practice, queries return wrong answers, or panic, and if the file is truncated, reading
+    /// past its new end raises SIGBUS on Unix. No query reads outside of the map: the places of all
+    /// sections were read once, at opening.
     ///
     /// # Errors
     /// As [`TriangleMesh::open`].
