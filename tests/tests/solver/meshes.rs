@@ -6,7 +6,7 @@ use hullmap_tests::sheets::Tally;
 fn meshes_answer_as_brute_force_does() {
     const SEED: u64 = 39;
     let mut tally = Tally::default();
-    (0..64).for_each(|index| tally.judge(SEED, index));
+    (0..160).for_each(|index| tally.judge(SEED, index));
     println!("seed {SEED}\n{tally}");
     assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
     let count = |query, outcome| tally.counts.get(&(query, outcome)).copied().unwrap_or_default();
