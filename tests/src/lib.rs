@@ -7,6 +7,7 @@
 //! | [`faults`] | bakes with faults at system calls, kills, power cuts (Linux) | `bake-faults` |
 //! | [`soak`] | solver answers judged by certificates | `solver-soak` |
 //! | [`truth`] | solver intervals compared with truths | `solver-truth`, `degenerate-truth` |
+//! | [`sheets`] | queries of triangle meshes judged by brute force | `mesh-truth` |
 //! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
 //! | [`game_hulls`] | game hulls, from outside of the repository | |
@@ -24,6 +25,7 @@ pub mod index_truth;
 pub mod processor;
 pub mod regret;
 pub mod sampler;
+pub mod sheets;
 pub mod soak;
 pub mod truth;
 pub mod wavefront;

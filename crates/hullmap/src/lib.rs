@@ -222,7 +222,8 @@
 //!
 //! # Features of the crate
 //!
-//! - `mmap` (default): `Pack::map`, which maps a file instead of copying it, by memmap2.
+//! - `mmap` (default): `Pack::map` and `TriangleMesh::map`, which map a file instead of copying it,
+//!   by memmap2.
 //! - `parallel`: batches on all threads, by rayon. Without it, they run on the calling thread.
 //!
 //! # Where to find more

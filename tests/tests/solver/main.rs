@@ -3,6 +3,7 @@
 
 mod degenerate;
 mod facets;
+mod meshes;
 mod primitives;
 mod properties;
 mod regressions;

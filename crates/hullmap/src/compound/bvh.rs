@@ -147,6 +147,11 @@ impl<'n> Nodes<'n> {
         }
     }
 
+    /// Centre and radius of a ball around all parts.
+    pub(super) fn ball(&self) -> (DVec3, f64) {
+        self.get(0).map_or((DVec3::ZERO, 0.0), |root| (root.center, root.half.length()))
+    }
+
     /// Length of the diagonal of the box around all parts: no part is longer.
     pub(super) fn diagonal(&self) -> f64 {
         self.get(0).map_or(0.0, |root| root.diagonal())

@@ -13,8 +13,11 @@
 use super::bvh::{Node, Placement};
 use super::cache::CompoundCache;
 use super::half_space::Descent;
+use super::joined::Joined;
+use super::near::NearParts;
 use super::parts::Parts;
 use super::seams::{self, Side, Union};
+use super::sheet::Pair;
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
@@ -74,6 +77,8 @@ pub struct CompoundManifolds {
     /// Lent by the caller, and passed to the cache in use.
     scratch: Option<Box<Scratch>>,
     welds: bool,
+    /// Upper bound of the smaller body's outer radius in the last update.
+    reach: f64,
 }
 
 /// A pair of parts that touch.
@@ -117,6 +122,7 @@ impl CompoundManifolds {
             others: CompoundCache::new(2 * pairs),
             scratch: None,
             welds: true,
+            reach: 0.0,
         }
     }
 
@@ -144,35 +150,72 @@ impl CompoundManifolds {
         b_in_a: Pose,
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
+        // The correction of normals asks for parts within the prediction of the body, and a little
+        // farther.
+        let (center, radius) = b.nodes().ball();
+        let reach = radius + 2.0 * settings.prediction.length(radius);
+        let union_a = NearParts::new(a, b_in_a.transform_point(center), reach);
+        let in_a = (self.welds && a.part_count() > 1).then_some((&union_a as &dyn Union, 0, Pose::IDENTITY));
+        self.update_within(in_a, a, b, b_in_a, settings)
+    }
+
+    /// [`update`](Self::update) for a mesh or a compound that meets others: `a` is the tile `tile`
+    /// of `joined`. Normals at edges where tiles meet are corrected as those at edges inside one.
+    ///
+    /// Of each tile near a body, the caller keeps manifolds of its own. See [`Joined`].
+    ///
+    /// # Complexity
+    /// As [`update`](Self::update); a correction also asks the other tiles.
+    pub fn update_joined<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &mut self,
+        joined: &Joined<'_>,
+        tile: usize,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &ManifoldSettings,
+    ) -> ManifoldCounts {
+        let in_a = joined.tile(tile).filter(|_| self.welds);
+        let in_a = in_a.map(|(first, place)| (joined as &dyn Union, first, place));
+        self.update_within(in_a, a, b, b_in_a, settings)
+    }
+
+    /// Updates the manifolds of `a`, which is in a union: the union, the index of its first part
+    /// there, and its pose.
+    fn update_within<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &mut self,
+        in_a: Option<(&dyn Union, usize, Pose)>,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &ManifoldSettings,
+    ) -> ManifoldCounts {
         let mut frame = self.start();
-        let (union_a, union_b) = (seams::of(a), seams::of(b));
-        let [in_a, in_b]: [Option<&dyn Union>; 2] = [
-            (self.welds && a.part_count() > 1).then_some(&union_a as &dyn Union),
-            (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union),
-        ];
+        let union_b = seams::of(b);
+        let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
         let nodes = [a.nodes(), b.nodes()];
+        self.reach = 0.5 * nodes[0].diagonal().min(nodes[1].diagonal());
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
         let mut traversal = Traversal::new(Placement::new(nodes[0], nodes[1], b_in_a));
         while let Some(pair) = traversal.next_within(reach) {
-            let (Some(part_a), Some(part_b)) = (a.part(pair[0]), b.part(pair[1])) else { continue };
-            let prediction = settings.prediction.length(part_a.outer_radius().min(part_b.outer_radius()));
+            let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
+            let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
             // NaN takes the branch that queries.
-            if traversal.lower_bound() > prediction {
+            if traversal.lower_bound() > prediction || parts.is_behind() || parts.is_apart(prediction) {
                 continue;
             }
             if in_a.is_none() && in_b.is_none() {
-                self.visit(&mut frame, pair, |manifold, cache| {
-                    manifold.update(&part_a, &part_b, b_in_a, settings, cache)
-                });
+                self.visit(&mut frame, pair, |manifold, cache| parts.update(manifold, settings, cache));
                 continue;
             }
-            let side_a = Side { shape: &part_a, union: in_a.map(|union| (union, pair[0], Pose::IDENTITY)) };
-            let side_b = Side { shape: &part_b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
+            let side_a =
+                Side { shape: &parts.a, union: in_a.map(|(union, first, place)| (union, first + pair[0], place)) };
+            let side_b = Side { shape: &parts.b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
             self.visit(&mut frame, pair, |manifold, cache| {
                 let before = manifold.clone();
-                let contact = manifold.update(&part_a, &part_b, b_in_a, settings, cache);
+                let contact = parts.update(manifold, settings, cache);
                 seams::weld(manifold, &before, &side_a, &side_b, b_in_a, settings);
                 contact
             });
@@ -215,6 +258,7 @@ impl CompoundManifolds {
     ) -> ManifoldCounts {
         let mut frame = self.start();
         let nodes = b.nodes();
+        self.reach = 0.5 * nodes.diagonal();
         let reach = settings.prediction.length(nodes.diagonal());
         let mut descent = Descent::new(a, nodes, b_in_a);
         while let Some(index) = descent.next(-reach) {
@@ -294,6 +338,11 @@ impl CompoundManifolds {
         order[..kept].sort_unstable_by_key(|entry| entries[*entry].pair);
         *used = kept;
         ManifoldCounts { touching: kept as u32, ..frame.counts }
+    }
+
+    /// Upper bound of the outer radius of the smaller body in the last update.
+    pub(super) fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// Number of pairs of parts that touch.

@@ -5,7 +5,7 @@
 //! in the packs find the pairs of hulls to query. The answers are the same as when every pair is
 //! queried. [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its
 //! normals are normals of the union: [`seams`] corrects normals at edges between parts, where
-//! bodies would otherwise stumble.
+//! bodies would otherwise stumble. [`BodyManifold`] chooses at most eight of all their points.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
@@ -45,31 +45,42 @@
 
 #![forbid(unsafe_code)]
 
+mod body_manifold;
 mod bvh;
 mod cache;
 mod cast_motion;
 mod clear;
 pub mod half_space;
+mod joined;
 mod manifolds;
 mod members;
 mod motion;
+mod near;
+mod one_sided;
 mod parts;
 pub mod seams;
+mod sheet;
 mod signed_distance;
+mod surface;
 mod traversal;
 
 use crate::cascade::{self, Stages};
 use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
+pub use body_manifold::{BodyManifold, BodyPoint, MAX_BODY_POINTS};
 use bvh::Placement;
 pub use cache::CompoundCache;
 pub use cast_motion::cast_motion;
 pub use clear::clear;
+pub use joined::{Joined, Tile};
 pub use manifolds::{CompoundManifolds, ManifoldCounts};
 pub use members::Compound;
 pub use motion::{cast, ray};
+pub use one_sided::OneSided;
 pub use parts::Parts;
+use sheet::Pair;
 pub use signed_distance::signed_distance;
+pub use surface::{SurfaceError, surface_distance};
 use traversal::Traversal;
 
 /// Distance for a pack without hulls, which only an unchecked pack can be: nothing is known.
@@ -93,7 +104,7 @@ pub struct CompoundAnswer<T> {
     pub answer: T,
     /// Indices of these hulls in A and in B; 0 on the side of a single shape.
     pub hulls: [usize; 2],
-    /// Number of pairs of hulls queried.
+    /// Number of pairs of hulls queried. Triangles that an axis rules out do not count.
     pub pairs: u32,
     /// Number of pairs of boxes compared.
     pub boxes: u32,
@@ -138,11 +149,12 @@ pub fn intersects<A: Parts + ?Sized, B: Parts + ?Sized>(
     let answer = Intersection { status: Overlap::Separated, iterations: 0, support_calls: 0 };
     let mut best = CompoundAnswer { answer, hulls: [0, 0], pairs: 0, boxes: 0 };
     let query = |best: &mut CompoundAnswer<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
-        let cache = cache.pair(pair);
         let found = if let (Some(a), Some(b)) = (a.part_as_hull(pair[0]), b.part_as_hull(pair[1])) {
-            cascade::intersects(&a, &b, b_in_a, Stages::default(), cache).intersection
-        } else if let (Some(a), Some(b)) = (a.part(pair[0]), b.part(pair[1])) {
-            queries::intersects(&a, &b, b_in_a, cache)
+            cascade::intersects(&a, &b, b_in_a, Stages::default(), cache.pair(pair)).intersection
+        } else if let Some(parts) =
+            Pair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_behind() && !parts.is_apart(0.0))
+        {
+            queries::intersects(&parts.a, &parts.b, b_in_a, cache.pair(pair))
         } else {
             return;
         };
@@ -267,8 +279,9 @@ struct Nearest<'q, A: ?Sized, B: ?Sized> {
 
 impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
     fn query(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
-        let (part_a, part_b) = (self.a.part(pair[0])?, self.b.part(pair[1])?);
-        let found = queries::distance(&part_a, &part_b, self.b_in_a, self.settings, cache.pair(pair));
+        let Pair { a, b, .. } = Pair::new(self.a, self.b, pair, self.b_in_a)
+            .filter(|parts| self.upper == f64::INFINITY || !parts.is_apart(self.upper))?;
+        let found = queries::distance(&a, &b, self.b_in_a, self.settings, cache.pair(pair));
         // Overlapping ranks before touching, although both distances are 0.
         let rank = |found: &Distance| (found.distance, found.status != Status::Overlapping);
         if self.best.is_none_or(|(best, _)| rank(&found) < rank(&best)) {
@@ -338,8 +351,11 @@ pub fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
     let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     let mut sum = ContactCounts::default();
     while let Some(pair) = traversal.next(0.0) {
-        let (Some(part_a), Some(part_b)) = (a.part(pair[0]), b.part(pair[1])) else { continue };
-        let found = queries::contact(&part_a, &part_b, b_in_a, settings, cache.pair(pair));
+        let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
+        if parts.is_behind() || parts.is_apart(0.0) {
+            continue;
+        }
+        let found = parts.contact(settings, cache.pair(pair));
         sum.pairs += 1;
         sum.iterations += found.iterations;
         sum.support_calls += found.support_calls;

@@ -12,11 +12,14 @@
 
 use super::bvh::{Node, Nodes, Placement};
 use super::parts::Parts;
+use super::sheet::Pair;
 use super::traversal::{BoxPairs, Traversal};
 use super::{CompoundAnswer, CompoundCache};
 use crate::pose::Pose;
+use crate::shapes::Shape;
 use crate::solver::cast::cast as cast_pair;
 use crate::solver::ray::ray as cast_ray;
+use crate::solver::ray_triangle::ray_triangle;
 use crate::solver::{CastSettings, Impact, Motion, Ray, RayHit, Status};
 use glam::DVec3;
 
@@ -67,8 +70,8 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 ) -> CompoundAnswer<Impact> {
     let placement = Placement::new(a.nodes(), b.nodes(), b_in_a);
     let first = first_hit(placement, motion, settings, |pair| {
-        let (part_a, part_b) = (a.part(pair[0])?, b.part(pair[1])?);
-        Some(cast_pair(&part_a, &part_b, b_in_a, motion, settings, cache.pair(pair)))
+        let parts = Pair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_passed(motion.velocity()))?;
+        Some(cast_pair(&parts.a, &parts.b, b_in_a, motion, settings, cache.pair(pair)))
     });
     if a.part_count() == 0 || b.part_count() == 0 {
         // Only in a pack that was opened without checks: nothing is known.
@@ -107,7 +110,13 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
     let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
     let placement = Placement::new(a.nodes(), origin, Pose::from_checked(ray.origin()));
     let CompoundAnswer { answer, hulls, pairs, boxes } = first_hit(placement, ray.motion(), settings, |pair| {
-        let found = cast_ray(&a.part(pair[0])?, ray, settings);
+        // NaN takes the branch that misses.
+        if a.front(pair[0]).is_some_and(|front| !(front.dot(ray.direction()) < 0.0)) {
+            return None;
+        }
+        let part = a.part(pair[0])?;
+        let sure = part.triangle().and_then(|corners| ray_triangle(corners, ray, settings));
+        let found = sure.unwrap_or_else(|| cast_ray(&part, ray, settings));
         let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } = found;
         Some(Impact {
             hit,

@@ -6,7 +6,6 @@ use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::shapes::{Shape, Triangle};
 use crate::triangle_mesh::TriangleMesh;
-use crate::vector::unit;
 use glam::DVec3;
 
 /// One side of a query: a [`Compound`], a [`TriangleMesh`], whose parts are its triangles, or any
@@ -58,6 +57,16 @@ pub trait Tree {
         None
     }
 
+    /// Whether the parts of a sheet collide on their fronts alone, to which their normals point.
+    fn is_one_sided(&self) -> bool {
+        false
+    }
+
+    /// The front of the part with this index: its normal, if it is a piece of a one-sided sheet.
+    fn front(&self, index: usize) -> Option<DVec3> {
+        if self.is_one_sided() { self.sheet_normal(index) } else { None }
+    }
+
     /// The BVH of the parts.
     fn nodes(&self) -> Nodes<'_>;
 }
@@ -104,8 +113,7 @@ impl Tree for TriangleMesh {
     }
 
     fn sheet_normal(&self, index: usize) -> Option<DVec3> {
-        let [a, b, c] = self.triangle(index)?.corners();
-        unit((b - a).cross(c - a))
+        self.normal(index)
     }
 
     fn nodes(&self) -> Nodes<'_> {

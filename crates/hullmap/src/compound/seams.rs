@@ -13,7 +13,9 @@
 //!   normal of the union at x: a ball that touches the plane at x from outside touches the union
 //!   there only;
 //! - or n is the normal of a face of i, and a point slightly above that face, near x, is outside
-//!   all other parts. Then the face is exposed there, and x may be in a concave corner.
+//!   all other parts. Then the face is exposed there, and x may be in a concave corner. Triangles
+//!   have no inside: there, the point must also be visible to the other body. The wall of a slab
+//!   is not, if the body is on the floor above it.
 //!
 //! # Steps
 //! 1. Test the normal. In most cases the first point passes, with one descent of the BVH.
@@ -42,6 +44,7 @@ use super::parts::Parts;
 use crate::hull::Hull;
 use crate::manifold::{Manifold, ManifoldPoint, ManifoldSettings};
 use crate::pose::Pose;
+use crate::shapes::triangle::closest_of_triangle;
 use crate::shapes::{Feature, Shape, Sphere};
 use crate::solver::{Cache, queries};
 use crate::support::SupportMap;
@@ -68,6 +71,11 @@ const ABOVE: f64 = 2.0;
 /// width: contact points are often on an edge of the face, and the point above an edge of an
 /// inclined internal face can be outside the union.
 const INWARD: f64 = 16.0;
+
+/// How far a face must be visible to the other body, in units of the seam's width. Behind a sheet
+/// to which it extends, it is not, if the body is at most 32 times farther along the sheet than
+/// above it.
+const SIGHT: f64 = 32.0 * INWARD;
 
 /// Sine of the angle up to which a normal is that of a face. Normals of small gaps are less exact
 /// than those of depths; a body on a face whose normal is off by 1e-3 loses a thousandth of its
@@ -250,7 +258,7 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
         if let Some(hull) = self.0.part_as_hull(part) {
             hull.face_normal(hull.face_towards(dir)?)
         } else if let Some(normal) = self.0.sheet_normal(part) {
-            Some(if normal.dot(dir) < 0.0 { -normal } else { normal })
+            Some(if normal.dot(dir) < 0.0 && !self.0.is_one_sided() { -normal } else { normal })
         } else {
             face_of(&self.0.part(part)?, dir).map(|(normal, _)| normal)
         }
@@ -262,8 +270,9 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
         }
         let Some(shape) = self.0.part(part) else { return };
         if let Some(normal) = self.0.sheet_normal(part) {
-            for side in [normal, -normal] {
-                visit(side, shape.support_point(side).point);
+            visit(normal, shape.support_point(normal).point);
+            if !self.0.is_one_sided() {
+                visit(-normal, shape.support_point(-normal).point);
             }
         } else {
             faces_of_shape(&shape, visit);
@@ -355,8 +364,16 @@ impl<S: Shape + ?Sized> Side<'_, S> {
     }
 
     /// Whether `normal` is a normal of the union at one of the points `on`. All are in the shape's
-    /// frame; `normal` is outward. See the [module](self).
-    fn allows(&self, normal: DVec3, points: &[ManifoldPoint], on: impl Fn(&ManifoldPoint) -> DVec3, seam: f64) -> bool {
+    /// frame; `normal` is outward, and `body` is a point inside the other body. See the
+    /// [module](self).
+    fn allows(
+        &self,
+        normal: DVec3,
+        points: &[ManifoldPoint],
+        on: impl Fn(&ManifoldPoint) -> DVec3,
+        body: DVec3,
+        seam: f64,
+    ) -> bool {
         let Some((union, part, place)) = self.union else { return true };
         // If a face is not quite perpendicular to the normal, only its highest points count.
         let height = |p: &&ManifoldPoint| on(p).dot(normal);
@@ -368,7 +385,7 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         }
         let closest = union.face_towards(part, outward);
         let is_face = closest.is_some_and(|face| face.cross(outward).length() <= FACE_ANGLE && face.dot(outward) > 0.0);
-        is_face && points.iter().any(|p| self.is_exposed(normal, on(p), seam))
+        is_face && points.iter().any(|p| self.is_exposed(normal, on(p), body, seam))
     }
 
     /// Whether another part contains `point` and extends beyond the plane there. All are in the
@@ -384,16 +401,25 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         })
     }
 
-    /// Whether the face with this normal is exposed near a point. All are in the shape's frame.
-    fn is_exposed(&self, normal: DVec3, point: DVec3, seam: f64) -> bool {
+    /// Whether the face with this normal is exposed near a point, to the other body, of which
+    /// `body` is a point. All are in the shape's frame.
+    fn is_exposed(&self, normal: DVec3, point: DVec3, body: DVec3, seam: f64) -> bool {
         let Some((union, part, place)) = self.union else { return true };
         let mut face = Feature::new();
         self.shape.reduced_feature_within(normal, seam, &mut face);
         let middle = face.corners().iter().map(|c| c.point).sum::<DVec3>() / face.corners().len().max(1) as f64;
         let across = middle - point;
         let above = point + (across * 0.5).clamp_length_max(INWARD * seam) + normal * (ABOVE * seam);
-        let above = place.transform_point(above);
-        !union.any_near(above, seam, &mut |near| near.index != part && contains(&near, above, seam))
+        let way = (body - above).clamp_length_max(SIGHT * seam);
+        let [above, beyond] = [above, above + way].map(|point| place.transform_point(point));
+        if union.any_near(above, seam, &mut |near| near.index != part && contains(&near, above, seam)) {
+            return false;
+        }
+        // A sheet has no inside, but hides what is behind it.
+        self.shape.triangle().is_none()
+            || !union.any_near((above + beyond) * 0.5, 0.5 * way.length(), &mut |near| {
+                near.index != part && hides(&near, [above, beyond])
+            })
     }
 
     /// Calls `visit` with the normals of faces near the vertex that is farthest along `normal`, and
@@ -410,9 +436,28 @@ impl<S: Shape + ?Sized> Side<'_, S> {
 
 /// Whether a part is within `seam` of `point`.
 fn contains(near: &Neighbour<'_>, point: DVec3, seam: f64) -> bool {
+    if let Some(corners) = near.shape.triangle() {
+        let point = near.place.inverse().transform_point(point);
+        // NaN takes the failing branch.
+        return closest_of_triangle(corners, point).distance_squared(point) <= seam * seam;
+    }
     let place = Pose::from_translation(near.place.inverse().transform_point(point));
     let (Ok(place), Ok(ball)) = (place, Sphere::new(seam)) else { return false };
     queries::intersects(near.shape, &ball, place, &mut Cache::new()).is_hit()
+}
+
+/// Whether a triangle is between two points.
+fn hides(near: &Neighbour<'_>, between: [DVec3; 2]) -> bool {
+    let Some([a, b, c]) = near.shape.triangle() else { return false };
+    let back = near.place.inverse();
+    let [start, end] = between.map(|point| back.transform_point(point));
+    let normal = (b - a).cross(c - a);
+    let [from, to] = [start, end].map(|point| (point - a).dot(normal));
+    let along = end - start;
+    let side = |p: DVec3, q: DVec3| along.dot((q - start).cross(p - start));
+    let sides = [side(a, b), side(b, c), side(c, a)];
+    // NaN takes the failing branch.
+    from * to < 0.0 && (sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0))
 }
 
 /// Faces of a part.
@@ -463,12 +508,14 @@ struct PartPair<'p, A: ?Sized, B: ?Sized> {
 
 impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
     fn a_allows(&self, manifold: &Manifold) -> bool {
-        self.a.allows(manifold.normal(), manifold.points(), |p| p.point_a, self.seam)
+        let body = self.b_in_a.transform_point(self.b.shape.interior_point());
+        self.a.allows(manifold.normal(), manifold.points(), |p| p.point_a, body, self.seam)
     }
 
     fn b_allows(&self, manifold: &Manifold) -> bool {
         let outward = self.b_in_a.inverse_transform_vector(-manifold.normal());
-        self.b.allows(outward, manifold.points(), |p| p.local_b, self.seam)
+        let body = self.b_in_a.inverse().transform_point(self.a.shape.interior_point());
+        self.b.allows(outward, manifold.points(), |p| p.local_b, body, self.seam)
     }
 
     /// Computes the manifold along the normal of the least deep exposed face. Returns false, and
@@ -587,7 +634,8 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
                     break;
                 }
             } else {
-                let is_exposed = |p: &ManifoldPoint| self.own.is_exposed(face.normal, points(p)[0], self.seam);
+                let is_exposed =
+                    |p: &ManifoldPoint| self.own.is_exposed(face.normal, points(p)[0], self.body(), self.seam);
                 if trial.points().iter().any(is_exposed) && other_allows(&trial) {
                     return Choice::Manifold(trial);
                 }
@@ -603,6 +651,11 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             }
             _ => Choice::Nothing,
         }
+    }
+
+    /// A point inside the other body.
+    fn body(&self) -> DVec3 {
+        self.other_in_own.transform_point(self.other.interior_point())
     }
 
     /// The point of the other body that is lowest along `normal`.
@@ -628,7 +681,8 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
         let lift = face.height - point.dot(face.normal);
         let above = point + face.normal * lift;
         let near = Neighbour { index: 0, shape: &self.own.shape, place: Pose::IDENTITY };
-        contains(&near, above, self.seam + 0.25 * lift.max(0.0)) && self.own.is_exposed(face.normal, above, self.seam)
+        contains(&near, above, self.seam + 0.25 * lift.max(0.0))
+            && self.own.is_exposed(face.normal, above, self.body(), self.seam)
     }
 
     /// Whether another part contains a point.

@@ -36,6 +36,7 @@
 
 mod clip;
 mod half_space;
+pub(crate) mod matching;
 #[doc(hidden)]
 pub mod select;
 mod surface;
@@ -47,6 +48,7 @@ use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queri
 use crate::support::SupportPoint;
 use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet, vertex_over, vertex_over_swapped};
 use glam::{DVec2, DVec3};
+use matching::{Likeness, match_points};
 use select::{Choice, SAME_PLACE, SLIGHT};
 use std::fmt;
 use surface::settle;
@@ -56,7 +58,7 @@ pub const MAX_POINTS: usize = 4;
 
 /// Depths that differ by less than this count as equal in any case, relative to the smaller shape's
 /// outer radius. Larger than the solver's tolerance on any depth below that radius.
-const SAME_DEPTH: f64 = 1e-4;
+pub(crate) const SAME_DEPTH: f64 = 1e-4;
 
 /// Maximum height of the corners of a face above its plane, relative to the length of its sides:
 /// the rounding error of f32 vertices, about.
@@ -270,8 +272,19 @@ pub struct Manifold {
 }
 
 impl ManifoldPoint {
+    /// Distance from an earlier point: on A or on B, whichever is smaller.
+    pub(crate) fn distance(&self, old: &Self) -> f64 {
+        self.point_a.distance(old.point_a).min(self.local_b.distance(old.local_b))
+    }
+
+    /// Takes over what the caller stored in this point in the last frame.
+    pub(crate) fn keep(&mut self, old: &Self) {
+        (self.impulse, self.user_data) = (old.impulse, old.user_data);
+        self.age = old.age.saturating_add(1);
+    }
+
     /// Fills unused slots.
-    const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         id: PointId { parts: [FACE; 2] },
         point_a: DVec3::ZERO,
         point_b: DVec3::ZERO,
@@ -484,27 +497,30 @@ impl Manifold {
             };
             self.count += 1;
         }
-        let mut taken = [false; MAX_POINTS];
-        let mut matched = [false; MAX_POINTS];
-        for by_id in [true, false] {
-            for (new, matched) in
-                self.points[..self.count].iter_mut().zip(&mut matched).filter(|(_, matched)| !**matched)
-            {
-                let apart = |old: &ManifoldPoint| {
-                    new.point_a.distance(old.point_a).min(new.local_b.distance(old.local_b)) / reach
-                };
-                let same = |old: &ManifoldPoint| if by_id { old.id == new.id } else { apart(old) <= SAME_PLACE };
-                let found = (0..old.count)
-                    .filter(|i| !taken[*i] && same(&old.points[*i]))
-                    .min_by(|i, j| apart(&old.points[*i]).total_cmp(&apart(&old.points[*j])));
-                if let Some(found) = found {
-                    let kept = &old.points[found];
-                    (new.impulse, new.user_data) = (kept.impulse, kept.user_data);
-                    new.age = kept.age.saturating_add(1);
-                    (taken[found], *matched) = (true, true);
-                }
+        let (mut taken, mut matches) = ([false; MAX_POINTS], [None; MAX_POINTS]);
+        let frames = Frames { new: self.points(), old: old.points() };
+        match_points(&frames, SAME_PLACE * reach, &mut taken[..old.count], &mut matches[..self.count]);
+        for (new, found) in self.points[..self.count].iter_mut().zip(matches) {
+            if let Some(found) = found {
+                new.keep(&old.points[found]);
             }
         }
+    }
+}
+
+/// The points of this frame and of the last one.
+struct Frames<'p> {
+    new: &'p [ManifoldPoint],
+    old: &'p [ManifoldPoint],
+}
+
+impl Likeness for Frames<'_> {
+    fn has_same_features(&self, point: usize, other: usize) -> bool {
+        self.new[point].id == self.old[other].id
+    }
+
+    fn distance(&self, point: usize, other: usize) -> f64 {
+        self.new[point].distance(&self.old[other])
     }
 }
 

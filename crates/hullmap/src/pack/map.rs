@@ -4,16 +4,14 @@
 //! Rust lets the compiler assume that the bytes of a `&[u8]` do not change while it is borrowed. A
 //! shared map of a file cannot promise that, so the promise is the caller's. `memmap2` and `fst`
 //! draw the same line.
-//!
-//! One of the two modules of the crate with unsafe code; the other is `support/simd/avx2.rs`.
 #![allow(unsafe_code)]
 
-use std::{fs::File, path::Path};
+use std::path::Path;
 
-use hullmap_format::header::{Header, HeaderError};
+use hullmap_format::header::FileKind;
 
 use super::{Checks, OpenError, Pack};
-use crate::file::Bytes;
+use crate::file::map::map;
 
 impl Pack {
     /// Maps the file and checks all of it.
@@ -134,23 +132,10 @@ impl Pack {
 /// # Safety
 /// As [`Pack::map`].
 unsafe fn map_file(path: &Path, checks: Checks) -> Result<Pack, OpenError> {
-    let io_error = |source| OpenError::Io { path: path.to_owned(), source };
-    let invalid = |source| OpenError::Invalid { path: path.to_owned(), source };
-    let file = File::open(path).map_err(io_error)?;
-    let metadata = file.metadata().map_err(io_error)?;
-    if metadata.is_dir() {
-        // The system's own message is "no such device".
-        return Err(io_error(std::io::ErrorKind::IsADirectory.into()));
-    }
-    if metadata.len() == 0 {
-        // An empty file cannot be mapped.
-        return Err(invalid(HeaderError::TooShort { found: 0 }.into()));
-    }
-    // SAFETY: the caller promises that no process writes to the file or truncates it while the pack
-    // exists. The map is owned by the pack and is dropped with it.
-    let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
-    let header = Header::read(&map).map_err(|error| invalid(error.into()))?;
-    Pack::from_storage_bytes(header, Bytes::File(map), checks).map_err(invalid)
+    // SAFETY: the caller upholds the contract of this function, which is that of `map`.
+    let (header, bytes) = unsafe { map(path, FileKind::Pack)? };
+    Pack::from_storage_bytes(header, bytes, checks)
+        .map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

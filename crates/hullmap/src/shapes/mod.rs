@@ -61,7 +61,7 @@ mod scaled;
 mod segment;
 mod shape;
 mod sphere;
-mod triangle;
+pub(crate) mod triangle;
 
 pub use capsule::Capsule;
 pub use cone::Cone;

@@ -129,6 +129,24 @@ pub trait Shape: SupportMap {
         let _ = near;
         entry(self, ray)
     }
+
+    /// The corners, if the shape is a triangle. Queries of meshes use them to rule triangles out
+    /// before they search. The default is `None`.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::Shape;
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::{Sphere, Triangle};
+    ///
+    /// let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    /// assert_eq!(Triangle::new(corners)?.triangle(), Some(corners));
+    /// assert_eq!(Sphere::new(1.0)?.triangle(), None);
+    /// # Ok::<(), hullmap::ShapeError>(())
+    /// ```
+    fn triangle(&self) -> Option<[DVec3; 3]> {
+        None
+    }
 }
 
 /// A reference to a shape is the same shape.
@@ -144,5 +162,8 @@ impl<S: Shape + ?Sized> Shape for &S {
     }
     fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
         (**self).entry(ray, near)
+    }
+    fn triangle(&self) -> Option<[DVec3; 3]> {
+        (**self).triangle()
     }
 }

@@ -57,6 +57,42 @@ impl Triangle {
     }
 }
 
+/// The point of a triangle that is closest to `point`, up to rounding.
+///
+/// # Reference
+/// Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: by the region of Voronoi.
+pub(crate) fn closest_of_triangle([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = point - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let cp = point - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let (v, w) = (vb / (va + vb + vc), vc / (va + vb + vc));
+    a + ab * v + ac * w
+}
+
 impl SupportMap for Triangle {
     fn support_point(&self, dir: DVec3) -> SupportPoint {
         let [a, b, c] = self.corners;
@@ -86,6 +122,10 @@ impl SupportMap for Triangle {
 }
 
 impl Shape for Triangle {
+    fn triangle(&self) -> Option<[DVec3; 3]> {
+        Some(self.corners)
+    }
+
     /// The support corner, and the corners whose edge to it is within [`TILT`] of perpendicular to
     /// `dir`: all three corners, an edge, or the support corner alone.
     fn feature(&self, dir: DVec3, out: &mut Feature) {

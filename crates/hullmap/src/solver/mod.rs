@@ -45,6 +45,7 @@ pub(crate) mod motion;
 mod mpr;
 pub(crate) mod queries;
 pub(crate) mod ray;
+pub(crate) mod ray_triangle;
 mod rounded;
 mod sat;
 mod scratch;

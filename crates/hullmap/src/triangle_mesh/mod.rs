@@ -36,7 +36,10 @@
 //! # }
 //! ```
 
+#[cfg(feature = "mmap")]
+mod map;
 mod storage;
+pub(crate) mod winding;
 
 use std::path::Path;
 
@@ -56,6 +59,7 @@ use rkyv::rend::{f32_le, u16_le, u32_le};
 use crate::file::{self, Bytes, check_checksum};
 use crate::pack::{InvalidPack, OpenError};
 use crate::shapes::Triangle;
+use crate::vector::unit;
 use storage::Storage;
 
 /// A static triangle mesh, opened. See the [module](self).
@@ -72,6 +76,37 @@ pub struct TriangleMesh {
     storage: Storage,
     header: Header,
     grid: Grid,
+    open_edge: Option<OpenSurface>,
+}
+
+/// A mesh is not closed: one of its edges does not have exactly two triangles with the front on the
+/// same side.
+///
+/// # Examples
+/// ```
+/// use hullmap::EdgeClass;
+/// use hullmap::triangle_mesh::OpenSurface;
+///
+/// let error = OpenSurface { triangle: 7, source_triangle: 3, edge: EdgeClass::NonManifold };
+/// assert!(error.to_string().contains("triangle 7 (3 in the source) is non-manifold"));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the surface is not closed: an edge of triangle {triangle} ({source_triangle} in the source) is {}; close the mesh, or \
+     ask for the distance from its triangles",
+    phrase(*edge)
+)]
+pub struct OpenSurface {
+    /// Index of a triangle with such an edge: the first one.
+    pub triangle: usize,
+    /// Its index in the source.
+    pub source_triangle: u32,
+    /// Class of the edge.
+    pub edge: EdgeClass,
+}
+
+fn phrase(edge: EdgeClass) -> &'static str {
+    if edge == EdgeClass::Border { "a border" } else { edge.as_str() }
 }
 
 impl TriangleMesh {
@@ -100,6 +135,7 @@ impl TriangleMesh {
         Self::from_checked(header, file::copy_of(bytes))
     }
 
+    /// Checks all bytes of a file.
     fn from_checked(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
         header.check_length(bytes.as_slice().len() as u64)?;
         // A damaged file is reported as damaged even if the damage is in the root.
@@ -113,12 +149,34 @@ impl TriangleMesh {
         }
         let [low, high] = bounds(sections);
         let grid = Grid::new(low, high);
-        Ok(Self { storage, header, grid })
+        let mut mesh = Self { storage, header, grid, open_edge: None };
+        mesh.open_edge = mesh.first_open_edge();
+        Ok(mesh)
     }
 
     /// Number of triangles, at least 1.
     pub fn triangle_count(&self) -> usize {
         self.sections().triangle_count()
+    }
+
+    /// Checks that the surface is closed: every edge has exactly two triangles, with the front on
+    /// the same side. The classes of the edges state it.
+    ///
+    /// # Errors
+    /// An edge that is open, non-manifold or reversed.
+    ///
+    /// # Complexity
+    /// O(1): all edges were tested at opening.
+    pub fn check_closed(&self) -> Result<(), OpenSurface> {
+        self.open_edge.map_or(Ok(()), Err)
+    }
+
+    fn first_open_edge(&self) -> Option<OpenSurface> {
+        let is_closed = |edge: EdgeClass| matches!(edge, EdgeClass::Flat | EdgeClass::Convex | EdgeClass::Concave);
+        (0..self.triangle_count()).find_map(|triangle| {
+            let edge = self.edge_classes(triangle)?.into_iter().find(|edge| !is_closed(*edge))?;
+            Some(OpenSurface { triangle, source_triangle: self.source_triangle(triangle)?, edge })
+        })
     }
 
     /// Number of vertices. Each is there once.
@@ -135,6 +193,12 @@ impl TriangleMesh {
     pub fn triangle(&self, index: usize) -> Option<Triangle> {
         let corners = self.sections().corners(index)?;
         Triangle::new(corners.map(|corner| DVec3::from_array(corner.map(f64::from)))).ok()
+    }
+
+    /// Unit normal of a triangle, to its front; `None` if it has no area, or does not exist.
+    pub fn normal(&self, triangle: usize) -> Option<DVec3> {
+        let [a, b, c] = self.triangle(triangle)?.corners();
+        unit((b - a).cross(c - a))
     }
 
     /// Indices of the corners of a triangle among the vertices.

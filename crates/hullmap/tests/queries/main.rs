@@ -19,4 +19,3 @@ mod seams;
 mod shared_hull;
 mod solver;
 mod stack;
-mod triangle_mesh;

@@ -1,5 +1,8 @@
 //! The bytes of a file, in a memory map or in memory of this process.
 
+#[cfg(feature = "mmap")]
+pub(crate) mod map;
+
 use std::{
     fs::File,
     io::{self, Read},

@@ -3,70 +3,15 @@
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Cuboid, Sphere, Triangle};
 use hullmap::{
-    Cache, CastSettings, CompoundCache, CompoundManifolds, ManifoldSettings, Motion, Pack, Pose, Ray, Settings, Status,
+    Cache, CastSettings, CompoundCache, CompoundManifolds, ManifoldSettings, Motion, Pose, Ray, Settings, Status,
     TriangleMesh, compound,
 };
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
-use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, packs};
+use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features};
 use shapes::rng::SplitMix64;
 
+use crate::meshes::{body, grid, mesh, meshes, triangles};
+
 const SEED: u64 = 0x39;
-
-fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> TriangleMesh {
-    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners, materials: &[] }).unwrap();
-    TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap()
-}
-
-/// A grid of `cells` by `cells` squares of size 1, centred, each of two triangles, with these
-/// heights. The front is upwards.
-fn grid(cells: usize, mut height: impl FnMut(usize, usize) -> f64) -> TriangleMesh {
-    let middle = 0.5 * cells as f64;
-    let mut positions = Vec::new();
-    for y in 0..=cells {
-        for x in 0..=cells {
-            positions.push(DVec3::new(x as f64 - middle, y as f64 - middle, height(x, y)));
-        }
-    }
-    let mut corners = Vec::new();
-    for y in 0..cells {
-        for x in 0..cells {
-            let at = |dx: usize, dy: usize| ((y + dy) * (cells + 1) + x + dx) as u32;
-            corners.extend([[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]);
-        }
-    }
-    mesh(&positions, &corners)
-}
-
-fn soup(count: usize, size: f64, rng: &mut SplitMix64) -> TriangleMesh {
-    let mut positions = Vec::new();
-    for _ in 0..count {
-        let middle = 3.0 * DVec3::from_array(rng.direction()) * rng.unit();
-        positions.extend((0..3).map(|_| middle + size * DVec3::from_array(rng.direction())));
-    }
-    let corners: Vec<[u32; 3]> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    mesh(&positions, &corners)
-}
-
-fn triangles(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
-    (0..mesh.triangle_count()).map(|index| mesh.triangle(index).unwrap().corners()).collect()
-}
-
-/// A few meshes of different kinds.
-fn meshes(rng: &mut SplitMix64) -> Vec<TriangleMesh> {
-    let rough = grid(8, |_, _| rng.unit());
-    let flat = grid(5, |_, _| 0.25);
-    vec![rough, flat, soup(60, 0.5, rng), soup(20, 1e-3, rng), soup(1, 1.0, rng), soup(5, 2.0, rng)]
-}
-
-/// A body of four to eight vertices, and where it is.
-fn body(rng: &mut SplitMix64) -> (Pack, Pose) {
-    let count = 4 + rng.below(5);
-    let points: Vec<[f32; 3]> = (0..count).map(|_| rng.direction().map(|c| 0.4 * c as f32)).collect();
-    let rotation = DQuat::from_xyzw(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
-    let position = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.5);
-    (packs::tree_pack(&points), Pose::new(position, rotation.normalize()).unwrap())
-}
 
 #[test]
 fn distances_and_overlaps_are_those_of_the_nearest_triangle() {
@@ -294,6 +239,34 @@ fn contact_points_of_long_triangles_are_exact() {
                 let expected = DVec3::new(at.x, at.y, 0.0);
                 assert!(found.point_a.distance(expected) < 1e-6, "{length}: {found:?}, expected {expected}");
                 assert!(found.normal.distance(DVec3::Z) < 1e-6, "{length}: {found:?}");
+            }
+        }
+    }
+}
+
+/// A box that lies 5 cm deep in a triangle of up to 10 km has its points where its corners are
+/// (JoltPhysics#2065: in f32, a point was tens of metres away).
+#[test]
+fn manifold_points_of_long_triangles_are_exact() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    for length in [2.0, 84.0, 1e3, 1e4] {
+        let corners =
+            [DVec3::new(-length, -length, 0.0), DVec3::new(length, -length, 0.0), DVec3::new(0.0, length, 0.0)];
+        let floor = mesh(&corners, &[[0, 1, 2]]);
+        for _ in 0..50 {
+            let half = DVec3::new(0.3, 0.2, 0.15);
+            let at = DVec3::new(rng.between(-0.3, 0.3) * length, rng.between(-0.5, -0.3) * length, half.z - 0.05);
+            let pose = Pose::new(at, DQuat::from_rotation_z(rng.between(0.0, 6.0))).unwrap();
+            let mut manifolds = CompoundManifolds::new(4);
+            manifolds.update(&floor, &Cuboid::new(half).unwrap(), pose, &ManifoldSettings::default());
+            let (_, manifold) = manifolds.iter().next().unwrap();
+            assert_eq!(manifold.points().len(), 4, "{length}");
+            for point in manifold.points() {
+                let corner = pose.transform_point(point.local_b.signum() * half);
+                assert!(point.point_b.distance(corner) < 1e-6, "{length}: {point:?}, the corner is at {corner}");
+                assert!(point.point_a.distance(corner.with_z(0.0)) < 1e-6, "{length}: {point:?}");
+                assert!((point.depth - 0.05).abs() < 1e-9, "{length}: {point:?}");
             }
         }
     }

@@ -1,0 +1,237 @@
+//! Prints the time of queries of a triangle mesh beside parry3d's `TriMesh`: manifolds of bodies
+//! that lie on a rough ground of 100,352 triangles, new and kept, and rays from above.
+//!
+//! Ours and theirs alternate, so that a busy machine slows both down.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use clap::Parser;
+use glam::{DQuat, DVec3};
+use hullmap::compound::BodyManifold;
+use hullmap::{CastSettings, CompoundManifolds, ManifoldSettings, Pack, Pose, Prediction, Ray, TriangleMesh, compound};
+use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_testkit::packs::tree_pack;
+use parry3d::math;
+use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, RayCast};
+use parry3d::shape::{ConvexPolyhedron, TriMesh, TriMeshFlags};
+use shapes::{families::rock, rng::SplitMix64};
+
+/// Measures manifolds and rays on a mesh, beside parry's.
+///
+/// The table goes to standard output.
+#[derive(Parser)]
+#[command(after_help = "Example:\n  cargo run --release -p hullmap-bench --bin mesh-table -- --rounds 5")]
+struct Arguments {
+    /// Number of rounds; the result is the median
+    #[arg(long, default_value_t = 5)]
+    rounds: usize,
+    /// Number of bodies, and of rays
+    #[arg(long, default_value_t = 1_000)]
+    bodies: usize,
+    /// Measure our manifolds of bodies with this number of vertices, for a profiler
+    #[arg(long, value_name = "VERTICES")]
+    profile: Option<usize>,
+}
+
+/// Squares along each side of the ground: 100,352 triangles of 1 m.
+const CELLS: usize = 224;
+
+/// Prediction of manifolds, in metres.
+const PREDICTION: f64 = 0.02;
+
+struct Ground {
+    mesh: TriangleMesh,
+    parry: TriMesh,
+    heights: Vec<f64>,
+}
+
+impl Ground {
+    fn new() -> Self {
+        let mut rng = SplitMix64::new(28);
+        let heights: Vec<f64> = (0..(CELLS + 1) * (CELLS + 1)).map(|_| 0.2 * rng.unit()).collect();
+        let half = CELLS as f64 * 0.5;
+        let position = |(i, z): (usize, &f64)| {
+            [(i % (CELLS + 1)) as f64 - half, (i / (CELLS + 1)) as f64 - half, *z].map(|c| c as f32)
+        };
+        let positions: Vec<[f32; 3]> = heights.iter().enumerate().map(position).collect();
+        let at = |x: usize, y: usize| (y * (CELLS + 1) + x) as u32;
+        let square = |i: usize| {
+            let (x, y) = (i % CELLS, i / CELLS);
+            [[at(x, y), at(x + 1, y), at(x + 1, y + 1)], [at(x, y), at(x + 1, y + 1), at(x, y + 1)]]
+        };
+        let corners: Vec<[u32; 3]> = (0..CELLS * CELLS).flat_map(square).collect();
+        let triangles = Triangles { positions: &positions, corners: &corners, materials: &[] };
+        let baked = bake_triangle_mesh(&triangles).expect("the ground can be baked");
+        let file = write_triangle_mesh(baked, &Default::default()).expect("it is small enough");
+        let points = positions.iter().map(|p| math::Vector::from_array(*p)).collect();
+        let parry = TriMesh::with_flags(points, corners, TriMeshFlags::FIX_INTERNAL_EDGES).expect("parry takes it");
+        Self { mesh: TriangleMesh::from_bytes(&file).expect("the file is valid"), parry, heights }
+    }
+
+    /// Height of the ground's highest corner near a place.
+    fn height(&self, at: DVec3) -> f64 {
+        let cell = |c: f64| (c + CELLS as f64 * 0.5).floor().clamp(0.0, (CELLS - 1) as f64) as usize;
+        let (x, y) = (cell(at.x), cell(at.y));
+        let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+        corners.iter().map(|(x, y)| self.heights[y * (CELLS + 1) + x]).sum::<f64>() / 4.0
+    }
+}
+
+/// A body of 1 m, for both.
+struct Body {
+    pack: Pack,
+    parry: ConvexPolyhedron,
+}
+
+impl Body {
+    fn new(vertices: usize) -> Self {
+        let points: Vec<[f32; 3]> = rock(vertices, 3).iter().map(|p| p.map(|c| 0.5 * c)).collect();
+        let parry = ConvexPolyhedron::from_convex_hull(
+            &points.iter().map(|p| math::Vector::from_array(*p)).collect::<Vec<_>>(),
+        );
+        Self { pack: tree_pack(&points), parry: parry.expect("parry takes the rock") }
+    }
+
+    /// Poses in which the body lies on the ground, and poses a step later.
+    fn poses(&self, ground: &Ground, count: usize) -> [Vec<Pose>; 2] {
+        let mut rng = SplitMix64::new(29);
+        let lowest = |turn: DQuat| {
+            let hull = self.pack.hull(0).expect("one hull");
+            hull.vertices().map(|v| (turn * v.as_dvec3()).z).fold(f64::INFINITY, f64::min)
+        };
+        let poses = (0..count).map(|_| {
+            let turn = DQuat::from_xyzw(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
+            let turn = turn.normalize();
+            let half = CELLS as f64 * 0.5 - 3.0;
+            let at = DVec3::new(rng.between(-half, half), rng.between(-half, half), 0.0);
+            Pose::new(at.with_z(ground.height(at) - lowest(turn) - 0.01), turn).expect("finite")
+        });
+        let poses: Vec<Pose> = poses.collect();
+        let step = DVec3::new(2e-3, 1e-3, -1e-3);
+        let later = poses.iter().map(|p| Pose::new(p.translation() + step, p.rotation()).expect("finite")).collect();
+        [poses, later]
+    }
+}
+
+/// Microseconds of each of `count` calls.
+fn time(count: usize, mut call: impl FnMut(usize)) -> f64 {
+    let start = Instant::now();
+    (0..count).for_each(&mut call);
+    start.elapsed().as_secs_f64() * 1e6 / count as f64
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times.get(times.len() / 2).copied().unwrap_or_default()
+}
+
+fn for_parry(pose: &Pose) -> math::Pose {
+    math::Pose::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat())
+}
+
+fn main() {
+    let Arguments { rounds, bodies, profile } = Arguments::parse();
+    let ground = Ground::new();
+    if let Some(vertices) = profile {
+        let found = manifolds(&ground, vertices, bodies, rounds);
+        println!("{found:?}");
+        return;
+    }
+    println!(
+        "µs a body or a ray, {} triangles, {bodies} bodies, median of {rounds} rounds\n",
+        ground.mesh.triangle_count()
+    );
+    let columns = ["triangles", "new, not corrected", "new", "kept, not corrected", "kept", "eight points"];
+    println!("| vertices | {} | parry new | parry kept |", columns.join(" | "));
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for vertices in [32, 128, 512] {
+        let Times { ours: [plain, corrected], reduced, parry, touching } = manifolds(&ground, vertices, bodies, rounds);
+        println!(
+            "| {vertices} | {touching:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {reduced:.1} | {:.1} | {:.1} |",
+            plain[0], corrected[0], plain[1], corrected[1], parry[0], parry[1]
+        );
+    }
+    rays(&ground, bodies, rounds);
+}
+
+/// Times of manifolds, new and kept.
+#[derive(Debug)]
+struct Times {
+    /// Without the correction of normals, and with it.
+    ours: [[f64; 2]; 2],
+    /// Of the choice of eight points.
+    reduced: f64,
+    parry: [f64; 2],
+    /// Mean number of triangles that touch.
+    touching: f64,
+}
+
+fn manifolds(ground: &Ground, vertices: usize, count: usize, rounds: usize) -> Times {
+    let body = Body::new(vertices);
+    let hull = body.pack.hull(0).expect("one hull");
+    let poses = body.poses(ground, count);
+    let settings = ManifoldSettings { prediction: Prediction::Length(PREDICTION), ..ManifoldSettings::default() };
+    let theirs = poses.each_ref().map(|poses| poses.iter().map(for_parry).collect::<Vec<_>>());
+    let mut times: [Vec<f64>; 7] = Default::default();
+    let mut touching = 0;
+    for _ in 0..rounds {
+        for (plain, welds) in [(0, false), (1, true)] {
+            let mut kept = vec![CompoundManifolds::new(8); count];
+            kept.iter_mut().for_each(|manifolds| manifolds.set_welding(welds));
+            let mut reduced = vec![BodyManifold::new(8); count];
+            for (step, poses) in poses.iter().enumerate() {
+                let update = |i: usize| _ = black_box(kept[i].update(&ground.mesh, &hull, poses[i], &settings));
+                times[2 * plain + step].push(time(count, update));
+                touching = kept.iter().map(CompoundManifolds::len).sum();
+                let mut choose = |i: usize| reduced[i].update(&kept[i]);
+                times[6].push(time(count, &mut choose));
+            }
+        }
+        let mut kept: Vec<(Vec<ContactManifold<(), ()>>, Option<_>)> = (0..count).map(|_| (Vec::new(), None)).collect();
+        for (step, poses) in theirs.iter().enumerate() {
+            let update = |i: usize| {
+                let (manifolds, workspace) = &mut kept[i];
+                let shapes = (&ground.parry, &body.parry);
+                let (pose, near) = (&poses[i], PREDICTION as f32);
+                let found =
+                    DefaultQueryDispatcher.contact_manifolds(pose, shapes.0, shapes.1, near, manifolds, workspace);
+                black_box(found.is_ok());
+            };
+            times[4 + step].push(time(count, update));
+        }
+    }
+    let [plain_new, plain_kept, new, kept, parry_new, parry_kept, reduced] = times.map(median);
+    Times {
+        ours: [[plain_new, plain_kept], [new, kept]],
+        reduced,
+        parry: [parry_new, parry_kept],
+        touching: touching as f64 / count as f64,
+    }
+}
+
+fn rays(ground: &Ground, count: usize, rounds: usize) {
+    let mut rng = SplitMix64::new(30);
+    let mut place = |z: f64| DVec3::new(rng.between(-100.0, 100.0), rng.between(-100.0, 100.0), z);
+    // Down, and slanting.
+    let lines: Vec<(DVec3, DVec3)> = (0..count)
+        .map(|_| {
+            let from = place(10.0);
+            (from, (DVec3::NEG_Z + 0.01 * place(0.0).with_z(0.0)).normalize())
+        })
+        .collect();
+    let rays: Vec<Ray> = lines.iter().map(|(from, dir)| Ray::new(*from, *dir).expect("finite")).collect();
+    let theirs: Vec<parry3d::query::Ray> =
+        lines.iter().map(|(from, dir)| parry3d::query::Ray::new(from.as_vec3(), dir.as_vec3())).collect();
+    let (mut ours, mut parry) = (Vec::new(), Vec::new());
+    let mut hits = [0; 2];
+    for _ in 0..rounds {
+        hits = [0; 2];
+        let settings = CastSettings { max_t: 1e3, ..CastSettings::default() };
+        ours.push(time(count, |i| hits[0] += usize::from(compound::ray(&ground.mesh, &rays[i], &settings).answer.hit)));
+        parry.push(time(count, |i| {
+            hits[1] += usize::from(ground.parry.cast_local_ray_and_get_normal(&theirs[i], 1e3, false).is_some());
+        }));
+    }
+    println!("\nrays: {:.2}, parry {:.2}; {} and {} of {count} hit", median(ours), median(parry), hits[0], hits[1]);
+}

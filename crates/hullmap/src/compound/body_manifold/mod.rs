@@ -1,0 +1,363 @@
+//! Contact points of a body: at most eight, chosen from the manifolds of all pairs of parts.
+//!
+//! A body on a mesh touches several triangles, each of which has a manifold of up to four points.
+//! Most of the points lie between others, where they support nothing, and the time of an engine's
+//! solver grows with their number.
+//!
+//! # Steps
+//! 1. Group the manifolds by their normals ([`groups`]), the deepest one first.
+//! 2. Share the eight points among the groups in turn.
+//! 3. Of each group, take the deepest point, and the corners of the convex hull of all its points,
+//!    without those that add little area ([`spread`]).
+//! 4. The points of the last frame stay if they have the deepest point and span nearly as much.
+//! 5. Chosen points that were chosen in the last frame keep what the caller stored in them.
+//!
+//! # Reference
+//! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (manifold reduction:
+//! manifolds with similar normals are one). NVIDIA PhysX has patches of contacts with the same
+//! normal and reduces each.
+//!
+//! # Deviations
+//! Jolt and PhysX move the points of a group to one normal. Here every point has the normal of its
+//! own manifold.
+
+#![forbid(unsafe_code)]
+
+mod groups;
+mod spread;
+
+use glam::{DVec2, DVec3};
+
+use super::manifolds::CompoundManifolds;
+use crate::manifold::matching::{Likeness, match_points};
+use crate::manifold::select::SAME_PLACE;
+use crate::manifold::{ManifoldPoint, SAME_DEPTH};
+use crate::vector::perpendicular;
+pub use groups::MAX_BODY_POINTS;
+use groups::{Member, group, shares};
+use spread::{hull, reduce, span};
+
+/// The points of the last frame stay while they span at least this share of the area of the best
+/// ones.
+const KEPT_AREA: f64 = 0.9;
+
+/// A point of a [`BodyManifold`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyPoint {
+    /// The parts of A and of B that touch there, by index.
+    pub pair: [usize; 2],
+    /// Unit normal from A to B, in A's frame: that of the manifold of these parts.
+    pub normal: DVec3,
+    /// The point. Its impulse, user data and age belong to the body manifold: those in the
+    /// [`CompoundManifolds`] are others.
+    pub point: ManifoldPoint,
+}
+
+impl BodyPoint {
+    const EMPTY: Self = Self { pair: [0; 2], normal: DVec3::X, point: ManifoldPoint::EMPTY };
+}
+
+/// At most eight contact points of a body, chosen from its [`CompoundManifolds`]: caller-owned
+/// memory of one ordered pair (A, B), beside that of the manifolds.
+///
+/// A point is one of those in the manifolds, unchanged. The deepest of all points is chosen, or
+/// another one if it is less deep by at most a ten-thousandth of the smaller body's size. If all
+/// normals are within five degrees, the chosen points span at least 60 % of the area that all
+/// points span, in projection along the normal. Otherwise the points are shared by groups of
+/// normals, each of which has at least its deepest point.
+///
+/// A point that was chosen before keeps its impulse and user data, and its age grows: one of the
+/// same parts and features, or one at the same place. So a body that slides from triangle to
+/// triangle keeps its points.
+///
+/// # Examples
+/// A die over two triangles of a floor: each has a manifold, and the four corners of the die hold
+/// it.
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use hullmap::compound::BodyManifold;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cuboid;
+/// use hullmap::{CompoundManifolds, ManifoldSettings, Pose, TriangleMesh};
+/// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+/// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
+/// # let corners = [[0, 1, 2], [0, 2, 3]];
+/// # let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] })?;
+/// # let file = write_triangle_mesh(baked, &Default::default())?;
+///
+/// let (ground, die) = (TriangleMesh::from_bytes(&file)?, Cuboid::new(DVec3::splat(0.5))?);
+/// let mut manifolds = CompoundManifolds::new(16);
+/// let mut body = BodyManifold::new(16);
+/// for step in 0..3 {
+///     let at = Pose::from_translation(DVec3::new(0.1 + 0.01 * f64::from(step), 0.0, 0.499))?;
+///     manifolds.update(&ground, &die, at, &ManifoldSettings::default());
+///     body.update(&manifolds);
+///     assert_eq!(body.points().len(), 4);
+///     for point in body.points_mut() {
+///         assert!(point.normal.distance(DVec3::Z) < 1e-9 && point.point.age == step);
+///         point.point.impulse[0] = 1.0;
+///     }
+/// }
+/// assert!(manifolds.iter().map(|(_, manifold)| manifold.points().len()).sum::<usize>() > 4);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct BodyManifold {
+    points: [BodyPoint; MAX_BODY_POINTS],
+    count: usize,
+    scratch: Scratch,
+}
+
+/// Memory of an update: all points of the manifolds.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    members: Vec<Member>,
+    candidates: Vec<Candidate>,
+    taken: Vec<bool>,
+    /// Indices of the candidates of a group.
+    own: Vec<usize>,
+    /// Corners of the hulls of all groups, one after the other.
+    hulls: Vec<usize>,
+    /// Corners of a polygon, and of another one.
+    polygons: [Vec<usize>; 2],
+}
+
+/// A point that may be chosen.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    point: BodyPoint,
+    /// Index of its manifold.
+    member: usize,
+    /// The point of the last frame that it is.
+    last: Option<usize>,
+}
+
+/// The candidates of a group.
+#[derive(Clone, Copy, Debug, Default)]
+struct Group {
+    index: usize,
+    /// Where the corners of its hull begin among all of them, and how many they are.
+    corners: [usize; 2],
+    /// The deepest candidate.
+    deepest: usize,
+    /// Least depth of a point that may stand for the deepest one.
+    deep: f64,
+    tangents: [DVec3; 2],
+}
+
+impl Default for BodyManifold {
+    /// As [`new`](Self::new) for 16 pairs of parts.
+    fn default() -> Self {
+        Self::new(16)
+    }
+}
+
+impl BodyManifold {
+    /// Memory for the points of [`CompoundManifolds`] with `pairs` pairs of parts.
+    pub fn new(pairs: usize) -> Self {
+        let points = crate::manifold::MAX_POINTS * pairs;
+        let scratch = Scratch {
+            members: Vec::with_capacity(pairs),
+            candidates: Vec::with_capacity(points),
+            taken: Vec::with_capacity(points),
+            own: Vec::with_capacity(points),
+            hulls: Vec::with_capacity(points),
+            polygons: [Vec::with_capacity(points + 1), Vec::with_capacity(points + 1)],
+        };
+        Self { points: [BodyPoint::EMPTY; MAX_BODY_POINTS], count: 0, scratch }
+    }
+
+    /// The points, those of the group with the deepest point first.
+    pub fn points(&self) -> &[BodyPoint] {
+        self.points.get(..self.count).unwrap_or_default()
+    }
+
+    /// The points, for storing impulses and user data.
+    pub fn points_mut(&mut self) -> &mut [BodyPoint] {
+        self.points.get_mut(..self.count).unwrap_or_default()
+    }
+
+    /// Removes all points.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Chooses points from `manifolds`, which have just been updated.
+    ///
+    /// # Complexity
+    /// O(n²) for n points, and O(n log n) if few of them are corners of a convex hull. Allocates
+    /// only if more pairs of parts touch than [`new`](Self::new) was told.
+    pub fn update(&mut self, manifolds: &CompoundManifolds) {
+        let last = self.points;
+        let last = last.get(..self.count).unwrap_or_default();
+        self.count = 0;
+        let Scratch { members, candidates, taken, own, hulls, polygons } = &mut self.scratch;
+        collect(manifolds, members, candidates);
+        if candidates.is_empty() {
+            return;
+        }
+        find_last(last, SAME_PLACE * manifolds.reach(), taken, candidates);
+        let (mut groups, mut wanted) = ([Group::default(); MAX_BODY_POINTS], [0; MAX_BODY_POINTS]);
+        let count = group(members);
+        hulls.clear();
+        let places = Places { members, candidates, same_depth: SAME_DEPTH * manifolds.reach() };
+        for (index, (group, wanted)) in groups.iter_mut().zip(&mut wanted).enumerate().take(count) {
+            (*group, *wanted) = places.group(index, own, hulls, &mut polygons[0]);
+        }
+        for (group, share) in groups.iter().zip(shares(&wanted, MAX_BODY_POINTS)).take(count) {
+            let chosen = places.choose(group, share, own, hulls, polygons);
+            for candidate in chosen.iter().filter_map(|index| candidates.get(*index)) {
+                let Some(free) = self.points.get_mut(self.count) else { break };
+                *free = candidate.point;
+                if let Some(old) = candidate.last.and_then(|index| last.get(index)) {
+                    free.point.keep(&old.point);
+                }
+                self.count += 1;
+            }
+        }
+    }
+}
+
+/// Collects the points of all manifolds.
+fn collect(manifolds: &CompoundManifolds, members: &mut Vec<Member>, candidates: &mut Vec<Candidate>) {
+    members.clear();
+    candidates.clear();
+    for (pair, manifold) in manifolds.iter() {
+        let normal = manifold.normal();
+        let depth = manifold.points().iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
+        for point in manifold.points() {
+            let point = ManifoldPoint { impulse: [0.0; 3], user_data: 0, age: 0, ..*point };
+            candidates.push(Candidate { point: BodyPoint { pair, normal, point }, member: members.len(), last: None });
+        }
+        members.push(Member { normal, depth, group: 0 });
+    }
+}
+
+/// Points of the last frame, and candidates.
+struct Frames<'p> {
+    last: &'p [BodyPoint],
+    candidates: &'p [Candidate],
+}
+
+impl Likeness for Frames<'_> {
+    fn has_same_features(&self, point: usize, other: usize) -> bool {
+        let (Some(last), Some(new)) = (self.last.get(point), self.candidates.get(other)) else { return false };
+        last.pair == new.point.pair && last.point.id == new.point.point.id
+    }
+
+    fn distance(&self, point: usize, other: usize) -> f64 {
+        let (Some(last), Some(new)) = (self.last.get(point), self.candidates.get(other)) else { return f64::INFINITY };
+        new.point.point.distance(&last.point)
+    }
+}
+
+/// Finds the candidates that are points of the last frame.
+fn find_last(last: &[BodyPoint], same_place: f64, taken: &mut Vec<bool>, candidates: &mut [Candidate]) {
+    taken.clear();
+    taken.resize(candidates.len(), false);
+    let mut matches = [None; MAX_BODY_POINTS];
+    let matches = matches.get_mut(..last.len()).unwrap_or_default();
+    match_points(&Frames { last, candidates }, same_place, taken, matches);
+    for (index, found) in matches.iter().enumerate() {
+        if let Some(candidate) = found.and_then(|found| candidates.get_mut(found)) {
+            candidate.last = Some(index);
+        }
+    }
+}
+
+/// All manifolds and their points.
+struct Places<'p> {
+    members: &'p [Member],
+    candidates: &'p [Candidate],
+    /// Depths that differ by less than this count as equal.
+    same_depth: f64,
+}
+
+impl Places<'_> {
+    /// Indices of the candidates of a group.
+    fn of_group(&self, index: usize) -> impl Iterator<Item = usize> {
+        let is_in = move |candidate: &Candidate| self.members.get(candidate.member).is_some_and(|m| m.group == index);
+        self.candidates.iter().enumerate().filter(move |(_, candidate)| is_in(candidate)).map(|(i, _)| i)
+    }
+
+    fn point(&self, index: usize) -> BodyPoint {
+        self.candidates.get(index).map_or(BodyPoint::EMPTY, |candidate| candidate.point)
+    }
+
+    /// Place of a candidate in the plane of a group.
+    fn at(&self, group: &Group, index: usize) -> DVec2 {
+        let [x, y] = group.tangents.map(|tangent| tangent.dot(self.point(index).point.point_b));
+        DVec2::new(x, y)
+    }
+
+    /// The group `index`, whose hull is appended to `hulls`, and the number of points that it has
+    /// at most.
+    fn group(
+        &self,
+        index: usize,
+        own: &mut Vec<usize>,
+        hulls: &mut Vec<usize>,
+        polygon: &mut Vec<usize>,
+    ) -> (Group, usize) {
+        own.clear();
+        own.extend(self.of_group(index));
+        let is_deeper = |p: usize, q: usize| self.point(q).point.depth > self.point(p).point.depth;
+        let deepest = own.iter().copied().reduce(|p, q| if is_deeper(p, q) { q } else { p }).unwrap_or(0);
+        let normal = self.point(deepest).normal;
+        let across = perpendicular(normal);
+        let deep = self.point(deepest).point.depth - self.same_depth;
+        let tangents = [across, normal.cross(across)];
+        let mut group = Group { index, corners: [hulls.len(), 0], deepest, deep, tangents };
+        hull(own, |index| self.at(&group, index), polygon);
+        reduce(polygon, MAX_BODY_POINTS, self.deepest_of(&group, polygon), |index| self.at(&group, index));
+        group.corners[1] = polygon.len();
+        hulls.extend_from_slice(polygon);
+        (group, polygon.len() + usize::from(!polygon.contains(&self.deepest_of(&group, polygon))))
+    }
+
+    /// The deepest of a few candidates of a group, or of all if these are less deep.
+    fn deepest_of(&self, group: &Group, few: &[usize]) -> usize {
+        let depth = |index: usize| self.point(index).point.depth;
+        let deepest = few.iter().copied().reduce(|p, q| if depth(q) > depth(p) { q } else { p });
+        deepest.filter(|index| depth(*index) >= group.deep).unwrap_or(group.deepest)
+    }
+
+    /// The chosen candidates of a group, at most `share`, the deepest first.
+    fn choose<'c>(
+        &self,
+        group: &Group,
+        share: usize,
+        own: &mut Vec<usize>,
+        hulls: &[usize],
+        [best, kept]: &'c mut [Vec<usize>; 2],
+    ) -> &'c [usize] {
+        let at = |index: usize| self.at(group, index);
+        let with_deepest = |corners: &mut Vec<usize>| {
+            let deepest = self.deepest_of(group, corners);
+            let most = if corners.contains(&deepest) { share } else { share.saturating_sub(1) };
+            if most == 0 {
+                corners.clear();
+            }
+            reduce(corners, most, deepest, at);
+        };
+        let [start, count] = group.corners;
+        best.clear();
+        best.extend(hulls.iter().skip(start).take(count));
+        with_deepest(best);
+        let was_last = |index: &usize| self.candidates.get(*index).is_some_and(|candidate| candidate.last.is_some());
+        own.clear();
+        own.extend(self.of_group(group.index).filter(was_last));
+        hull(own, at, kept);
+        with_deepest(kept);
+        let is_as_good = !kept.is_empty() && span(kept, at).is_at_least(KEPT_AREA, &span(best, at));
+        let chosen = if is_as_good { kept } else { best };
+        let deepest = self.deepest_of(group, chosen);
+        if let Some(place) = chosen.iter().position(|index| *index == deepest) {
+            chosen.swap(0, place);
+        } else {
+            chosen.insert(0, deepest);
+        }
+        chosen
+    }
+}

@@ -1,0 +1,152 @@
+//! A pair of parts, at least one of which may be a triangle of a sheet: tests that rule the pair
+//! out before the solver runs, and the contact of one-sided triangles.
+//!
+//! # Steps
+//! 1. Separating axes of the triangle, for the ball around the other part: the normal, and the
+//!    normals of the edges in the triangle's plane. No support query.
+//! 2. The same axes that separate the ball's centre from the triangle, for the part itself: at most
+//!    one support query each.
+//!
+//! # Reference
+//! Ericson, "Real-Time Collision Detection", 2005, section 5.2 (separating axes).
+
+#![forbid(unsafe_code)]
+
+use glam::DVec3;
+
+use super::parts::Parts;
+use crate::manifold::{Manifold, ManifoldSettings};
+use crate::pose::Pose;
+use crate::shapes::{HalfSpace, Shape};
+use crate::solver::{Cache, Contact, Settings, queries};
+use crate::support::SupportMap;
+use crate::vector::unit;
+
+/// Rounding error of a height above a plane, relative to the largest length, in units of
+/// [`f64::EPSILON`]: of a rotated support query (60 of the radius, as for a box), of a rotated and
+/// moved point, and of a dot product with a computed normal.
+const ROUNDING_UNITS: f64 = 128.0;
+
+/// Cosine of the angle between a contact normal and that of the back from which on the contact is
+/// one with the back.
+const BACK: f64 = 0.99;
+
+/// Two parts of two compounds.
+pub(super) struct Pair<'p, A: Parts + ?Sized + 'p, B: Parts + ?Sized + 'p> {
+    pub(super) a: A::Part<'p>,
+    pub(super) b: B::Part<'p>,
+    b_in_a: Pose,
+    /// Fronts of both, in their frames.
+    fronts: [Option<DVec3>; 2],
+}
+
+impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> Pair<'p, A, B> {
+    /// The parts with these indices; `None` if one does not exist.
+    #[inline]
+    pub(super) fn new(a: &'p A, b: &'p B, pair: [usize; 2], b_in_a: Pose) -> Option<Self> {
+        let fronts = [a.front(pair[0]), b.front(pair[1])];
+        Some(Self { a: a.part(pair[0])?, b: b.part(pair[1])?, b_in_a, fronts })
+    }
+
+    /// Whether one part is behind the front of the other, so that they do not collide.
+    #[inline]
+    pub(super) fn is_behind(&self) -> bool {
+        if self.fronts == [None; 2] {
+            return false;
+        }
+        let (center_a, center_b) = (self.a.interior_point(), self.b.interior_point());
+        let (in_a, in_b) = (self.b_in_a.transform_point(center_b), self.b_in_a.inverse().transform_point(center_a));
+        is_behind(self.fronts[0], center_a, in_a) || is_behind(self.fronts[1], center_b, in_b)
+    }
+
+    /// Whether a motion of B by `velocity` does not meet the front of a part, or starts behind it.
+    pub(super) fn is_passed(&self, velocity: DVec3) -> bool {
+        let [front_a, front_b] = self.fronts;
+        if velocity == DVec3::ZERO || self.fronts == [None; 2] {
+            return self.is_behind();
+        }
+        let along = |front: DVec3, velocity: DVec3| !(front.dot(velocity) < 0.0);
+        front_a.is_some_and(|front| along(front, velocity))
+            || front_b.is_some_and(|front| along(front, self.b_in_a.inverse_transform_vector(-velocity)))
+            || self.is_behind()
+    }
+
+    /// Whether an axis of a triangle proves that the parts are farther apart than `margin`.
+    #[inline]
+    pub(super) fn is_apart(&self, margin: f64) -> bool {
+        match (self.a.triangle(), self.b.triangle()) {
+            (Some(corners), _) => is_apart(corners, &self.b, self.b_in_a, margin),
+            (None, Some(corners)) => is_apart(corners, &self.a, self.b_in_a.inverse(), margin),
+            (None, None) => false,
+        }
+    }
+
+    /// Their contact. That with the back of a one-sided triangle is replaced by that with the
+    /// half-space behind it.
+    pub(super) fn contact(&self, settings: &Settings, cache: &mut Cache) -> Contact {
+        let found = queries::contact(&self.a, &self.b, self.b_in_a, settings, cache);
+        let Some(front) = self.front_of_back(&found).filter(|_| found.hit) else { return found };
+        let iterations = found.iterations;
+        let found = if let Some(front) = self.fronts[0].filter(|own| *own == front) {
+            let Ok(behind) = HalfSpace::through(self.a.interior_point(), front) else { return found };
+            behind.contact(&self.b, self.b_in_a)
+        } else {
+            let Some(own) = self.fronts[1] else { return found };
+            let Ok(behind) = HalfSpace::through(self.b.interior_point(), own) else { return found };
+            let swapped = behind.contact(&self.a, self.b_in_a.inverse());
+            let [point_a, point_b] = [swapped.point_b, swapped.point_a].map(|p| self.b_in_a.transform_point(p));
+            Contact { normal: front, point_a, point_b, ..swapped }
+        };
+        Contact { iterations: found.iterations + iterations, ..found }
+    }
+
+    /// Updates a manifold of the parts.
+    pub(super) fn update(&self, manifold: &mut Manifold, settings: &ManifoldSettings, cache: &mut Cache) -> Contact {
+        let contact = manifold.update(&self.a, &self.b, self.b_in_a, settings, cache);
+        if let Some(front) = self.front_of_back(&contact)
+            && contact.hit
+        {
+            manifold.update_along((&self.a, &self.b, self.b_in_a), front, settings);
+        }
+        contact
+    }
+
+    /// The normal to the front, from A to B in A's frame, if a contact is one with the back.
+    fn front_of_back(&self, contact: &Contact) -> Option<DVec3> {
+        let [front_a, front_b] = self.fronts;
+        let from_b = || front_b.map(|front| self.b_in_a.transform_vector(-front));
+        [front_a, from_b()].into_iter().flatten().find(|front| contact.normal.dot(*front) < -BACK)
+    }
+}
+
+/// Whether a point is behind a plane, or in it.
+fn is_behind(front: Option<DVec3>, on_plane: DVec3, point: DVec3) -> bool {
+    // NaN takes the branch that does not collide.
+    front.is_some_and(|front| !((point - on_plane).dot(front) > 0.0))
+}
+
+/// Whether an axis of a triangle proves that `other` is farther away than `margin`.
+///
+/// Whatever the axis is, the test is a proof: the axes of a sliver need not be accurate.
+fn is_apart<S: Shape>(corners: [DVec3; 3], other: &S, other_in_own: Pose, margin: f64) -> bool {
+    let [a, b, c] = corners;
+    let Some(normal) = unit((b - a).cross(c - a)) else { return false };
+    let (center, radius) = (other.interior_point(), other.outer_radius());
+    let middle = other_in_own.transform_point(center);
+    let lengths = [a, b, c, center, other_in_own.translation()].map(|v| v.abs().element_sum()).iter().sum::<f64>();
+    let margin = margin + other.support_error() + ROUNDING_UNITS * f64::EPSILON * (lengths + radius);
+    let upward = if (middle - a).dot(normal) < 0.0 { -normal } else { normal };
+    // Of an edge without length the axis is zero, which proves nothing.
+    let sides = [b - a, c - b, a - c].map(|edge| edge.cross(normal).normalize_or_zero());
+    let axes = [upward, sides[0], sides[1], sides[2]];
+    // Height of a point above the highest corner.
+    let above = |axis: DVec3, point: DVec3| (point - a).dot(axis) - (b - a).dot(axis).max((c - a).dot(axis)).max(0.0);
+    let heights = axes.map(|axis| above(axis, middle));
+    if heights.iter().any(|height| *height > radius + margin) {
+        return true;
+    }
+    axes.into_iter().zip(heights).any(|(axis, height)| {
+        let lowest = |axis: DVec3| other.support_point(other_in_own.inverse_transform_vector(-axis)).point;
+        height > margin && above(axis, other_in_own.transform_point(lowest(axis))) > margin
+    })
+}

@@ -1,0 +1,36 @@
+//! A file mapped read-only.
+//!
+//! Unsafe code of the crate is here, in the two constructors that call this (`pack/map.rs`,
+//! `triangle_mesh/map.rs`), and in `support/simd/avx2.rs`.
+#![allow(unsafe_code)]
+
+use std::{fs::File, path::Path};
+
+use hullmap_format::header::{FileKind, Header, HeaderError};
+
+use super::Bytes;
+use crate::pack::OpenError;
+
+/// Maps a file of this kind, and reads the header at its start. Nothing else is checked.
+///
+/// # Safety
+/// While the bytes exist, no process may write to the file or truncate it.
+pub(crate) unsafe fn map(path: &Path, kind: FileKind) -> Result<(Header, Bytes), OpenError> {
+    let io_error = |source| OpenError::Io { path: path.to_owned(), source };
+    let invalid = |error: HeaderError| OpenError::Invalid { path: path.to_owned(), source: error.into() };
+    let file = File::open(path).map_err(io_error)?;
+    let metadata = file.metadata().map_err(io_error)?;
+    if metadata.is_dir() {
+        // The system's own message is "no such device".
+        return Err(io_error(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if metadata.len() == 0 {
+        // An empty file cannot be mapped.
+        return Err(invalid(HeaderError::TooShort { found: 0 }));
+    }
+    // SAFETY: the caller promises that no process writes to the file or truncates it while the
+    // bytes exist. They own the map.
+    let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
+    let header = Header::read_kind(&map, kind).map_err(invalid)?;
+    Ok((header, Bytes::File(map)))
+}

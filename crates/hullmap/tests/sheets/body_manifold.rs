@@ -1,0 +1,216 @@
+//! Points of bodies on many triangles, compared with all points of all manifolds.
+
+use glam::{DQuat, DVec2, DVec3};
+use hullmap::compound::{BodyManifold, BodyPoint, MAX_BODY_POINTS};
+use hullmap::shapes::Cuboid;
+use hullmap::{CompoundManifolds, ManifoldSettings, Pack, Pose};
+use hullmap_testkit::packs::tree_pack;
+use shapes::rng::SplitMix64;
+
+use crate::meshes::{body, grid, meshes};
+
+const SEED: u64 = 0x8;
+
+/// Normals within this angle, five degrees, are one group.
+const SAME_NORMAL: f64 = 0.9961946980917455;
+
+/// All points of all manifolds, as a body manifold would have them.
+fn all_points(manifolds: &CompoundManifolds) -> Vec<BodyPoint> {
+    let of = |(pair, manifold): ([usize; 2], &hullmap::Manifold)| {
+        let normal = manifold.normal();
+        manifold.points().iter().map(|point| BodyPoint { pair, normal, point: *point }).collect::<Vec<_>>()
+    };
+    manifolds.iter().flat_map(of).collect()
+}
+
+/// Area of the convex hull of points in the plane perpendicular to `normal`, by the widths of all
+/// triangles: the sum over the edges of the hull, each found by brute force.
+fn area(points: &[BodyPoint], normal: DVec3) -> f64 {
+    let (x, y) = normal.any_orthonormal_pair();
+    let mut places: Vec<DVec2> =
+        points.iter().map(|p| DVec2::new(x.dot(p.point.point_b), y.dot(p.point.point_b))).collect();
+    places.sort_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap());
+    places.dedup();
+    let mut area = 0.0;
+    for p in &places {
+        for q in &places {
+            // An edge of the hull: all others are to the left of it, or on it between both.
+            let is_edge = |r: &DVec2| {
+                let side = (*q - *p).perp_dot(*r - *p);
+                side > 0.0 || side == 0.0 && (*r - *p).dot(*r - *q) <= 0.0
+            };
+            if p != q && places.iter().all(is_edge) {
+                area += 0.5 * (*p - places[0]).perp_dot(*q - places[0]);
+            }
+        }
+    }
+    area
+}
+
+/// Checks the chosen points against all points. Returns whether there is one group, and then the
+/// share of the area.
+fn judge(body: &BodyManifold, manifolds: &CompoundManifolds, what: &str) -> Option<f64> {
+    let (chosen, all) = (body.points(), all_points(manifolds));
+    assert_eq!(chosen.is_empty(), all.is_empty(), "{what}");
+    assert!(chosen.len() <= MAX_BODY_POINTS, "{what}");
+    for (rank, point) in chosen.iter().enumerate() {
+        let is_same = |other: &&BodyPoint| {
+            let places =
+                |p: &BodyPoint| (p.pair, p.normal, p.point.id, p.point.point_a, p.point.point_b, p.point.depth);
+            places(other) == places(point)
+        };
+        assert_eq!(all.iter().filter(is_same).count(), 1, "{what}: a point is not one of the manifolds");
+        assert_eq!(chosen[..rank].iter().filter(|other| is_same(other)).count(), 0, "{what}: a point is there twice");
+    }
+    let deepest = |points: &[BodyPoint]| points.iter().map(|p| p.point.depth).fold(f64::NEG_INFINITY, f64::max);
+    // Bodies have radii of at most 3.
+    assert!(deepest(chosen) >= deepest(&all) - 3e-4, "{what}: the deepest point is missing");
+    let first = chosen.first()?;
+    // Every point's normal is near that of a point that is deeper in its group, up to doubled
+    // angles: 80 degrees, if there are many directions.
+    for point in &all {
+        assert!(chosen.iter().any(|p| p.normal.dot(point.normal) > 0.17), "{what}: a direction has no point");
+    }
+    let is_one_group = all.iter().all(|p| p.normal.dot(first.normal) > SAME_NORMAL + 1e-9);
+    let whole = area(&all, first.normal);
+    let longest = all.iter().map(|p| p.point.point_b.distance(first.point.point_b)).fold(0.0, f64::max);
+    (is_one_group && whole > 1e-3 * longest * longest).then(|| area(chosen, first.normal) / whole)
+}
+
+/// A body of up to 40 vertices that is flat and wide, near the plane z = 0.
+fn plate(rng: &mut SplitMix64) -> (Pack, Pose) {
+    let count = 8 + rng.below(32);
+    let point = |rng: &mut SplitMix64| DVec3::from_array(rng.direction()) * DVec3::new(2.0, 1.5, 0.1);
+    let points: Vec<[f32; 3]> = (0..count).map(|_| point(rng).as_vec3().to_array()).collect();
+    let tilt = DQuat::from_rotation_y(rng.between(-0.02, 0.02)) * DQuat::from_rotation_z(3.0 * rng.unit());
+    let at = DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(0.0, 0.12));
+    (tree_pack(&points), Pose::new(at, tilt).unwrap())
+}
+
+#[test]
+fn the_deepest_point_and_the_area_are_kept() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let mut meshes = meshes(&mut rng);
+    // Hardly rough: many triangles in one group.
+    meshes.push(grid(40, |_, _| 0.004 * rng.unit()));
+    let settings = ManifoldSettings::default();
+    let (mut worst, mut shares, mut reduced, mut many, mut touching) = (f64::INFINITY, 0, 0, 0, 0);
+    for round in 0..2000 {
+        let mesh = &meshes[round % meshes.len()];
+        let (pack, pose) = if round % 2 == 0 { body(&mut rng) } else { plate(&mut rng) };
+        let hull = pack.hull(0).unwrap();
+        let mut manifolds = CompoundManifolds::new(256);
+        let mut points = BodyManifold::new(256);
+        // Twice, with a small motion: the points of the last frame are preferred.
+        for frame in 0..2 {
+            let shift = DVec3::from_array(rng.direction()) * 0.01 * f64::from(frame);
+            let pose = Pose::new(pose.translation() + shift, pose.rotation()).unwrap();
+            manifolds.update(mesh, &hull, pose, &settings);
+            points.update(&manifolds);
+            let share = judge(&points, &manifolds, &format!("round {round}, frame {frame}"));
+            touching += usize::from(!manifolds.is_empty());
+            let all = all_points(&manifolds);
+            many += usize::from(all.len() > MAX_BODY_POINTS);
+            if let Some(share) = share {
+                worst = worst.min(share);
+                shares += 1;
+                reduced += usize::from(all.len() > points.points().len());
+            }
+        }
+    }
+    println!(
+        "{touching} touching, {many} with many points, {shares} in one group, {reduced} reduced; least share {worst}"
+    );
+    assert!(worst >= 0.6, "{worst}");
+    assert!(touching > 400 && many > 150 && shares > 100 && reduced > 20);
+}
+
+/// Round plates over many triangles: their points are corners of all directions.
+#[test]
+fn a_disc_keeps_its_area() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let settings = ManifoldSettings::default();
+    let mut worst: f64 = 1.0;
+    for round in 0..60 {
+        let ground = grid(30, |_, _| 1e-3 * rng.unit());
+        let sides = 8 + round % 40;
+        let ring = |z: f32| {
+            (0..sides).map(move |i| {
+                let angle = i as f32 / sides as f32 * std::f32::consts::TAU;
+                [2.0 * angle.cos(), 1.5 * angle.sin(), z]
+            })
+        };
+        let pack = tree_pack(&ring(-0.1).chain(ring(0.1)).collect::<Vec<_>>());
+        let hull = pack.hull(0).unwrap();
+        let (mut manifolds, mut points) = (CompoundManifolds::new(256), BodyManifold::new(256));
+        for _ in 0..4 {
+            let turn = DQuat::from_rotation_z(rng.between(0.0, 0.1));
+            let pose = Pose::new(DVec3::new(rng.unit(), rng.unit(), 0.1), turn).unwrap();
+            manifolds.update(&ground, &hull, pose, &settings);
+            points.update(&manifolds);
+            assert!(manifolds.len() > 20 && points.points().len() >= 4);
+            worst = worst.min(judge(&points, &manifolds, &format!("round {round}")).unwrap());
+        }
+    }
+    println!("least share {worst}");
+    assert!((0.6..0.95).contains(&worst), "{worst}");
+}
+
+/// A box in a corner touches three sheets.
+#[test]
+fn every_direction_has_points() {
+    let corner = crate::meshes::mesh(
+        &[DVec3::ZERO, 9.0 * DVec3::X, 9.0 * DVec3::Y, 9.0 * DVec3::Z],
+        &[[0, 1, 2], [0, 2, 3], [0, 3, 1]],
+    );
+    let die = Cuboid::new(DVec3::splat(0.5)).unwrap();
+    let at = Pose::from_translation(DVec3::new(0.499, 0.498, 0.497)).unwrap();
+    let (mut manifolds, mut points) = (CompoundManifolds::new(8), BodyManifold::default());
+    manifolds.update(&corner, &die, at, &ManifoldSettings::default());
+    points.update(&manifolds);
+    assert_eq!((manifolds.len(), points.points().len()), (3, 8));
+    for (axis, count, depth) in [(DVec3::Z, 3, 0.003), (DVec3::Y, 3, 0.002), (DVec3::X, 2, 0.001)] {
+        let of: Vec<_> = points.points().iter().filter(|p| p.normal.distance(axis) < 1e-9).collect();
+        assert_eq!(of.len(), count, "{axis}");
+        assert!(of.iter().all(|p| (p.point.depth - depth).abs() < 1e-9), "{axis}");
+    }
+    assert!((points.points()[0].point.depth - 0.003).abs() < 1e-9);
+}
+
+/// A box that slides over many triangles keeps its four corners, and their impulses.
+#[test]
+fn points_last_from_triangle_to_triangle() {
+    let ground = grid(20, |_, _| 0.0);
+    let die = Cuboid::new(DVec3::new(0.8, 0.6, 0.2)).unwrap();
+    let (mut manifolds, mut body) = (CompoundManifolds::new(32), BodyManifold::new(32));
+    let (mut triangles, steps) = (std::collections::BTreeSet::new(), 400);
+    for step in 0..steps {
+        let at = DVec3::new(-4.0 + 0.011 * f64::from(step), 0.37 + 0.004 * f64::from(step), 0.1995);
+        manifolds.update(
+            &ground,
+            &die,
+            Pose::new(at, DQuat::from_rotation_z(0.2)).unwrap(),
+            &ManifoldSettings::default(),
+        );
+        body.update(&manifolds);
+        let mut ids = Vec::new();
+        assert_eq!(body.points().len(), 4, "step {step}");
+        for point in body.points_mut() {
+            triangles.insert(point.pair[0]);
+            assert_eq!(point.point.age, step as u32, "step {step}: a point is new");
+            // The point of a corner keeps the corner's number.
+            let corner = point.point.local_b.signum().to_array().map(|sign| sign as i64);
+            let id = (corner[0] + 3 * corner[1] + 20) as u64;
+            assert!(step == 0 || point.point.user_data == id, "step {step}: points are exchanged");
+            point.point.user_data = id;
+            ids.push(id);
+        }
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), 4, "step {step}");
+    }
+    println!("{} triangles", triangles.len());
+    assert!(triangles.len() > 20);
+}

@@ -1,0 +1,10 @@
+//! Tests of triangle meshes, against brute force over all triangles in f64. A binary of its own,
+//! since that of all queries takes minutes to compile.
+
+mod body_manifold;
+mod meshes;
+mod one_sided;
+mod slide;
+mod surface;
+mod tiles;
+mod triangle_mesh;

@@ -1,0 +1,66 @@
+//! Triangle meshes and bodies for tests.
+
+use glam::{DQuat, DVec3};
+use hullmap::{Pack, Pose, TriangleMesh};
+use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_testkit::packs;
+use shapes::rng::SplitMix64;
+
+/// A triangle mesh of these vertices, rounded to f32.
+pub fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> TriangleMesh {
+    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
+    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners, materials: &[] }).unwrap();
+    TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap()
+}
+
+/// A grid of `cells` by `cells` squares of size 1, centred, each of two triangles, with these
+/// heights. The front is upwards.
+pub fn grid(cells: usize, mut height: impl FnMut(usize, usize) -> f64) -> TriangleMesh {
+    let middle = 0.5 * cells as f64;
+    let mut positions = Vec::new();
+    for y in 0..=cells {
+        for x in 0..=cells {
+            positions.push(DVec3::new(x as f64 - middle, y as f64 - middle, height(x, y)));
+        }
+    }
+    let mut corners = Vec::new();
+    for y in 0..cells {
+        for x in 0..cells {
+            let at = |dx: usize, dy: usize| ((y + dy) * (cells + 1) + x + dx) as u32;
+            corners.extend([[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]);
+        }
+    }
+    mesh(&positions, &corners)
+}
+
+/// `count` triangles of this size at random places within 3.
+pub fn soup(count: usize, size: f64, rng: &mut SplitMix64) -> TriangleMesh {
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let middle = 3.0 * DVec3::from_array(rng.direction()) * rng.unit();
+        positions.extend((0..3).map(|_| middle + size * DVec3::from_array(rng.direction())));
+    }
+    let corners: Vec<[u32; 3]> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    mesh(&positions, &corners)
+}
+
+/// Corners of all triangles.
+pub fn triangles(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
+    (0..mesh.triangle_count()).map(|index| mesh.triangle(index).unwrap().corners()).collect()
+}
+
+/// A few meshes of different kinds.
+pub fn meshes(rng: &mut SplitMix64) -> Vec<TriangleMesh> {
+    let rough = grid(8, |_, _| rng.unit());
+    let flat = grid(5, |_, _| 0.25);
+    vec![rough, flat, soup(60, 0.5, rng), soup(20, 1e-3, rng), soup(1, 1.0, rng), soup(5, 2.0, rng)]
+}
+
+/// A body of four to eight vertices, and where it is.
+pub fn body(rng: &mut SplitMix64) -> (Pack, Pose) {
+    let count = 4 + rng.below(5);
+    let points: Vec<[f32; 3]> = (0..count).map(|_| rng.direction().map(|c| 0.4 * c as f32)).collect();
+    let rotation = DQuat::from_xyzw(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
+    let position = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.5);
+    (packs::tree_pack(&points), Pose::new(position, rotation.normalize()).unwrap())
+}
