@@ -15,16 +15,13 @@ use super::{
 };
 use crate::{check_error::CheckError, cutter::ROOT_ALIGNMENT, scale::Scale};
 
-/// Why the archive of a height field is invalid.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FieldError {
-    /// The archive's sections.
-    #[error(transparent)]
-    Archive(#[from] CheckError),
+/// Why a grid cannot be that of a height field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LayoutError {
     /// The grid has no cells, or more than node numbers can address.
     #[error(
-        "the height field has {columns} columns and {rows} rows (expected at least 2 of each, and at most {MAX_CELLS} \
-         cells); bake the source again"
+        "a height field has at least 2 columns and 2 rows, and at most {MAX_CELLS} cells (found {columns} columns and \
+         {rows} rows): use another part of the grid"
     )]
     Size {
         /// Number of vertices along x.
@@ -32,20 +29,31 @@ pub enum FieldError {
         /// Number of vertices along y.
         rows: usize,
     },
+    /// Coordinates do not rise from vertex to vertex, or are not finite in f32.
+    #[error(
+        "the coordinates along {axis} do not rise from vertex to vertex within the range of f32: choose another spacing \
+         or origin"
+    )]
+    Coordinates {
+        /// The axis: `x` or `y`.
+        axis: char,
+    },
+}
+
+/// Why the archive of a height field is invalid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    /// The archive's sections.
+    #[error(transparent)]
+    Archive(#[from] CheckError),
+    /// The grid.
+    #[error("{0}; bake the source again")]
+    Layout(#[from] LayoutError),
     /// The code of the diagonal is unknown.
     #[error("the height field has the diagonal {found} (expected 0 or 1); bake the source again")]
     Diagonal {
         /// The code.
         found: u32,
-    },
-    /// Coordinates do not rise from vertex to vertex, or are not finite in f32.
-    #[error(
-        "the coordinates along {axis} do not rise from vertex to vertex within the range of f32: choose another spacing \
-         or origin, and bake the source again"
-    )]
-    Coordinates {
-        /// The axis: `x` or `y`.
-        axis: char,
     },
     /// A height is NaN or infinite.
     #[error("the height of vertex {vertex} is not finite; bake the source again")]
@@ -77,15 +85,15 @@ pub enum FieldError {
 /// Checks that a grid has cells, and not too many, and that its coordinates rise.
 ///
 /// # Errors
-/// [`FieldError::Size`] or [`FieldError::Coordinates`].
+/// See [`LayoutError`].
 ///
 /// # Complexity
 /// O(columns + rows).
-pub fn check_layout(layout: &Layout) -> Result<(), FieldError> {
+pub fn check_layout(layout: &Layout) -> Result<(), LayoutError> {
     let Layout { columns, rows, .. } = *layout;
     let cells = columns.saturating_sub(1).saturating_mul(rows.saturating_sub(1));
     if !(1..=MAX_CELLS).contains(&cells) {
-        return Err(FieldError::Size { columns, rows });
+        return Err(LayoutError::Size { columns, rows });
     }
     let limit = f64::from(f32::MAX);
     // NaN takes the failing branch.
@@ -93,10 +101,10 @@ pub fn check_layout(layout: &Layout) -> Result<(), FieldError> {
         (1..count).all(|i| at(i - 1) < at(i)) && at(0) >= -limit && at(count - 1) <= limit
     };
     if !rises(columns, &|column| layout.x(column)) {
-        return Err(FieldError::Coordinates { axis: 'x' });
+        return Err(LayoutError::Coordinates { axis: 'x' });
     }
     if !rises(rows, &|row| layout.y(row)) {
-        return Err(FieldError::Coordinates { axis: 'y' });
+        return Err(LayoutError::Coordinates { axis: 'y' });
     }
     Ok(())
 }

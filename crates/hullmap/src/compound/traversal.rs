@@ -97,6 +97,7 @@ impl<P: BoxPairs> Traversal<P> {
                     self.lower_bound = lower_bound;
                     return Some([hull_a, hull_b]);
                 }
+                (Child::Nothing, _) | (_, Child::Nothing) => continue,
                 (Child::Nodes(_), Child::Hull(_)) => true,
                 (Child::Hull(_), Child::Nodes(_)) => false,
                 (Child::Nodes(_), Child::Nodes(_)) => a.size_sq() > b.size_sq(),
@@ -143,7 +144,11 @@ impl<P: BoxPairs> Traversal<P> {
         let [nodes_a, nodes_b] = self.pairs.nodes();
         let (node_a, node_b) = (nodes_a.get(a)?, nodes_b.get(b)?);
         self.boxes += 1;
-        let [lower_bound, order] = self.pairs.bound(&node_a, &node_b, outer);
+        let [lower_bound, order] = if node_a.child == Child::Nothing || node_b.child == Child::Nothing {
+            [f64::INFINITY; 2]
+        } else {
+            self.pairs.bound(&node_a, &node_b, outer)
+        };
         Some((a, b, lower_bound, order))
     }
 }
