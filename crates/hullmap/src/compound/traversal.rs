@@ -116,7 +116,8 @@ impl<P: BoxPairs> Traversal<P> {
             let [Some(first), Some(second)] = pairs.map(|(a, b)| self.pair(a, b, lower_bound)) else { return None };
             let is_nearer = (first.2, first.3) <= (second.2, second.3);
             for (node_a, node_b, lower_bound, _) in if is_nearer { [second, first] } else { [first, second] } {
-                if lower_bound <= reach {
+                // Boxes with an infinite bound never meet, whatever the reach is.
+                if lower_bound <= reach && lower_bound < f64::INFINITY {
                     self.push((node_a, node_b, lower_bound));
                 }
             }

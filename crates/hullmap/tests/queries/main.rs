@@ -10,6 +10,8 @@ mod derivatives;
 mod entry;
 mod features;
 mod half_space;
+mod height_field;
+mod height_field_seams;
 mod lean;
 mod manifold;
 mod motions;

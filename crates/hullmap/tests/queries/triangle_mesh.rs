@@ -12,7 +12,7 @@ use shapes::rng::SplitMix64;
 
 const SEED: u64 = 0x39;
 
-fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> TriangleMesh {
+pub fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> TriangleMesh {
     let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
     let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners, materials: &[] }).unwrap();
     TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap()
@@ -164,7 +164,7 @@ fn contacts_are_those_of_each_triangle() {
 
 /// Parameter at which a ray crosses a triangle; `None` if it is too near an edge or too flat to
 /// tell.
-fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
+pub fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
     const MARGIN: f64 = 1e-9;
     let (normal, dir) = ((b - a).cross(c - a), ray.direction());
     let slope = normal.dot(dir);
