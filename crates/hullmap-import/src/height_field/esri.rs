@@ -36,18 +36,18 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
     };
     let (columns, rows) = (whole(head.columns, "ncols")?, whole(head.rows, "nrows")?);
     let count = sample_count(columns, rows)?;
-    let missing = |found: usize| {
+    let missing = |found: String| {
         let text = format!("{found} of {count} samples; complete the file, or correct `ncols` and `nrows`");
         Fault::format(text)
     };
     // Two bytes for each sample but the last: checked before memory is allocated.
     if tokens.rest().len().saturating_add(1) < 2 * count {
-        return Err(missing(tokens.rest().len() / 2).of_file());
+        return Err(missing(format!("at most {}", tokens.rest().len().div_ceil(2))).of_file());
     }
     let no_data = head.no_data.unwrap_or(NO_DATA);
     let mut samples = Vec::with_capacity(count);
     while samples.len() < count {
-        let Some(word) = tokens.next() else { return Err(missing(samples.len()).of_file()) };
+        let Some(word) = tokens.next() else { return Err(missing(samples.len().to_string()).of_file()) };
         let sample = number(word).map_err(|fault| fault.at_line(tokens.line()))?;
         let is_hole = sample == no_data || Some(sample) == options.hole;
         samples.push(if is_hole { f32::NAN } else { options.height(sample) });

@@ -83,7 +83,8 @@ fn grids_of_text_name_the_line_of_a_fault() {
     assert_eq!((found.origin, found.spacing), (Some([-1.5, 4.25]), Some([0.5, 0.5])));
     for (rows, expected) in [
         ("1 2\n3 x\n", "a:8: `x` is not a number"),
-        ("1 2\n3\n", "a: 2 of 4 samples"),
+        ("1 2\n3\n", "a: 3 of 4 samples"),
+        ("1", "a: at most 1 of 4 samples"),
         ("1 2\n 3 ", "a: 3 of 4 samples"),
         ("1 2\n3 4\n5", "a:9: `5` after the last of 4 samples"),
         ("zone 33\n1 2\n3 4\n", "a:7: unknown key `zone`"),
@@ -111,4 +112,42 @@ fn holes_are_black_pixels_of_vertices_or_cells() {
         "h: the image has 2 × 2 pixels; expected 4 × 4 for the vertices of the height field, or 3 × 3 for its cells"
     );
     assert!(import_holes("h", b"P5", 4, 4).unwrap_err().to_string().contains("greyscale PNG"));
+}
+
+/// Every file with a flipped bit, or cut off, ends in heights of the right number or in an error of
+/// one line that names the file.
+#[test]
+fn damaged_files_end_in_heights_or_an_error() {
+    let grid = b"ncols 3\nnrows 2\nxllcorner 1e3\nyllcorner -2\ncellsize 5\nnodata_value -1\n1 2 3\n4 -1 6\n".to_vec();
+    let eight = image(5, 4, png::ColorType::Grayscale, png::BitDepth::Eight, &[7; 20]);
+    let raw: Vec<u8> = (0..6).flat_map(|i| (i as f32).to_le_bytes()).collect();
+    let (mut read, mut rejected) = (0, 0);
+    for (bytes, raw) in
+        [(grid, None), (eight, None), (grey(3, 3, &[5, 0, 65535, 9, 9, 9, 1, 2, 3]), None), (raw, Some([3, 2]))]
+    {
+        let options = HeightOptions { raw, hole: Some(5.0), ..HeightOptions::DEFAULT };
+        let mut try_out = |bytes: &[u8]| {
+            match import_heights("a", bytes, &options) {
+                Ok(found) => {
+                    read += 1;
+                    assert_eq!(found.heights.len(), found.columns * found.rows);
+                    assert!(found.heights.len() <= 1100 * bytes.len());
+                }
+                Err(error) => {
+                    rejected += 1;
+                    let text = error.to_string();
+                    assert!(text.starts_with("a:") && !text.contains('\n'), "{text}");
+                }
+            }
+            let _ = import_holes("a", bytes, 3, 3);
+        };
+        for bit in 0..8 * bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            try_out(&damaged);
+        }
+        (0..bytes.len()).for_each(|len| try_out(&bytes[..len]));
+    }
+    println!("{read} read, {rejected} rejected");
+    assert!(read > 200 && rejected > 500, "{read} {rejected}");
 }

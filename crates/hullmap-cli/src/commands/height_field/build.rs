@@ -15,6 +15,7 @@ use super::bake::FieldSource;
 use super::options::FieldOptions;
 use crate::args::BuildArgs;
 use crate::interrupt;
+use crate::options::OptionLayer;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, sweep, write_beside};
 use crate::table::grouped;
@@ -83,10 +84,16 @@ fn check_flags(args: &BuildArgs) -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
         (args.depfile.is_some(), "--depfile"),
         (args.shard.is_some(), "--shard"),
         (args.meshes.config.is_some(), "--config"),
+        (!args.meshes.exclude.is_empty(), "--exclude"),
+        (args.remote.address.is_some(), "--remote"),
         (!args.meshes.ext.is_empty(), "--ext"),
     ];
     if let Some((_, flag)) = unsupported.iter().find(|(is_set, _)| *is_set) {
         return Err(Failure::usage(format!("{flag} has no effect on height fields; leave it out")));
+    }
+    if args.meshes.options != OptionLayer::default() {
+        let message = "options of packs have no effect on height fields; leave them out";
+        return Err(Failure::usage(message));
     }
     let mut sources: HashMap<PathBuf, &Path> = HashMap::new();
     let mut jobs = Vec::new();
