@@ -3,7 +3,7 @@
 //!
 //!     cargo run --release --example height_field --package hullmap-bench
 //!
-//! Both fields have the same heights: a rough terrain of 1024 × 1024 cells. Each time is the minimum
+//! Both fields have the same heights: a rough terrain of 1024 × 1024 cells. Each time is the least
 //! over several runs of all queries, and the variants run in turn, so that other load on the
 //! machine affects them equally. parry answers in f32, and without intervals.
 
@@ -134,9 +134,7 @@ fn rays(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::Height
 
 /// Bodies a few centimetres deep in the ground.
 fn bodies(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::HeightField) -> Result<(), Failure> {
-    println!(
-        "\n| bodies of 1 m | contact, field | mesh | manifolds, field, no correction | corrected | mesh, corrected | parry, field |"
-    );
+    println!("\n| bodies of 1 m | contact, field | mesh | manifolds, field, plain | corrected | mesh | parry, field |");
     println!("|---|---|---|---|---|---|---|");
     for vertices in [8, 32, 128, 512] {
         let mut rng = SplitMix64::new(SEED);
@@ -153,7 +151,7 @@ fn bodies(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::Heig
             .iter()
             .map(|pose| {
                 let turn = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2) * pose.rotation();
-                parry3d::math::Pose { translation: turned(pose.translation()), rotation: turn.as_quat() }
+                parry3d::math::Pose::from_parts(turned(pose.translation()), turn.as_quat())
             })
             .collect();
         let (settings, welded) = (Settings::default(), ManifoldSettings::default());

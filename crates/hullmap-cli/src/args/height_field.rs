@@ -2,12 +2,11 @@
 
 use hullmap::height_field::Diagonal;
 
-/// Heading of the help.
-const HEADING: &str = "Height fields";
+use crate::options::table::Section;
 
 /// How a height field is baked.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = HEADING)]
+#[command(next_help_heading = Section::Shape.heading())]
 pub struct HeightFieldArgs {
     /// Bake each INPUT as a height field: a greyscale PNG, an ESRI ASCII grid, or raw f32 numbers
     #[arg(long = "height-field")]
@@ -65,8 +64,8 @@ fn diagonal(text: &str) -> Result<Diagonal, String> {
     Diagonal::ALL.into_iter().find(|own| own.as_str() == text).ok_or_else(|| "expected rising or falling".to_owned())
 }
 
-/// The name of a file without a folder: a recorded name leads to nothing else.
-fn name(text: &str) -> Result<String, String> {
+/// The name of a file without a folder.
+pub fn name(text: &str) -> Result<String, String> {
     let is_plain = !text.is_empty() && !text.contains(['/', '\\', '\n']) && text != "..";
     if is_plain {
         Ok(text.to_owned())

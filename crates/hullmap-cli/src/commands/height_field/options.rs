@@ -8,7 +8,7 @@ use std::fmt;
 use hullmap::height_field::Diagonal;
 use hullmap_import::height_field::HeightOptions;
 
-use crate::args::height_field::HeightFieldArgs;
+use crate::args::height_field::{HeightFieldArgs, name};
 
 /// First word of the text.
 const WORD: &str = "height-field";
@@ -50,7 +50,8 @@ impl FieldOptions {
     /// The options that a file records; `None` if they are not those of a height field.
     pub fn from_recorded(text: &str) -> Option<Self> {
         let (text, hole_image) = match text.split_once(HOLE_IMAGE) {
-            Some((text, name)) => (text, Some(name.to_owned())),
+            // Anybody may have written the file, so the name must not lead to another folder.
+            Some((text, image)) => (text, Some(name(image).ok()?)),
             None => (text, None),
         };
         let mut words = text.split(' ');
@@ -140,7 +141,14 @@ mod tests {
         for options in [plain, all] {
             assert_eq!(FieldOptions::from_recorded(&options.to_string()), Some(options));
         }
-        for text in ["", "index tree", "height-field scale", "height-field scale x", "height-field up 1"] {
+        for text in [
+            "",
+            "index tree",
+            "height-field scale",
+            "height-field scale x",
+            "height-field up 1",
+            "height-field hole-image ../x",
+        ] {
             assert_eq!(FieldOptions::from_recorded(text), None, "{text}");
         }
     }

@@ -11,7 +11,14 @@ use crate::project::{Found, Project};
 
 /// The source of a height field: the path that `--source` gives, or the recorded one, which is
 /// followed only inside the file's [`Project`]. The error is the reason why there is none.
-pub fn find(path: &Path, field: &HeightField, given: Option<&Path>) -> Result<Result<PathBuf, String>, Failure> {
+///
+/// `image` is the name of the image of holes beside the source, which must be in the project, too.
+pub fn find(
+    path: &Path,
+    field: &HeightField,
+    given: Option<&Path>,
+    image: Option<&str>,
+) -> Result<Result<PathBuf, String>, Failure> {
     let recorded = Path::new(field.source_path());
     if let Some(given) = given {
         let file = if given.is_dir() { given.join(recorded.file_name().unwrap_or_default()) } else { given.to_owned() };
@@ -24,15 +31,20 @@ pub fn find(path: &Path, field: &HeightField, given: Option<&Path>) -> Result<Re
         return Ok(Err("no source is recorded".to_owned()));
     };
     let place = PackPlace { path: path.to_owned(), below: PathBuf::new() };
-    let shown = recorded.display();
-    Ok(match Project::of_pack(&place, Path::new(".")).map(|project| project.find(&found)) {
-        Some(Found::File) => Ok(found),
-        Some(Found::Missing) | None => Err(format!("no source found at the recorded path `{shown}`")),
-        Some(Found::NotRegular) => {
-            Err(format!("the recorded path `{shown}` is not a regular file, so it was not read"))
-        }
-        Some(Found::Outside) => {
-            Err(format!("the recorded path `{shown}` leads out of the file's project, so it was not followed"))
-        }
-    })
+    let Some(project) = Project::of_pack(&place, Path::new(".")) else {
+        return Ok(Err("its folder cannot be resolved".to_owned()));
+    };
+    let beside = image.map(|name| (found.with_file_name(name), name));
+    let named = [(found.clone(), field.source_path())].into_iter().chain(beside);
+    let reason = named.into_iter().find_map(|(file, name)| {
+        Some(match project.find(&file) {
+            Found::File => return None,
+            Found::Missing => format!("no source found at the recorded path `{name}`"),
+            Found::NotRegular => format!("the recorded path `{name}` is not a regular file, so it was not read"),
+            Found::Outside => {
+                format!("the recorded path `{name}` leads out of the file's project, so it was not followed")
+            }
+        })
+    });
+    Ok(reason.map_or(Ok(found), Err))
 }
