@@ -4,10 +4,8 @@
 //!     cargo run --release --example height_field --package hullmap-bench
 //!
 //! Both fields have the same heights: a rough terrain of 1024 × 1024 cells. Each time is the least
-//! over several runs of all queries, and the variants run in turn, so that other load on the
-//! machine affects them equally. parry answers in f32, and without intervals.
-
-use std::time::{Duration, Instant};
+//! processor time over several runs of all queries, and the variants run in turn, so that other load
+//! on the machine affects them equally. parry answers in f32, and without intervals.
 
 use glam::{DQuat, DVec3};
 use hullmap::height_field::{Diagonal, Layout};
@@ -18,6 +16,7 @@ use hullmap::{
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
+use hullmap_bench::clock::time_ns;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, RayCast};
 use parry3d::utils::Array2;
 use shapes::rng::SplitMix64;
@@ -78,15 +77,13 @@ fn parrys(size: usize, heights: &[f32]) -> parry3d::shape::HeightField {
 
 /// Minimum time of each variant, per query, in nanoseconds.
 fn times<const N: usize>(count: usize, mut variants: [Box<dyn FnMut() -> f64 + '_>; N]) -> [f64; N] {
-    let mut least = [Duration::MAX; N];
+    let mut least = [f64::INFINITY; N];
     for _ in 0..RUNS {
         for (variant, least) in variants.iter_mut().zip(&mut least) {
-            let start = Instant::now();
-            std::hint::black_box(variant());
-            *least = start.elapsed().min(*least);
+            *least = least.min(time_ns(|| _ = std::hint::black_box(variant())));
         }
     }
-    least.map(|time| time.as_secs_f64() * 1e9 / count as f64)
+    least.map(|time| time / count as f64)
 }
 
 /// A hull of points on an ellipsoid of about 1 m, and parry's of the same points.
@@ -222,18 +219,14 @@ fn bodies(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::Heig
 fn main() -> Result<(), Failure> {
     for size in [1025, 4096] {
         let heights = terrain(size);
-        let mut least = [Duration::MAX; 2];
-        let mut bytes = Vec::new();
+        let bytes = bake(size, &heights)?;
+        let mut least = [f64::INFINITY; 2];
         for _ in 0..3 {
-            let start = Instant::now();
-            bytes = bake(size, &heights)?;
-            least[0] = start.elapsed().min(least[0]);
-            let start = Instant::now();
-            HeightField::from_bytes(&bytes)?;
-            least[1] = start.elapsed().min(least[1]);
+            least[0] = least[0].min(time_ns(|| assert!(bake(size, &heights).is_ok())));
+            least[1] = least[1].min(time_ns(|| assert!(HeightField::from_bytes(&bytes).is_ok())));
         }
         let cells = ((size - 1) * (size - 1)) as f64;
-        let [baked, opened] = least.map(|time| time.as_secs_f64() * 1e3);
+        let [baked, opened] = least.map(|time| time / 1e6);
         let each = bytes.len() as f64 / cells;
         println!("{size} x {size} vertices: {each:.2} bytes a cell, baked in {baked:.0} ms, opened in {opened:.0} ms");
     }

@@ -20,7 +20,9 @@
 //! | [`sections`] | the archive as slices, each bounds-checked |
 //! | [`check`] | whether a file meets the requirements that the runtime relies on |
 //! | [`repeats`] | whether redundant values of a file agree |
-//! | [`triangle_mesh`] | the other kind of file: a static mesh that keeps its triangles |
+//! | [`triangle_mesh`] | another kind of file: a static mesh that keeps its triangles |
+//! | [`height_field`] | a third kind: static ground whose heights are on a grid |
+//! | [`scale`] | coordinates between two bounds as numbers of 16 bits |
 //!
 //! `docs/FORMAT.md` describes the format byte by byte.
 #![forbid(unsafe_code)]

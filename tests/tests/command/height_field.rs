@@ -80,7 +80,7 @@ fn a_changed_source_a_damaged_file_and_a_wrong_field_are_rejected() {
     let file = folder.path().join("o/dem.hullfield");
     let good = fs::read(&file).unwrap();
     // Another surface that claims the same source.
-    let other = GRID.replace("8 9 10 11", "8 9 10 12");
+    let other = GRID.replace("8 9 10 11", "8 9 12 11");
     fs::write(folder.path().join("in/dem.asc"), &other).unwrap();
     bake(&folder, "verify o/dem.hullfield").expect(1).err("stale: ");
     bake(&folder, "build in/dem.asc --height-field --out o").expect(0);

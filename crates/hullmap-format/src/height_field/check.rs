@@ -189,7 +189,7 @@ fn holes(field: &Sections<'_>, layout: &Layout) -> Result<(), FieldError> {
     let cells = layout.cell_count();
     let found = field.records.first().map_or(0, |record| record.holes.to_native() as usize);
     let expected = field.holes.iter().map(|byte| byte.count_ones() as usize).sum();
-    let beyond = field.holes.last().map_or(0, |last| if cells % 8 == 0 { 0 } else { last >> (cells % 8) });
+    let beyond = field.holes.last().map_or(0, |last| if cells.is_multiple_of(8) { 0 } else { last >> (cells % 8) });
     let is_empty = field.holes.is_empty();
     if found != expected || found >= cells || (found == 0) != is_empty || beyond != 0 {
         return Err(FieldError::Holes { found, expected, cells });

@@ -133,7 +133,7 @@ impl Pyramid {
         // x comes first, unless the lead was along x and y is now the longer one.
         let (odd, even) = (every_second(rest >> 1), every_second(rest));
         let starts_with_x = self.is_tall;
-        let (x, y) = if (turns % 2 == 0) == starts_with_x { (odd, even) } else { (even, odd) };
+        let (x, y) = if turns.is_multiple_of(2) == starts_with_x { (odd, even) } else { (even, odd) };
         let x_turns = if starts_with_x { turns.div_ceil(2) } else { turns / 2 };
         let y_turns = turns - x_turns;
         let [across, along] = self.cells;

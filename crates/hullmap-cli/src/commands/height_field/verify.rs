@@ -22,6 +22,7 @@ use super::options::FieldOptions;
 use super::source;
 use crate::args::verify::VerifyArgs;
 use crate::outcome::{Exit, Failure};
+use crate::pack_file::shown_from;
 use crate::table::grouped;
 use crate::terminal::{self, Output};
 
@@ -96,22 +97,23 @@ fn verify(path: &Path, args: &VerifyArgs, result: &mut Verification) -> Result<(
             return Ok(());
         }
     };
+    let shown = if source.is_absolute() { shown_from(&source, Path::new(".")) } else { source.clone() };
+    let shown = shown.display().to_string();
     let files = FieldSource::read(&source, &options, &args.limits.limits())?;
     if files.hash() != field.header().source_hash {
-        let shown = source.display();
         let text = format!("{file}: stale: {shown} has changed since it was baked, or is another file; bake it again");
         return Err(Failure::rejected(text));
     }
-    result.source = Some(source.display().to_string());
+    result.source = Some(shown.clone());
     let (path, options_text) = (field.source_path().to_owned(), field.options().to_owned());
     let record = SourceRecord { path, hash: files.hash(), options: options_text, warnings: Vec::new() };
     let bytes = write_height_field(files.bake(&options)?, &record)
-        .map_err(|error| Failure::rejected(format!("{}: {error}", source.display())))?;
+        .map_err(|error| Failure::rejected(format!("{shown}: {error}")))?;
     if bytes != field.bytes() {
-        result.problems.push(format!("{file}: differs from what {} bakes to; bake it again", source.display()));
+        result.problems.push(format!("{file}: differs from what {shown} bakes to; bake it again"));
     }
     let (heights, holes) = files.import(&options)?;
-    let layout = layout(&source.display().to_string(), &heights, &options)?;
+    let layout = layout(&shown, &heights, &options)?;
     let mut random = SplitMix64::new(args.seed);
     result.rays = args.directions;
     for _ in 0..args.directions {
