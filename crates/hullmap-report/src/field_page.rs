@@ -20,7 +20,7 @@ const HOLE: u8 = 255;
 const HOLE_COLOUR: [u8; 3] = [0xd0, 0x34, 0x2c];
 
 /// Unit vector to the light: from the upper left, and from above.
-const LIGHT: [f64; 3] = [-0.5, 0.5, 0.707_106_781_186_547_6];
+const LIGHT: [f64; 3] = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
 
 /// The page of a height field. `facts` are rows of its table: a name and a value.
 pub fn field_page(file: &str, field: &HeightField, facts: &[(String, String)]) -> String {

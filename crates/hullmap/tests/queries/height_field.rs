@@ -153,7 +153,7 @@ fn rays_hit_the_first_triangle_and_vertical_ones_find_the_ground() {
         let size = (high - low).max(DVec3::splat(0.1 * (high.x - low.x)));
         let mut at = |z: f64| low + DVec3::new(rng.unit() * 1.1 - 0.05, rng.unit() * 1.1 - 0.05, z) * size;
         let (origin, target) = (at(1.5), at(0.5));
-        let down = round % 3 == 0;
+        let down = usize::is_multiple_of(round, 3);
         let dir = if down { DVec3::new(0.0, 0.0, -size.z) } else { target - origin };
         let ray = Ray::new(origin, dir).unwrap();
         let found = compound::ray(field, &ray, &CastSettings::default());

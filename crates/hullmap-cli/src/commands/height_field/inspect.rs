@@ -80,7 +80,7 @@ fn describe(file: String, field: &HeightField, has_vertices: bool) -> Descriptio
         for class in field.edge_classes(triangle).into_iter().flatten() {
             *edges.entry(EdgeClass::as_str(class)).or_default() += 1;
         }
-        if triangle % 2 == 0
+        if triangle.is_multiple_of(2)
             && let Some(material) = field.material(triangle)
         {
             *materials.entry(material).or_default() += 1;
