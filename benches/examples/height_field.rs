@@ -4,8 +4,8 @@
 //!     cargo run --release --example height_field --package hullmap-bench
 //!
 //! Both fields have the same heights: a rough terrain of 1024 × 1024 cells. Each time is the least
-//! processor time over several runs of all queries, and the variants run in turn, so that other load
-//! on the machine affects them equally. parry answers in f32, and without intervals.
+//! processor time over several runs of all queries. The variants run in turn, so that other load on
+//! the machine affects them equally. parry answers in f32, and without intervals.
 
 use glam::{DQuat, DVec3};
 use hullmap::height_field::{Diagonal, Layout};

@@ -14,7 +14,7 @@ pub struct HeightFieldArgs {
     /// Distance of neighbouring vertices along x, and along y [default: what the file states]
     #[arg(long, value_name = "X[,Y]", value_parser = spacing, requires = "is_set", hide_short_help = true)]
     pub spacing: Option<[f64; 2]>,
-    /// Height of white above black in an image; otherwise a factor [default: 1 for grids of numbers]
+    /// Height of white above black in an image; otherwise a factor [default: 1 for numbers]
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub height_scale: Option<f64>,
     /// Height of a sample of 0
