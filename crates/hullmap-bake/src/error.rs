@@ -1,6 +1,6 @@
 //! Errors of a bake.
 
-use hullmap_format::{triangle_mesh::MAX_TRIANGLES, walk::IndexError};
+use hullmap_format::{height_field::check::LayoutError, triangle_mesh::MAX_TRIANGLES, walk::IndexError};
 
 use crate::hull::certify::CertificateError;
 use crate::index::certify::proof::Unproven;
@@ -43,6 +43,30 @@ pub enum BakeError {
         /// Number of triangles.
         expected: usize,
     },
+    /// The grid of a height field has no cells, too many, or coordinates that do not rise.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// There are not as many heights, holes or materials as the grid has vertices or cells.
+    #[error("there are {found} {what} for a grid with {expected}: name one for each, or none")]
+    GridCount {
+        /// `heights`, `holes` or `materials`.
+        what: &'static str,
+        /// Number of values.
+        found: usize,
+        /// Number of vertices or cells.
+        expected: usize,
+    },
+    /// A height is infinite.
+    #[error("the height at column {column}, row {row} is infinite: use NaN for a vertex without ground")]
+    InfiniteHeight {
+        /// Column of the vertex.
+        column: usize,
+        /// Row of the vertex.
+        row: usize,
+    },
+    /// All cells are holes.
+    #[error("every cell of the height field is a hole: at least one cell needs a height at all four vertices")]
+    OnlyHoles,
     /// A coordinate is NaN or infinite.
     #[error("source vertex {source_vertex} is not finite")]
     NotFinite {

@@ -15,6 +15,7 @@
 //! | [`bvh`] | bounds of the hulls | bounding volume hierarchy over the hulls |
 //! | [`pack`] | baked hulls | bytes |
 //! | [`triangle_mesh`] | triangles of a level or terrain | bytes of a static triangle mesh |
+//! | [`height_field`] | heights of a terrain on a grid | bytes of a static height field |
 //! | [`advice`] | baked hulls | warnings and notes for people |
 //!
 //! The crate reads no files and has no command line: it turns points into bytes. Its output is a
@@ -28,8 +29,10 @@ pub mod deadline;
 pub mod decompose;
 pub mod diameter;
 mod error;
+mod file;
 pub mod fit;
 pub mod gauss_map;
+pub mod height_field;
 pub mod hull;
 pub mod index;
 pub mod interior;

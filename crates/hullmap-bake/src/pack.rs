@@ -2,20 +2,18 @@
 
 use hullmap_format::{
     archive::{HullRecord, LEAN_FACES, MassRecord, Pack, PrimitiveRecord, Span, VoidsRecord},
-    check::MAX_PACK_LEN,
     edge,
-    header::{HEADER_LEN, Header, options_hash},
+    header::{Header, options_hash},
     mass,
     version::Layout,
 };
-use rkyv::rancor;
 
 mod sections;
 
 use sections::{ExtendedSections, Sections};
 
 use crate::{
-    BakeError, BakedHull, SourceRecord, bvh,
+    BakeError, BakedHull, SourceRecord, bvh, file,
     fit::VoidsShare,
     hull::{Hull, adjacency::Adjacency, quads::quads},
     mass::Mass,
@@ -104,21 +102,12 @@ fn write(
     }
     pack.nodes = bvh::build(&mut pack.hulls);
     let layout = Layout { is_lean: detail == Detail::Lean, is_extended: !voids.is_empty() || !primitives.is_empty() };
-    // The header is written last, in front of the payload. Offsets in the payload are relative, and
-    // the header's length is a multiple of every alignment.
-    let head = vec![0; HEADER_LEN];
-    let bytes = if layout.is_extended {
-        rkyv::api::high::to_bytes_in::<_, rancor::Error>(&ExtendedSections::new(pack, voids, primitives), head)
+    let header = |payload: &[u8]| Header::for_layout(layout, source.hash, options_hash, payload);
+    if layout.is_extended {
+        file::bytes(&ExtendedSections::new(pack, voids, primitives), header)
     } else {
-        rkyv::api::high::to_bytes_in::<_, rancor::Error>(&Sections::from(pack), head)
-    };
-    let mut bytes = bytes.map_err(|_| BakeError::PackTooLarge)?;
-    if bytes.len() > MAX_PACK_LEN {
-        return Err(BakeError::PackTooLarge);
+        file::bytes(&Sections::from(pack), header)
     }
-    let header = Header::for_layout(layout, source.hash, options_hash, &bytes[HEADER_LEN..]);
-    bytes[..HEADER_LEN].copy_from_slice(&header.to_bytes());
-    Ok(bytes)
 }
 
 /// The section `options`: the options, then each warning on a line of its own.

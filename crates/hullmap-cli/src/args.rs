@@ -4,6 +4,7 @@
 
 pub mod export;
 mod guesses;
+pub mod height_field;
 mod limits;
 mod numbers;
 #[cfg(test)]
@@ -30,6 +31,7 @@ use crate::options::table::Section;
 use crate::options::{OptionLayer, PartsLayer, flag};
 use crate::terminal::Escaped;
 use export::ExportArgs;
+use height_field::HeightFieldArgs;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
 use verify::{DEFAULT_DIRECTIONS, VerifyArgs};
@@ -61,6 +63,7 @@ pub enum Command {
                       bake build chair.glb --out baked --decompose --max-error 1%  (parts)\n  \
                       bake build assets --out baked --verify --prune               (files)\n  \
                       bake build assets --out baked --index compact                (index)\n  \
+                      bake build dem.asc --out baked --height-field                (terrain)\n  \
                       bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
                       bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
     Build(Box<BuildArgs>),
@@ -212,6 +215,9 @@ pub struct BuildArgs {
     /// Options for a farm.
     #[command(flatten)]
     pub remote: RemoteArgs,
+    /// How height fields are baked.
+    #[command(flatten)]
+    pub height_field: HeightFieldArgs,
 }
 
 /// Arguments of `bake decompose`.

@@ -151,6 +151,9 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
 
 #[cfg(feature = "command")]
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
+    if let Some(result) = commands::height_field::run(&cli.command, out) {
+        return result;
+    }
     match &cli.command {
         Command::Build(args) => commands::build::run(args, out),
         Command::Decompose(args) => commands::decompose::run(args, out),

@@ -2,7 +2,7 @@
 //!
 //! | offset | bytes | field |
 //! |---|---|---|
-//! | 0 | 8 | magic: `hullmap\n` of a pack, `hullmsh\n` of a triangle mesh |
+//! | 0 | 8 | magic: `hullmap\n` of a pack, `hullmsh\n` of a triangle mesh, `hullfld\n` of a height field |
 //! | 8 | 4 | format version |
 //! | 12 | 4 | header length, 64 |
 //! | 16 | 8 | payload length: the file is exactly 64 bytes longer |
@@ -19,7 +19,7 @@ use std::{fmt, hash::Hasher};
 use twox_hash::{XxHash3_64, XxHash3_128};
 
 use crate::{
-    triangle_mesh,
+    height_field, triangle_mesh,
     version::{self, Layout},
 };
 
@@ -30,6 +30,8 @@ pub enum FileKind {
     Pack,
     /// A static mesh that keeps its triangles.
     TriangleMesh,
+    /// A static ground whose heights are on a grid.
+    HeightField,
 }
 
 impl FileKind {
@@ -38,6 +40,7 @@ impl FileKind {
         match self {
             Self::Pack => *b"hullmap\n",
             Self::TriangleMesh => *b"hullmsh\n",
+            Self::HeightField => *b"hullfld\n",
         }
     }
 
@@ -46,6 +49,7 @@ impl FileKind {
         match self {
             Self::Pack => "`bake build`",
             Self::TriangleMesh => "`hullmap_bake::triangle_mesh`",
+            Self::HeightField => "`bake build --height-field`",
         }
     }
 
@@ -54,6 +58,7 @@ impl FileKind {
         match self {
             Self::Pack => &version::ALL,
             Self::TriangleMesh => &[triangle_mesh::FORMAT_VERSION],
+            Self::HeightField => &[height_field::FORMAT_VERSION],
         }
     }
 }
@@ -63,6 +68,7 @@ impl fmt::Display for FileKind {
         f.write_str(match self {
             Self::Pack => "hullmap pack",
             Self::TriangleMesh => "hullmap triangle mesh",
+            Self::HeightField => "hullmap height field",
         })
     }
 }
@@ -184,6 +190,11 @@ impl Header {
     /// A header for the `payload` of a triangle mesh, with its checksum.
     pub fn for_triangle_mesh(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
         Self::of(FileKind::TriangleMesh, triangle_mesh::FORMAT_VERSION, source_hash, options_hash, payload)
+    }
+
+    /// A header for the `payload` of a height field, with its checksum.
+    pub fn for_height_field(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        Self::of(FileKind::HeightField, height_field::FORMAT_VERSION, source_hash, options_hash, payload)
     }
 
     fn of(kind: FileKind, format_version: u32, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {

@@ -20,7 +20,9 @@
 //! | [`sections`] | the archive as slices, each bounds-checked |
 //! | [`check`] | whether a file meets the requirements that the runtime relies on |
 //! | [`repeats`] | whether redundant values of a file agree |
-//! | [`triangle_mesh`] | the other kind of file: a static mesh that keeps its triangles |
+//! | [`triangle_mesh`] | another kind of file: a static mesh that keeps its triangles |
+//! | [`height_field`] | a third kind: static ground whose heights are on a grid |
+//! | [`scale`] | coordinates between two bounds as numbers of 16 bits |
 //!
 //! `docs/FORMAT.md` describes the format byte by byte.
 #![forbid(unsafe_code)]
@@ -38,6 +40,7 @@ pub mod descent;
 pub mod edge;
 pub mod fan;
 pub mod header;
+pub mod height_field;
 mod hull_check;
 pub mod index_kind;
 pub mod mass;
@@ -46,6 +49,7 @@ pub mod primitive;
 pub mod primitive_kind;
 pub mod quad;
 pub mod repeats;
+pub mod scale;
 pub mod sections;
 pub mod slot;
 pub mod solid_kind;

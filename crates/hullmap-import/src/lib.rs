@@ -21,6 +21,8 @@
 //! | COLLADA | positions of each instance, node by node | instances of geometries |
 //! | MSH | vertices | the file |
 //!
+//! Heights on a grid have readers of their own: [`height_field`].
+//!
 //! ```
 //! use std::path::Path;
 //! use hullmap_import::{ImportOptions, Limits, SourceFile, import};
@@ -48,6 +50,7 @@ mod fault;
 mod foreign;
 mod format;
 mod gltf;
+pub mod height_field;
 mod import;
 mod limits;
 mod mesh;

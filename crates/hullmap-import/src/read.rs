@@ -122,6 +122,16 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
 }
 
+/// Reads a file that has nothing beside it, of any format.
+pub(crate) fn read_alone(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
+    let bytes = read_bounded(path, &mut limits.input_bytes.clone()).map_err(ReadError::Io)?;
+    let too_large = || {
+        let fault = Fault::InputTooLarge { limit: limits.input_bytes };
+        ReadError::Import(ImportError { file: file.to_owned(), line: None, fault })
+    };
+    bytes.map(SourceFile::alone).ok_or_else(too_large)
+}
+
 /// Paths of the required buffers beside a glTF file, for instance to watch them for changes.
 ///
 /// The list is empty for other formats, and for a file that is faulty or missing.

@@ -22,6 +22,7 @@
 //! | `parts_section`, `part_colours` | the parts of decomposed meshes |
 //! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
 //! | [`robot`], `robot_page` | a robot, and its page |
+//! | `field_page` | a height field as a shaded relief |
 //! | `html`, `encode` | text and numbers in a page |
 
 #![forbid(unsafe_code)]
@@ -32,6 +33,7 @@ mod census;
 mod cost_warnings;
 mod display_mesh;
 mod encode;
+mod field_page;
 mod folder_page;
 mod gauss_map;
 mod html;
@@ -51,6 +53,7 @@ mod test_packs;
 
 pub use analysis::{Analysis, analyse};
 pub use display_mesh::DisplayMesh;
+pub use field_page::field_page;
 pub use folder_page::{Card, folder_page};
 pub use gauss_map::gauss_map_json;
 pub use index_reader::ReadError;

@@ -249,6 +249,7 @@ mod continuous;
 mod derivatives;
 mod facets;
 mod file;
+pub mod height_field;
 mod hull;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod manifold;
@@ -269,6 +270,7 @@ pub use derivatives::{Derivatives, Differentiability, PoseDerivative};
 #[doc(hidden)]
 pub use facets::Facets;
 pub use glam;
+pub use height_field::HeightField;
 pub use hull::{Hull, HullArrays, MassProperties, MassSource, Replacement, SharedHull, SupportVertex, Voids};
 pub use hullmap_format::triangle_mesh::class::{EdgeClass, VertexClass};
 pub use hullmap_format::{

@@ -8,6 +8,7 @@ mod export;
 mod farm;
 #[cfg(target_os = "linux")]
 mod faults;
+mod height_field;
 #[cfg(unix)]
 mod interruptions;
 mod meshes;

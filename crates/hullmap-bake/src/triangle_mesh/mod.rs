@@ -17,8 +17,7 @@ mod order;
 use std::collections::HashMap;
 
 use hullmap_format::{
-    check::MAX_PACK_LEN,
-    header::{HEADER_LEN, Header, options_hash},
+    header::{Header, options_hash},
     triangle_mesh::{
         MAX_TRIANGLES,
         archive::{Record, TriangleMesh},
@@ -26,9 +25,8 @@ use hullmap_format::{
         tree::{self, Grid},
     },
 };
-use rkyv::rancor;
 
-use crate::{BakeError, SourceRecord, pack::options_text};
+use crate::{BakeError, SourceRecord, file, pack::options_text};
 
 /// Triangles of a source, with the vertices that they index.
 #[derive(Clone, Copy, Debug)]
@@ -133,14 +131,7 @@ pub fn write_triangle_mesh(baked: BakedTriangleMesh, source: &SourceRecord) -> R
     let options_hash = options_hash(&options);
     let source_path = source.path.clone().into_bytes();
     let mesh = TriangleMesh { source_path, options: options.into_bytes(), ..baked.mesh };
-    let bytes = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&mesh, vec![0; HEADER_LEN]);
-    let mut bytes = bytes.map_err(|_| BakeError::PackTooLarge)?;
-    if bytes.len() > MAX_PACK_LEN {
-        return Err(BakeError::PackTooLarge);
-    }
-    let header = Header::for_triangle_mesh(source.hash, options_hash, &bytes[HEADER_LEN..]);
-    bytes[..HEADER_LEN].copy_from_slice(&header.to_bytes());
-    Ok(bytes)
+    file::bytes(&mesh, |payload| Header::for_triangle_mesh(source.hash, options_hash, payload))
 }
 
 impl BakedTriangleMesh {

@@ -1,3 +1,4 @@
+use hullmap_format::header::HEADER_LEN;
 use hullmap_format::triangle_mesh::{check, class::VertexClass, sections::Sections};
 use rkyv::util::AlignedVec;
 use shapes::rng::SplitMix64;

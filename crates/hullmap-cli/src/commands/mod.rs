@@ -4,6 +4,7 @@ pub mod build;
 pub mod completions;
 pub mod decompose;
 pub mod export;
+pub mod height_field;
 pub mod init;
 pub mod inspect;
 pub mod key;

@@ -13,6 +13,8 @@
 //! below the node, a high number the smallest one that is not below them. Along an axis in which
 //! the mesh has no extent, both are 0.
 
+use crate::scale::Scale;
+
 /// First triangle of a node, and the triangle after its last, among `count` triangles. Empty for a
 /// node beyond the tree.
 ///
@@ -70,66 +72,32 @@ pub fn node_bound(count: usize) -> usize {
 /// Positions between the bounds of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
-    low: [f64; 3],
-    high: [f64; 3],
-    step: [f64; 3],
+    x: Scale,
+    y: Scale,
+    z: Scale,
 }
 
 impl Grid {
     /// The positions between these bounds.
-    pub fn new(low: [f32; 3], high: [f32; 3]) -> Self {
-        let (low, high) = (low.map(f64::from), high.map(f64::from));
-        let mut step = [0.0; 3];
-        for ((step, low), high) in step.iter_mut().zip(low).zip(high) {
-            *step = (high - low) / f64::from(u16::MAX);
-        }
-        Self { low, high, step }
+    pub fn new([x, y, z]: [f32; 3], [x1, y1, z1]: [f32; 3]) -> Self {
+        Self { x: Scale::new(x, x1), y: Scale::new(y, y1), z: Scale::new(z, z1) }
     }
 
     /// The corners of a box.
     #[inline]
     pub fn corners(&self, [x, y, z, x1, y1, z1]: [u16; 6]) -> [[f64; 3]; 2] {
-        let at = |axis: usize, number: u16| self.position(axis, number);
-        [[at(0, x), at(1, y), at(2, z)], [at(0, x1), at(1, y1), at(2, z1)]]
-    }
-
-    /// The coordinate of a number along an axis. It does not fall where the number rises.
-    #[inline]
-    fn position(&self, axis: usize, number: u16) -> f64 {
-        let pick = |of: &[f64; 3]| of.get(axis).copied().unwrap_or_default();
-        match number {
-            0 => pick(&self.low),
-            u16::MAX => pick(&self.high),
-            _ => (pick(&self.low) + f64::from(number) * pick(&self.step)).min(pick(&self.high)),
-        }
+        let Self { x: along_x, y: along_y, z: along_z } = self;
+        let at = |x: u16, y: u16, z: u16| [along_x.position(x), along_y.position(y), along_z.position(z)];
+        [at(x, y, z), at(x1, y1, z1)]
     }
 
     /// The box of a vertex: its low and its high numbers.
     pub fn of_vertex(&self, vertex: [f32; 3]) -> [u16; 6] {
         let [x, y, z] = vertex.map(f64::from);
-        let [(x, x1), (y, y1), (z, z1)] = [self.numbers(0, x), self.numbers(1, y), self.numbers(2, z)];
+        let Self { x: along_x, y: along_y, z: along_z } = self;
+        let [below, above] = [Scale::below, Scale::above].map(|to| [to(along_x, x), to(along_y, y), to(along_z, z)]);
+        let ([x, y, z], [x1, y1, z1]) = (below, above);
         [x, y, z, x1, y1, z1]
-    }
-
-    /// The greatest number at or below a coordinate, and the smallest at or above it.
-    fn numbers(&self, axis: usize, coordinate: f64) -> (u16, u16) {
-        let pick = |of: &[f64; 3]| of.get(axis).copied().unwrap_or_default();
-        let step = pick(&self.step);
-        // NaN takes the failing branch. Along an axis without extent all numbers are alike.
-        if !(step > 0.0) {
-            return (0, 0);
-        }
-        // A cast saturates. The guess is off by one at most: a step is at least 2⁻⁴⁰ of a
-        // coordinate, since the bounds are of f32.
-        let mut low = ((coordinate - pick(&self.low)) / step) as u16;
-        while low > 0 && self.position(axis, low) > coordinate {
-            low -= 1;
-        }
-        while low < u16::MAX && self.position(axis, low + 1) <= coordinate {
-            low += 1;
-        }
-        let high = if self.position(axis, low) < coordinate { low.saturating_add(1) } else { low };
-        (low, high)
     }
 }
 
@@ -211,8 +179,9 @@ mod tests {
                     let c = f64::from(vertex[axis]);
                     assert!(below[axis] <= c && c <= above[axis], "{vertex:?} {numbers:?}");
                     let (down, up) = (numbers[axis], numbers[axis + 3]);
-                    assert!(down == u16::MAX || grid.position(axis, down + 1) > c, "{vertex:?}");
-                    assert!(up == 0 || grid.position(axis, up - 1) < c, "{vertex:?}");
+                    let scale = [grid.x, grid.y, grid.z][axis];
+                    assert!(down == u16::MAX || scale.position(down + 1) > c, "{vertex:?}");
+                    assert!(up == 0 || scale.position(up - 1) < c, "{vertex:?}");
                 }
             }
         }

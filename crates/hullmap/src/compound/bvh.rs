@@ -2,8 +2,10 @@
 
 use glam::{DMat3, DVec3};
 use hullmap_format::archive::ArchivedBvhNode;
+use hullmap_format::height_field::pyramid::{Extent, Pyramid};
 use hullmap_format::triangle_mesh::tree;
 
+use crate::height_field::HeightField;
 use crate::pose::Pose;
 use crate::support::{SupportMap, SupportPoint};
 use crate::triangle_mesh::TriangleMesh;
@@ -31,6 +33,8 @@ pub(super) enum Child {
     Hull(usize),
     /// An inner node: the nodes at this index and the next.
     Nodes(u32),
+    /// No part: an area of a height field that has only holes. The box means nothing.
+    Nothing,
 }
 
 impl Node {
@@ -51,6 +55,19 @@ impl Node {
     fn of_mesh(mesh: &TriangleMesh, index: u32) -> Option<Self> {
         let ([low, high], [start, end]) = mesh.node(index)?;
         let child = if end - start == 1 { Child::Hull(start) } else { Child::Nodes(tree::first_child(index)) };
+        Some(Self::new(low, high, child))
+    }
+
+    /// A node of the tree of a height field.
+    fn of_field(field: &HeightField, index: u32) -> Option<Self> {
+        let extent = field.extent(index)?;
+        let Some([low, high]) = field.bounds_of(index, extent) else {
+            return Some(Self::new(DVec3::ZERO, DVec3::ZERO, Child::Nothing));
+        };
+        let child = match extent {
+            Extent::Triangle(triangle) => Child::Hull(triangle),
+            Extent::Cells(_) => Child::Nodes(Pyramid::first_child(index)),
+        };
         Some(Self::new(low, high, child))
     }
 
@@ -112,6 +129,7 @@ pub struct Nodes<'n> {
 enum Tree<'n> {
     Pack(&'n [ArchivedBvhNode]),
     Mesh(&'n TriangleMesh),
+    Field(&'n HeightField),
     One(Node),
 }
 
@@ -124,6 +142,10 @@ impl<'n> Nodes<'n> {
         Self { tree: Tree::Mesh(mesh) }
     }
 
+    pub(super) fn of_field(field: &'n HeightField) -> Self {
+        Self { tree: Tree::Field(field) }
+    }
+
     /// The BVH of one part with this bounding box.
     pub(super) fn one(low: DVec3, high: DVec3) -> Self {
         Self { tree: Tree::One(Node::new(low, high, Child::Hull(0))) }
@@ -134,6 +156,7 @@ impl<'n> Nodes<'n> {
         match self.tree {
             Tree::Pack(nodes) => nodes.get(index as usize).map(Node::archived),
             Tree::Mesh(mesh) => Node::of_mesh(mesh, index),
+            Tree::Field(field) => Node::of_field(field, index),
             Tree::One(node) => (index == 0).then_some(node),
         }
     }
@@ -142,6 +165,7 @@ impl<'n> Nodes<'n> {
     pub(super) fn count(&self) -> usize {
         match self.tree {
             Tree::Mesh(mesh) => mesh.node_bound(),
+            Tree::Field(field) => field.node_bound(),
             Tree::Pack(nodes) => nodes.len(),
             Tree::One(_) => 1,
         }

@@ -65,6 +65,7 @@ impl<'q> Descent<'q> {
             }
             let first = match self.nodes.get(index)?.child {
                 Child::Hull(hull) => return Some(hull),
+                Child::Nothing => continue,
                 // Children follow their parents, except in a damaged pack that was opened
                 // unchecked. The descent must end there as well.
                 Child::Nodes(first) if first > index => first,
@@ -88,7 +89,8 @@ impl<'q> Descent<'q> {
     fn upper_bound(&mut self, index: u32) -> Option<f64> {
         let node = self.nodes.get(index).filter(|_| (self.boxes as usize) < self.nodes.count())?;
         self.boxes += 1;
-        Some(self.offset - node.extent(self.normal)[0] + self.rounding_error)
+        let depth = self.offset - node.extent(self.normal)[0] + self.rounding_error;
+        Some(if node.child == Child::Nothing { f64::NEG_INFINITY } else { depth })
     }
 }
 

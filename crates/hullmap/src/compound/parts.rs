@@ -1,15 +1,16 @@
-//! Arguments of compound queries: a compound, a triangle mesh, or a single shape.
+//! Arguments of compound queries: a compound, a triangle mesh, a height field, or a single shape.
 
 use super::bvh::Nodes;
 use super::members::Compound;
+use crate::height_field::HeightField;
 use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::shapes::{Shape, Triangle};
 use crate::triangle_mesh::TriangleMesh;
 use glam::DVec3;
 
-/// One side of a query: a [`Compound`], a [`TriangleMesh`], whose parts are its triangles, or any
-/// [`Shape`], which counts as a compound of one part.
+/// One side of a query: a [`Compound`], a [`TriangleMesh`] or a [`HeightField`], whose parts are
+/// their triangles, or any [`Shape`], which counts as a compound of one part.
 ///
 /// # Examples
 /// ```
@@ -44,7 +45,8 @@ pub trait Tree {
     /// Number of parts.
     fn part_count(&self) -> usize;
 
-    /// The part with this index; `None` if the index is not below the number of parts.
+    /// The part with this index; `None` if the index is not below the number of parts, and for a
+    /// triangle in a hole.
     fn part(&self, index: usize) -> Option<Self::Part<'_>>;
 
     /// The part with this index as a hull, if it is a hull of a pack: the cascade has more stages
@@ -118,6 +120,33 @@ impl Tree for TriangleMesh {
 
     fn nodes(&self) -> Nodes<'_> {
         Nodes::of_mesh(self)
+    }
+}
+
+impl Tree for HeightField {
+    type Part<'p>
+        = Triangle
+    where
+        Self: 'p;
+
+    fn part_count(&self) -> usize {
+        self.triangle_count()
+    }
+
+    fn part(&self, index: usize) -> Option<Triangle> {
+        self.triangle(index)
+    }
+
+    fn part_as_hull(&self, _: usize) -> Option<Hull<'_>> {
+        None
+    }
+
+    fn sheet_normal(&self, index: usize) -> Option<DVec3> {
+        self.normal(index)
+    }
+
+    fn nodes(&self) -> Nodes<'_> {
+        Nodes::of_field(self)
     }
 }
 

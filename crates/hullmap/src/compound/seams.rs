@@ -234,6 +234,7 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
                 continue;
             }
             match node.child {
+                Child::Nothing => {}
                 Child::Hull(index) => {
                     if let Some(part) = self.0.part(index)
                         && test(Neighbour { index, shape: &part, place: Pose::IDENTITY })

@@ -97,6 +97,7 @@ impl<P: BoxPairs> Traversal<P> {
                     self.lower_bound = lower_bound;
                     return Some([hull_a, hull_b]);
                 }
+                (Child::Nothing, _) | (_, Child::Nothing) => continue,
                 (Child::Nodes(_), Child::Hull(_)) => true,
                 (Child::Hull(_), Child::Nodes(_)) => false,
                 (Child::Nodes(_), Child::Nodes(_)) => a.size_sq() > b.size_sq(),
@@ -115,7 +116,8 @@ impl<P: BoxPairs> Traversal<P> {
             let [Some(first), Some(second)] = pairs.map(|(a, b)| self.pair(a, b, lower_bound)) else { return None };
             let is_nearer = (first.2, first.3) <= (second.2, second.3);
             for (node_a, node_b, lower_bound, _) in if is_nearer { [second, first] } else { [first, second] } {
-                if lower_bound <= reach {
+                // Boxes with an infinite bound never meet, whatever the reach is.
+                if lower_bound <= reach && lower_bound < f64::INFINITY {
                     self.push((node_a, node_b, lower_bound));
                 }
             }
@@ -143,7 +145,11 @@ impl<P: BoxPairs> Traversal<P> {
         let [nodes_a, nodes_b] = self.pairs.nodes();
         let (node_a, node_b) = (nodes_a.get(a)?, nodes_b.get(b)?);
         self.boxes += 1;
-        let [lower_bound, order] = self.pairs.bound(&node_a, &node_b, outer);
+        let [lower_bound, order] = if node_a.child == Child::Nothing || node_b.child == Child::Nothing {
+            [f64::INFINITY; 2]
+        } else {
+            self.pairs.bound(&node_a, &node_b, outer)
+        };
         Some((a, b, lower_bound, order))
     }
 }

@@ -2,9 +2,11 @@
 
 use std::{io, path::PathBuf};
 
-use hullmap_format::{check::CheckError, header::HeaderError, triangle_mesh::check::MeshError};
+use hullmap_format::{
+    check::CheckError, header::HeaderError, height_field::check::FieldError, triangle_mesh::check::MeshError,
+};
 
-/// Why a pack, or a triangle mesh, could not be opened.
+/// Why a pack, a triangle mesh or a height field could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The file could not be read.
@@ -35,7 +37,7 @@ fn remedy(error: &io::Error) -> &'static str {
     }
 }
 
-/// Fault in the bytes of a pack, or of a triangle mesh.
+/// Fault in the bytes of a pack, a triangle mesh or a height field.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidPack {
     /// The header, or the file's length.
@@ -69,6 +71,9 @@ pub enum InvalidPack {
     /// The archive after the header of a triangle mesh.
     #[error(transparent)]
     TriangleMesh(#[from] MeshError),
+    /// The archive after the header of a height field.
+    #[error(transparent)]
+    HeightField(#[from] FieldError),
 }
 
 /// A pack has no hull of this index.

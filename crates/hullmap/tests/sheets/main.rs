@@ -1,7 +1,9 @@
-//! Tests of triangle meshes, against brute force over all triangles in f64. A binary of its own,
+//! Tests of triangle meshes and height fields, against brute force over all triangles in f64. A binary of its own,
 //! since that of all queries takes minutes to compile.
 
 mod body_manifold;
+mod height_field;
+mod height_field_seams;
 mod meshes;
 mod one_sided;
 mod slide;

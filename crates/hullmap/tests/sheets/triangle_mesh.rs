@@ -109,7 +109,7 @@ fn contacts_are_those_of_each_triangle() {
 
 /// Parameter at which a ray crosses a triangle; `None` if it is too near an edge or too flat to
 /// tell.
-fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
+pub fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
     const MARGIN: f64 = 1e-9;
     let (normal, dir) = ((b - a).cross(c - a), ray.direction());
     let slope = normal.dot(dir);

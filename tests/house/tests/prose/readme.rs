@@ -35,7 +35,11 @@ fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'
 /// run.
 #[test]
 fn the_examples_are_doctests() {
-    let modules = [("docs/rust.md", "lib.rs", 2), ("docs/triangle-meshes.md", "triangle_mesh/mod.rs", 1)];
+    let modules = [
+        ("docs/rust.md", "lib.rs", 2),
+        ("docs/triangle-meshes.md", "triangle_mesh/mod.rs", 1),
+        ("docs/height-fields.md", "height_field/mod.rs", 1),
+    ];
     for (guide, module, least) in modules {
         let (text, code) = (read(guide), read(&format!("crates/hullmap/src/{module}")));
         let doc = code.lines().filter_map(|line| line.strip_prefix("//!")).map(|l| l.strip_prefix(' ').unwrap_or(l));

@@ -1,0 +1,75 @@
+//! Arguments of `bake build --height-field`.
+
+use hullmap::height_field::Diagonal;
+
+use crate::options::table::Section;
+
+/// How a height field is baked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = Section::Shape.heading())]
+pub struct HeightFieldArgs {
+    /// Bake each INPUT as a height field: a greyscale PNG, an ESRI ASCII grid, or raw f32 numbers
+    #[arg(long = "height-field")]
+    pub is_set: bool,
+    /// Distance of neighbouring vertices along x, and along y [default: what the file states]
+    #[arg(long, value_name = "X[,Y]", value_parser = spacing, requires = "is_set", hide_short_help = true)]
+    pub spacing: Option<[f64; 2]>,
+    /// Height of white above black in an image; otherwise a factor [default: 1 for numbers]
+    #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
+    pub height_scale: Option<f64>,
+    /// Height of a sample of 0
+    #[arg(long, value_name = "O", value_parser = finite, default_value_t = 0.0, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
+    pub height_offset: f64,
+    /// x and y of the first vertex [default: what the file states, or the middle is at 0 0]
+    #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
+    pub origin: Option<[f64; 2]>,
+    /// Sample without ground; NaN always is, and what an ESRI grid states
+    #[arg(long, value_name = "V", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
+    pub hole: Option<f64>,
+    /// Greyscale PNG beside each INPUT whose black pixels are holes, of vertices or of cells
+    #[arg(long, value_name = "NAME", value_parser = name, requires = "is_set", hide_short_help = true)]
+    pub hole_image: Option<String>,
+    /// Number of rows of raw numbers, which begin with the least y
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires = "columns", hide_short_help = true)]
+    pub rows: Option<u32>,
+    /// Number of columns of raw numbers
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires_all = ["is_set", "rows"], hide_short_help = true)]
+    pub columns: Option<u32>,
+    /// Diagonal that divides each cell: from the least x and y, or from the greatest x and least y
+    #[arg(long, value_name = "rising|falling", value_parser = diagonal, default_value = "rising", requires = "is_set", hide_short_help = true)]
+    pub diagonal: Diagonal,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
+        .ok_or_else(|| "expected a finite number".to_owned())
+}
+
+/// Two numbers.
+fn two(text: &str) -> Result<[f64; 2], String> {
+    let (x, y) = text.split_once(',').ok_or("expected two numbers, such as 100,250")?;
+    Ok([finite(x)?, finite(y)?])
+}
+
+/// One or two lengths.
+fn spacing(text: &str) -> Result<[f64; 2], String> {
+    let both = if text.contains(',') { two(text)? } else { [finite(text)?; 2] };
+    if both.iter().all(|length| *length > 0.0) { Ok(both) } else { Err("expected lengths above 0".to_owned()) }
+}
+
+fn diagonal(text: &str) -> Result<Diagonal, String> {
+    Diagonal::ALL.into_iter().find(|own| own.as_str() == text).ok_or_else(|| "expected rising or falling".to_owned())
+}
+
+/// The name of a file without a folder.
+pub fn name(text: &str) -> Result<String, String> {
+    let is_plain = !text.is_empty() && !text.contains(['/', '\\', '\n']) && text != "..";
+    if is_plain {
+        Ok(text.to_owned())
+    } else {
+        Err("expected the name of a file beside the input, without a folder".to_owned())
+    }
+}

@@ -1,0 +1,69 @@
+//! Height fields in the commands: `bake build --height-field`, and `.hullfield` files as inputs of
+//! `inspect`, `verify`, `export` and `report`.
+
+mod bake;
+mod build;
+mod export;
+mod inspect;
+mod options;
+mod report;
+mod source;
+mod verify;
+
+use std::path::{Path, PathBuf};
+
+use hullmap::{HeightField, OpenError};
+use hullmap_format::height_field::EXTENSION;
+use hullmap_import::open_regular;
+
+use crate::args::Command;
+use crate::outcome::{Exit, Failure};
+use crate::terminal::Output;
+
+/// Runs a command whose inputs are height fields; `None` if they are not.
+pub fn run(command: &Command, out: &mut Output) -> Option<Result<Exit, Failure>> {
+    let inputs: &[PathBuf] = match command {
+        Command::Build(args) if args.height_field.is_set => return Some(build::run(args, out)),
+        Command::Inspect(args) => &args.inputs,
+        Command::Verify(args) => &args.inputs,
+        Command::Export(args) => &args.packs,
+        Command::Report(args) => std::slice::from_ref(&args.input),
+        _ => return None,
+    };
+    match inputs.iter().filter(|input| is_field(input)).count() {
+        0 => return None,
+        count if count < inputs.len() => {
+            let message = format!("height fields and other files: name the .{EXTENSION} files in a run of their own");
+            return Some(Err(Failure::usage(message)));
+        }
+        _ => {}
+    }
+    Some(match command {
+        Command::Inspect(args) => inspect::run(args, out),
+        Command::Verify(args) => verify::run(args, out),
+        Command::Export(args) => export::run(args, out),
+        Command::Report(args) => report::run(args, out),
+        _ => return None,
+    })
+}
+
+/// Whether the name is that of a height field.
+fn is_field(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == EXTENSION) && !path.is_dir()
+}
+
+/// Opens a height field. The error is [`Failure::usage`] if the file cannot be read, and
+/// [`Failure::rejected`] if it is not valid. Both name the file.
+fn open(path: &Path) -> Result<HeightField, Failure> {
+    // `HeightField::open` would wait for a pipe.
+    if path.exists()
+        && !path.is_file()
+        && let Err(error) = open_regular(path)
+    {
+        return Err(Failure::usage(format!("{}: cannot read: {error}; name a height field", path.display())));
+    }
+    HeightField::open(path).map_err(|error| match &error {
+        OpenError::Io { .. } => Failure::usage(error.to_string()),
+        OpenError::Invalid { .. } => Failure::rejected(error.to_string()),
+    })
+}

@@ -1,0 +1,250 @@
+//! The tree over the cells of a height field, without pointers.
+//!
+//! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Each level divides
+//! one axis in two, the one along which nodes have more cells; of equal ones, x. So first the
+//! longer axis is divided, then x and y take turns. The binary digits of a node's position in its
+//! level are the positions p of its columns and q of its rows: of n columns, those from ⌊p n / 2ᵈ⌋
+//! to ⌊(p + 1) n / 2ᵈ⌋, if d levels divide x.
+//!
+//! *Blocks* are the nodes of the first level in which no node has more than 2 × 2 cells. Below, a
+//! block of two rows is divided into them, a row of two cells into these, and a cell into its two
+//! triangles.
+//!
+//! Height ranges are stored down to the first level in which no node has more than 4 × 4 cells: see
+//! [`ranges`](super::ranges). That is at most two levels above the blocks.
+
+/// Cells along x or y that a stored node has at most.
+const STORED: usize = 4;
+
+/// Cells along x or y that a block has at most.
+const BLOCK: usize = 2;
+
+/// The divisions of a grid of cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pyramid {
+    cells: [usize; 2],
+    /// Level of the blocks.
+    blocks: u32,
+    /// Last level with stored ranges.
+    stored: u32,
+    /// Number of levels, from the first, that divide the same axis.
+    lead: u32,
+    /// Whether that axis is y.
+    is_tall: bool,
+}
+
+/// What a node of the tree has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// At least one cell: a rectangle of them.
+    Cells(Cells),
+    /// A triangle, by its index.
+    Triangle(usize),
+}
+
+/// A rectangle of cells: the first column and the one after the last, and the same of the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cells {
+    /// Columns.
+    pub columns: [usize; 2],
+    /// Rows.
+    pub rows: [usize; 2],
+}
+
+impl Pyramid {
+    /// The tree over a grid with these numbers of cells along x and y.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap_format::height_field::pyramid::{Cells, Extent, Pyramid};
+    ///
+    /// let pyramid = Pyramid::new([3, 1]);
+    /// let of = |columns: [usize; 2]| Some(Extent::Cells(Cells { columns, rows: [0, 1] }));
+    /// assert_eq!([0, 1, 2].map(|node| pyramid.extent(node)), [of([0, 3]), of([0, 1]), of([1, 3])]);
+    /// // The left block is one cell, with two triangles; the right one has two cells.
+    /// assert_eq!([3, 4].map(|node| pyramid.extent(node)), [0, 1].map(|t| Some(Extent::Triangle(t))));
+    /// assert_eq!([5, 6].map(|node| pyramid.extent(node)), [of([1, 2]), of([2, 3])]);
+    /// assert_eq!(pyramid.extent(7), None);
+    /// ```
+    pub fn new(cells: [usize; 2]) -> Self {
+        let [across, along] = cells.map(|count| count.max(1));
+        let (mut x, mut y) = (0_u32, 0_u32);
+        let mut this = Self { cells: [across, along], blocks: 0, stored: 0, lead: 0, is_tall: across < along };
+        let is_within = |limit: usize, x: u32, y: u32| across <= limit << x && along <= limit << y;
+        while !is_within(BLOCK, x, y) {
+            if !is_within(STORED, x, y) {
+                this.stored += 1;
+            }
+            // Cells along x and y of a node, multiplied by the same number.
+            let is_y = across << y < along << x;
+            if is_y == this.is_tall && this.lead == this.blocks {
+                this.lead += 1;
+            }
+            if is_y {
+                y += 1;
+            } else {
+                x += 1;
+            }
+            this.blocks += 1;
+        }
+        this
+    }
+
+    /// Number of nodes with a stored range: those before all others.
+    pub fn stored_count(&self) -> usize {
+        (2_usize << self.stored) - 1
+    }
+
+    /// Number of the first node of the last level with stored ranges.
+    pub fn last_stored_level(&self) -> usize {
+        (1_usize << self.stored) - 1
+    }
+
+    /// Upper bound of the node numbers.
+    pub fn node_bound(&self) -> usize {
+        // Three levels below the blocks.
+        (2_usize << (self.blocks + 3)) - 1
+    }
+
+    /// The first of two children of a node; the second is the next node.
+    #[inline]
+    pub fn first_child(node: u32) -> u32 {
+        node.saturating_mul(2).saturating_add(1)
+    }
+
+    /// What a node has; `None` if the tree has no such node.
+    #[inline]
+    pub fn extent(&self, node: u32) -> Option<Extent> {
+        let at = node.checked_add(1)?;
+        let level = at.ilog2();
+        let position = at - (1 << level);
+        match level.checked_sub(self.blocks) {
+            None | Some(0) => Some(Extent::Cells(self.cells(level, position))),
+            Some(below) => self.within_block(self.cells(self.blocks, position >> below), below, position),
+        }
+    }
+
+    /// The cells of a node of a level that is not below the blocks.
+    #[inline]
+    fn cells(&self, level: u32, position: u32) -> Cells {
+        let lead = self.lead.min(level);
+        let turns = level - lead;
+        let (first, rest) = (position >> turns, position & ((1 << turns) - 1));
+        // x comes first, unless the lead was along x and y is now the longer one.
+        let (odd, even) = (every_second(rest >> 1), every_second(rest));
+        let starts_with_x = self.is_tall;
+        let (x, y) = if turns.is_multiple_of(2) == starts_with_x { (odd, even) } else { (even, odd) };
+        let x_turns = if starts_with_x { turns.div_ceil(2) } else { turns / 2 };
+        let y_turns = turns - x_turns;
+        let [across, along] = self.cells;
+        let (mut x_levels, mut y_levels) = (x_turns, y_turns);
+        let (mut x, mut y) = (u64::from(x), u64::from(y));
+        if self.is_tall {
+            (y, y_levels) = (u64::from(first) << y_turns | y, y_levels + lead);
+        } else {
+            (x, x_levels) = (u64::from(first) << x_turns | x, x_levels + lead);
+        }
+        Cells { columns: share(across, x_levels, x), rows: share(along, y_levels, y) }
+    }
+
+    /// What a node `below` levels below a block has. The last digits of its position are its path.
+    #[inline]
+    fn within_block(&self, block: Cells, below: u32, position: u32) -> Option<Extent> {
+        let Cells { columns: [left, right], rows: [bottom, top] } = block;
+        let (across, along) = (right - left, top - bottom);
+        let triangles = 2 * across * along;
+        // The number of triangles is 2, 4 or 8.
+        let own = triangles >> below;
+        let start = (position as usize & ((1 << below) - 1)) * own;
+        if own == 0 || own << below != triangles {
+            return None;
+        }
+        let cell = start / 2;
+        let (column, row) = (left + cell % across, bottom + cell / across);
+        Some(match own {
+            1 => {
+                let [width, _] = self.cells;
+                Extent::Triangle(2 * (row * width + column) + start % 2)
+            }
+            2 => Extent::Cells(Cells { columns: [column, column + 1], rows: [row, row + 1] }),
+            _ => Extent::Cells(Cells { columns: [left, right], rows: [row, row + 1] }),
+        })
+    }
+}
+
+/// The part `position` of `count` cells that are divided in two `levels` times.
+#[inline]
+fn share(count: usize, levels: u32, position: u64) -> [usize; 2] {
+    // At most 2²⁷ cells and positions: no overflow.
+    [position, position + 1].map(|p| ((p * count as u64) >> levels) as usize)
+}
+
+/// Every second binary digit of a number, from the lowest on.
+#[inline]
+fn every_second(number: u32) -> u32 {
+    let mut n = number & 0x5555_5555;
+    n = (n | n >> 1) & 0x3333_3333;
+    n = (n | n >> 2) & 0x0f0f_0f0f;
+    n = (n | n >> 4) & 0x00ff_00ff;
+    (n | n >> 8) & 0x0000_ffff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks the nodes below one, and returns the number of triangles.
+    fn descend(pyramid: &Pyramid, node: u32, level: u32, seen: &mut [bool], depth: &mut u32) -> Option<Cells> {
+        *depth = (*depth).max(level);
+        assert!((node as usize) < pyramid.node_bound());
+        match pyramid.extent(node).unwrap() {
+            Extent::Triangle(triangle) => {
+                assert!(!std::mem::replace(&mut seen[triangle], true), "triangle {triangle} twice");
+                let (cell, [across, _]) = (triangle / 2, pyramid.cells);
+                let (column, row) = (cell % across, cell / across);
+                Some(Cells { columns: [column, column + 1], rows: [row, row + 1] })
+            }
+            Extent::Cells(cells) => {
+                let child = Pyramid::first_child(node);
+                let of = [child, child + 1].map(|child| descend(pyramid, child, level + 1, seen, depth).unwrap());
+                let around = Cells {
+                    columns: [of[0].columns[0].min(of[1].columns[0]), of[0].columns[1].max(of[1].columns[1])],
+                    rows: [of[0].rows[0].min(of[1].rows[0]), of[0].rows[1].max(of[1].rows[1])],
+                };
+                assert_eq!(around, cells, "node {node}");
+                let size = [cells.columns, cells.rows].map(|[start, end]| end - start);
+                if (node as usize) >= pyramid.stored_count() {
+                    assert!(size.iter().all(|size| *size <= STORED), "{size:?}");
+                }
+                Some(cells)
+            }
+        }
+    }
+
+    #[test]
+    fn every_triangle_is_a_leaf_once() {
+        let sizes = (1..20).flat_map(|x| (1..20).map(move |y| [x, y]));
+        let more = [[1, 500], [500, 1], [3, 777], [1000, 7], [64, 64], [65, 63], [127, 129], [255, 16]];
+        for cells in sizes.chain(more) {
+            let pyramid = Pyramid::new(cells);
+            let mut seen = vec![false; 2 * cells[0] * cells[1]];
+            let mut depth = 0;
+            let root = descend(&pyramid, 0, 0, &mut seen, &mut depth);
+            assert_eq!(root, Some(Cells { columns: [0, cells[0]], rows: [0, cells[1]] }));
+            assert!(seen.iter().all(|seen| *seen), "{cells:?}");
+            // As deep as a balanced tree of triangles, and at most two levels deeper.
+            assert!(depth <= (seen.len() as u32).next_power_of_two().ilog2() + 2, "{cells:?} {depth}");
+        }
+    }
+
+    /// The largest grids: numbers of 32 bits, and stacks of 32 levels, are enough.
+    #[test]
+    fn the_largest_trees_are_not_too_deep() {
+        for cells in [[1 << 27, 1], [1, 1 << 27], [11585, 11585], [1 << 14, 1 << 13], [3, 44_739_242]] {
+            let pyramid = Pyramid::new(cells);
+            assert!(pyramid.node_bound() < 1 << 31 && pyramid.blocks + 4 <= crate::bvh::MAX_LEVELS, "{pyramid:?}");
+            // At most half a node for each cell.
+            assert!(pyramid.stored_count() < 5 + cells[0] * cells[1] * 2 / 3, "{pyramid:?}");
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Import of heights on a grid: greyscale PNG, ESRI ASCII grid, raw numbers of 32 bits.
+//!
+//! A sample becomes the height `offset + scale · sample`, computed in f64 and rounded to f32. The
+//! samples of an image count from 0, which is black, to 1, which is white. Rows are returned in the
+//! order of y, as height fields have them: in images and in ESRI grids the top row comes first and
+//! has the greatest y. Files of raw numbers begin with the least y.
+//!
+//! # Reference
+//! ESRI ASCII grid: "Esri ASCII raster format", ArcGIS documentation. Its samples belong to the
+//! middles of its cells, which become vertices here.
+
+mod esri;
+mod image;
+mod raw;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use crate::fault::{Fault, ImportError, LineFault};
+use crate::limits::Limits;
+use crate::read::{ReadError, SourceFile, read_alone};
+
+/// Maximum number of samples: a height field has at most 2²⁷ cells.
+const MAX_SAMPLES: usize = 1 << 28;
+
+/// How samples become heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightOptions {
+    /// Height of a sample of 1 above one of 0: of an image, of white above black.
+    pub scale: f64,
+    /// Height of a sample of 0.
+    pub offset: f64,
+    /// Sample without ground: of an image, a whole number from 0 to 65535 (or 255). In grids of
+    /// numbers NaN always is.
+    pub hole: Option<f64>,
+    /// Numbers of columns and rows of a file of raw numbers, which does not state them.
+    pub raw: Option<[usize; 2]>,
+}
+
+impl HeightOptions {
+    /// Samples are heights.
+    pub const DEFAULT: Self = Self { scale: 1.0, offset: 0.0, hole: None, raw: None };
+
+    fn height(&self, sample: f64) -> f32 {
+        (self.offset + self.scale * sample) as f32
+    }
+}
+
+/// Heights on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heights {
+    /// Number of samples along x.
+    pub columns: usize,
+    /// Number of samples along y.
+    pub rows: usize,
+    /// Heights, row by row, the row with the least y first; NaN without ground.
+    pub heights: Vec<f32>,
+    /// x and y of the first sample, if the file states them.
+    pub origin: Option<[f64; 2]>,
+    /// Distance of samples along x and y, if the file states it.
+    pub spacing: Option<[f64; 2]>,
+    /// Whether the file is an image, whose samples count from 0 to 1.
+    pub is_image: bool,
+}
+
+/// Reads a file of heights, of any format.
+///
+/// # Errors
+/// The file cannot be read, is not a regular file, or is larger than the limit.
+///
+/// # Complexity
+/// O(bytes).
+pub fn read_heights(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
+    read_alone(file, path, limits)
+}
+
+/// Heights from the bytes of a file.
+///
+/// `file` is the name of the file in messages.
+///
+/// # Errors
+/// The bytes are in no format that is read, or are incomplete, or a height is too large for f32.
+///
+/// # Complexity
+/// O(bytes + samples). Memory for the samples, which are at most 1,100 times the bytes.
+///
+/// # Examples
+/// ```
+/// use hullmap_import::height_field::{HeightOptions, import_heights};
+///
+/// let text = b"ncols 3\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 2\n1 2 3\n4 5 -9999\n";
+/// let heights = import_heights("a.asc", text, &HeightOptions::DEFAULT)?;
+/// // The last row of the file has the least y.
+/// assert_eq!(heights.heights[..2], [4.0, 5.0]);
+/// assert!(heights.heights[2].is_nan());
+/// assert_eq!((heights.origin, heights.spacing), (Some([11.0, 21.0]), Some([2.0, 2.0])));
+/// # Ok::<(), hullmap_import::ImportError>(())
+/// ```
+pub fn import_heights(file: &str, bytes: &[u8], options: &HeightOptions) -> Result<Heights, ImportError> {
+    let heights = if image::is_png(bytes) {
+        image::heights(bytes, options)
+    } else if let Some([columns, rows]) = options.raw {
+        raw::heights(bytes, columns, rows, options)
+    } else if esri::is_grid(bytes) {
+        esri::heights(bytes, options)
+    } else {
+        let text = "expected a greyscale PNG, an ESRI ASCII grid that starts with `ncols`, or raw numbers of 32 bits, \
+                    whose numbers of rows and columns are given (--rows, --columns)";
+        Err(Fault::format(text).of_file())
+    };
+    heights.and_then(finite).map_err(|fault| in_file(file, fault))
+}
+
+/// Holes from an image in which black is a hole: as large as the grid, for its vertices, or smaller
+/// by one in both directions, for its cells. Returns whether each cell is a hole.
+///
+/// # Errors
+/// The bytes are not those of a greyscale PNG of one of these sizes.
+///
+/// # Complexity
+/// O(bytes + samples).
+pub fn import_holes(file: &str, bytes: &[u8], columns: usize, rows: usize) -> Result<Vec<bool>, ImportError> {
+    image::holes(bytes, columns, rows).map_err(|fault| in_file(file, fault))
+}
+
+fn in_file(file: &str, LineFault { line, fault }: LineFault) -> ImportError {
+    ImportError { file: file.to_owned(), line, fault }
+}
+
+/// Fails if a height is infinite.
+fn finite(heights: Heights) -> Result<Heights, LineFault> {
+    match heights.heights.iter().position(|height| height.is_infinite()) {
+        Some(at) => {
+            let (column, row) = (at % heights.columns.max(1), at / heights.columns.max(1));
+            let text = format!(
+                "the height at column {column}, row {row} (counted from the least y) is infinite in 32-bit floats; \
+                 correct the sample, or choose another --height-scale"
+            );
+            Err(Fault::format(text).of_file())
+        }
+        None => Ok(heights),
+    }
+}
+
+/// Number of samples, if it is not too large.
+fn sample_count(columns: usize, rows: usize) -> Result<usize, LineFault> {
+    columns.checked_mul(rows).filter(|count| (1..=MAX_SAMPLES).contains(count)).ok_or_else(|| {
+        let text = format!(
+            "{columns} × {rows} samples (expected at least 1, and at most {MAX_SAMPLES}); use a part of the grid"
+        );
+        Fault::format(text).of_file()
+    })
+}
+
+/// Rows in the opposite order.
+fn flipped<T: Copy>(samples: &[T], columns: usize) -> Vec<T> {
+    samples.chunks(columns.max(1)).rev().flatten().copied().collect()
+}

@@ -1,0 +1,29 @@
+//! Files of raw numbers: little-endian f32, row by row, the row with the least y first.
+
+use super::{HeightOptions, Heights, sample_count};
+use crate::fault::{Fault, LineFault};
+
+/// Heights of a file without a header.
+pub(super) fn heights(
+    bytes: &[u8],
+    columns: usize,
+    rows: usize,
+    options: &HeightOptions,
+) -> Result<Heights, LineFault> {
+    let expected = sample_count(columns, rows)?.saturating_mul(4);
+    if bytes.len() != expected {
+        let text = format!(
+            "the file has {} bytes, but {rows} rows of {columns} numbers of 32 bits take {expected}; check --rows and \
+             --columns, and that the file is complete",
+            bytes.len()
+        );
+        return Err(Fault::format(text).of_file());
+    }
+    let (samples, _) = bytes.as_chunks::<4>();
+    let height = |sample: &[u8; 4]| {
+        let sample = f64::from(f32::from_le_bytes(*sample));
+        if Some(sample) == options.hole { f32::NAN } else { options.height(sample) }
+    };
+    let heights = samples.iter().map(height).collect();
+    Ok(Heights { columns, rows, heights, origin: None, spacing: None, is_image: false })
+}

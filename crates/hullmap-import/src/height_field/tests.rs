@@ -1,0 +1,153 @@
+//! Tests of the readers of heights.
+
+use super::*;
+
+/// A PNG, its top row first.
+fn image(width: u32, height: u32, color: png::ColorType, depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    encoder.write_header().unwrap().write_image_data(data).unwrap();
+    bytes
+}
+
+fn grey(width: u32, height: u32, samples: &[u16]) -> Vec<u8> {
+    let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_be_bytes()).collect();
+    image(width, height, png::ColorType::Grayscale, png::BitDepth::Sixteen, &data)
+}
+
+fn message(bytes: &[u8], options: &HeightOptions) -> String {
+    import_heights("a", bytes, options).unwrap_err().to_string()
+}
+
+#[test]
+fn images_count_from_black_to_white_and_their_top_row_is_the_last() {
+    let options = HeightOptions { scale: 100.0, offset: -10.0, hole: Some(7.0), ..HeightOptions::DEFAULT };
+    let found = import_heights("a.png", &grey(3, 2, &[0, 65535, 7, 13107, 0, 0]), &options).unwrap();
+    assert_eq!((found.columns, found.rows, found.is_image), (3, 2, true));
+    assert_eq!(found.heights[..5], [10.0, -10.0, -10.0, -10.0, 90.0]);
+    assert!(found.heights[5].is_nan());
+    let eight = image(2, 1, png::ColorType::Grayscale, png::BitDepth::Eight, &[51, 255]);
+    assert_eq!(import_heights("a", &eight, &options).unwrap().heights, [10.0, 90.0]);
+}
+
+#[test]
+fn images_of_other_kinds_have_a_remedy() {
+    let options = HeightOptions::DEFAULT;
+    let rgb = image(1, 1, png::ColorType::Rgb, png::BitDepth::Eight, &[1, 2, 3]);
+    let text = message(&rgb, &options);
+    assert!(text.starts_with("a: the image is colour of 8 bits; heights need greyscale of 16 bits"), "{text}");
+    let bits = image(8, 1, png::ColorType::Grayscale, png::BitDepth::One, &[0xaa]);
+    assert!(message(&bits, &options).contains("greyscale of 1 bits"));
+    let mut cut = grey(64, 64, &[9; 64 * 64]);
+    cut.truncate(cut.len() - 20);
+    assert!(message(&cut, &options).contains("damaged PNG"));
+    // A few bytes that claim to be a large image.
+    let mut bomb = grey(1, 1, &[1]);
+    bomb[16..24].copy_from_slice(&[0, 0, 0x20, 0, 0, 0, 0x20, 0]);
+    let crc = crc(&bomb[12..29]);
+    bomb[29..33].copy_from_slice(&crc.to_be_bytes());
+    let text = message(&bomb, &options);
+    assert!(text.contains("cannot hold 8192 × 8192 samples"), "{text}");
+}
+
+/// CRC-32 of a chunk of a PNG, bit by bit.
+fn crc(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, byte| (0..8).fold(crc ^ u32::from(*byte), step))
+}
+
+#[test]
+fn raw_numbers_have_the_stated_size() {
+    let bytes: Vec<u8> = [1.0_f32, -2.0, f32::NAN, 4.0, 5.0, -1.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let options = HeightOptions { raw: Some([2, 3]), scale: 2.0, hole: Some(-1.0), ..HeightOptions::DEFAULT };
+    let found = import_heights("a.f32", &bytes, &options).unwrap();
+    assert_eq!((found.columns, found.rows, &found.heights[..2]), (2, 3, &[2.0, -4.0][..]));
+    assert!(found.heights[2].is_nan() && found.heights[5].is_nan());
+    let text = message(&bytes[..23], &options);
+    assert!(text.contains("has 23 bytes, but 3 rows of 2 numbers of 32 bits take 24"), "{text}");
+    let infinite = HeightOptions { scale: 1e39, ..options };
+    assert!(message(&bytes, &infinite).contains("column 0, row 0 (counted from the least y) is infinite"));
+    assert!(message(&bytes, &HeightOptions { raw: Some([usize::MAX, 2]), ..options }).contains("samples"));
+    assert!(message(&bytes, &HeightOptions::DEFAULT).contains("expected a greyscale PNG"));
+}
+
+#[test]
+fn grids_of_text_name_the_line_of_a_fault() {
+    let options = HeightOptions { hole: Some(5.0), ..HeightOptions::DEFAULT };
+    let head = "NCOLS 2\r\nnrows 2\nxllcenter -1.5\nyllcorner 4\ncellsize 0.5\nNODATA_value -1\n";
+    let found = import_heights("a", format!("{head}1 2\n-1 5\n").as_bytes(), &options).unwrap();
+    assert!(found.heights[0].is_nan() && found.heights[1].is_nan());
+    assert_eq!(found.heights[2..], [1.0, 2.0]);
+    assert_eq!((found.origin, found.spacing), (Some([-1.5, 4.25]), Some([0.5, 0.5])));
+    for (rows, expected) in [
+        ("1 2\n3 x\n", "a:8: `x` is not a number"),
+        ("1 2\n3\n", "a: 3 of 4 samples"),
+        ("1", "a: at most 1 of 4 samples"),
+        ("1 2\n 3 ", "a: 3 of 4 samples"),
+        ("1 2\n3 4\n5", "a:9: `5` after the last of 4 samples"),
+        ("zone 33\n1 2\n3 4\n", "a:7: unknown key `zone`"),
+        ("cellsize\n1 2\n3 4\n", "a:7: `cellsize` has no value"),
+    ] {
+        let text = message(format!("{head}{rows}").as_bytes(), &options);
+        assert!(text.starts_with(expected), "{text}");
+    }
+    assert!(message(b"ncols 2\nnrows 1\n1 2", &options).contains("no valid `cellsize`"));
+    assert!(message(b"ncols 2.5\nnrows 1\n1 2", &options).contains("no valid `ncols`"));
+    assert!(message(b"ncols 99999999\nnrows 99999999\n1 2", &options).contains("use a part of the grid"));
+    assert!(message(b"ncols 9999\nnrows 9999\n1 2", &options).contains("of 99980001 samples"));
+}
+
+#[test]
+fn holes_are_black_pixels_of_vertices_or_cells() {
+    let vertices = grey(3, 3, &[9, 9, 9, 9, 9, 9, 9, 9, 0]);
+    // The last pixel has the greatest x and the least y.
+    assert_eq!(import_holes("h", &vertices, 3, 3).unwrap(), [false, true, false, false]);
+    let cells = grey(2, 2, &[0, 9, 9, 9]);
+    assert_eq!(import_holes("h", &cells, 3, 3).unwrap(), [false, false, true, false]);
+    let text = import_holes("h", &cells, 4, 4).unwrap_err().to_string();
+    assert_eq!(
+        text,
+        "h: the image has 2 × 2 pixels; expected 4 × 4 for the vertices of the height field, or 3 × 3 for its cells"
+    );
+    assert!(import_holes("h", b"P5", 4, 4).unwrap_err().to_string().contains("greyscale PNG"));
+}
+
+/// Every file with a flipped bit, or cut off, ends in heights of the right number or in an error of
+/// one line that names the file.
+#[test]
+fn damaged_files_end_in_heights_or_an_error() {
+    let grid = b"ncols 3\nnrows 2\nxllcorner 1e3\nyllcorner -2\ncellsize 5\nnodata_value -1\n1 2 3\n4 -1 6\n".to_vec();
+    let eight = image(5, 4, png::ColorType::Grayscale, png::BitDepth::Eight, &[7; 20]);
+    let raw: Vec<u8> = (0..6).flat_map(|i| (i as f32).to_le_bytes()).collect();
+    let (mut read, mut rejected) = (0, 0);
+    for (bytes, raw) in
+        [(grid, None), (eight, None), (grey(3, 3, &[5, 0, 65535, 9, 9, 9, 1, 2, 3]), None), (raw, Some([3, 2]))]
+    {
+        let options = HeightOptions { raw, hole: Some(5.0), ..HeightOptions::DEFAULT };
+        let mut try_out = |bytes: &[u8]| {
+            match import_heights("a", bytes, &options) {
+                Ok(found) => {
+                    read += 1;
+                    assert_eq!(found.heights.len(), found.columns * found.rows);
+                    assert!(found.heights.len() <= 1100 * bytes.len());
+                }
+                Err(error) => {
+                    rejected += 1;
+                    let text = error.to_string();
+                    assert!(text.starts_with("a:") && !text.contains('\n'), "{text}");
+                }
+            }
+            let _ = import_holes("a", bytes, 3, 3);
+        };
+        for bit in 0..8 * bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            try_out(&damaged);
+        }
+        (0..bytes.len()).for_each(|len| try_out(&bytes[..len]));
+    }
+    println!("{read} read, {rejected} rejected");
+    assert!(read > 200 && rejected > 500, "{read} {rejected}");
+}

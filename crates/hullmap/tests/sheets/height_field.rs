@@ -1,0 +1,456 @@
+//! Queries of height fields, compared with brute force over all triangles in f64, and with the same
+//! surface as a triangle mesh.
+
+use std::collections::HashMap;
+
+use glam::{DQuat, DVec3};
+use hullmap::height_field::{Diagonal, Layout};
+use hullmap::shapes::{HalfSpace, Sphere, Triangle};
+use hullmap::{
+    Cache, CastSettings, CompoundCache, CompoundManifolds, EdgeClass, HeightField, ManifoldSettings, Motion,
+    MotionSettings, Pack, Pose, Ray, RigidMotion, Settings, TriangleMesh, VertexClass, compound,
+};
+use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, packs};
+use shapes::rng::SplitMix64;
+
+use crate::meshes::mesh;
+use crate::triangle_mesh::crossing;
+
+const SEED: u64 = 0xf139;
+
+/// The field with these heights. NaN makes holes.
+pub fn field(layout: Layout, heights: &[f32], holes: &[bool]) -> HeightField {
+    let baked = bake_height_field(&HeightGrid { layout, heights, holes, materials: &[] }).unwrap();
+    HeightField::from_bytes(&write_height_field(baked, &Default::default()).unwrap()).unwrap()
+}
+
+/// A grid centred on the origin, with cells of this size.
+pub fn centred(columns: usize, rows: usize, spacing: [f64; 2], diagonal: Diagonal) -> Layout {
+    let origin =
+        [(columns, spacing[0]), (rows, spacing[1])].map(|(count, spacing)| -0.5 * spacing * (count - 1) as f64);
+    Layout { columns, rows, origin, spacing, diagonal }
+}
+
+/// All triangles, with their indices.
+fn triangles(field: &HeightField) -> Vec<(usize, [DVec3; 3])> {
+    let corners = |index: usize| Some((index, field.triangle(index)?.corners()));
+    (0..field.triangle_count()).filter_map(corners).collect()
+}
+
+/// Fields of different kinds: rough, flat, of one row, 2 × 2, steep, with holes, tiny, huge, far
+/// away, with cells that are not square.
+fn fields(rng: &mut SplitMix64) -> Vec<HeightField> {
+    let mut of = |columns: usize, rows: usize, spacing: [f64; 2], heights: f64, share: f64| {
+        let diagonal = Diagonal::ALL[columns % 2];
+        let heights: Vec<f32> = (0..columns * rows).map(|_| (heights * rng.unit()) as f32).collect();
+        let mut holes: Vec<bool> = (0..(columns - 1) * (rows - 1)).map(|_| rng.unit() < share).collect();
+        holes[0] = share > 0.0;
+        if let Some(last) = holes.last_mut().filter(|_| share > 0.0) {
+            *last = false;
+        }
+        let mut layout = centred(columns, rows, spacing, diagonal);
+        if columns == 6 {
+            layout.origin = [3e5, -7e5];
+        }
+        field(layout, &heights, &holes)
+    };
+    vec![
+        of(9, 10, [1.0, 1.0], 1.0, 0.0),
+        of(8, 5, [1.0, 1.0], 0.0, 0.0),
+        of(23, 2, [0.1, 0.7], 0.3, 0.0),
+        of(2, 2, [1.0, 1.0], 1.0, 0.0),
+        of(5, 12, [0.3, 0.2], 9.0, 0.0),
+        of(13, 14, [0.5, 0.5], 0.5, 0.4),
+        of(7, 8, [1e-4, 1e-4], 1e-4, 0.1),
+        of(4, 5, [3e3, 1e4], 2e3, 0.1),
+        of(6, 6, [1.1, 0.9], 1.0, 0.1),
+    ]
+}
+
+/// A body of four to eight vertices, about as large as a cell, and near the surface.
+fn body(field: &HeightField, rng: &mut SplitMix64) -> (Pack, Pose) {
+    let (layout, [low, high]) = (field.layout(), field.bounds());
+    let size = layout.spacing[0].min(layout.spacing[1]);
+    let count = 4 + rng.below(5);
+    let points: Vec<[f32; 3]> = (0..count).map(|_| rng.direction().map(|c| (0.6 * size * c) as f32)).collect();
+    let turn = DQuat::from_xyzw(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5).normalize();
+    let share = DVec3::new(rng.unit(), rng.unit(), rng.unit()) * 1.2 - 0.1;
+    let mut position = low + share * (high - low);
+    position.z += size * (rng.unit() - 0.5);
+    (packs::tree_pack(&points), Pose::new(position, turn).unwrap())
+}
+
+#[test]
+fn answers_are_those_of_the_nearest_and_of_each_triangle() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let (fields, settings) = (fields(&mut rng), Settings::default());
+    let (mut apart, mut overlapping, mut unsure) = (0, 0, 0);
+    for round in 0..1800 {
+        let field = &fields[round % fields.len()];
+        let size = field.layout().spacing[0].min(field.layout().spacing[1]);
+        // Of the solver: some tens of units in the last place of the greatest coordinate.
+        let noise = 1e-9 * size + 64.0 * f64::EPSILON * field.bounds()[0].abs().max_element();
+        let (pack, pose) = body(field, &mut rng);
+        let hull = pack.hull(0).unwrap();
+        let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
+        let mut cache = CompoundCache::default();
+        let found = compound::distance(field, &hull, pose, &settings, &mut cache).answer;
+        let hit = compound::intersects(field, &hull, pose, &mut cache).answer;
+        let (mut deepest, mut nearest) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut depths = HashMap::new();
+        for (index, corners) in triangles(field) {
+            let depth = signed_depth_by_points(&corners, &points);
+            depths.insert(index, (depth, corners));
+            deepest = deepest.max(depth);
+            if depth < 0.0 {
+                nearest = nearest.min(distance_by_features(&corners, &points));
+            }
+        }
+        if deepest > noise {
+            overlapping += 1;
+            assert!(hit.is_hit() && found.lower <= 0.0 && found.distance == 0.0, "round {round}: {found:?}");
+        } else if deepest < -noise {
+            apart += 1;
+            assert!(!hit.is_hit(), "round {round}: {hit:?}");
+            let slack = 1e-12 * nearest + noise;
+            assert!(found.lower <= nearest + slack && nearest <= found.upper + slack, "{round}: {found:?} {nearest}");
+            assert!(found.upper - found.lower <= settings.tolerance * found.distance + noise, "{round}: {found:?}");
+        } else {
+            unsure += 1;
+        }
+        // Each triangle that touches is visited once, with the contact that it has alone.
+        let mut seen = HashMap::new();
+        compound::contacts(field, &hull, pose, &settings, &mut cache, |[triangle, _], contact| {
+            assert!(seen.insert(triangle, *contact).is_none(), "round {round}: {triangle} twice");
+        });
+        for (index, (depth, corners)) in depths {
+            if depth.abs() <= noise {
+                continue;
+            }
+            let found = seen.get(&index);
+            assert_eq!(found.is_some(), depth > 0.0, "round {round}, triangle {index}: depth {depth}");
+            let Some(found) = found else { continue };
+            let shape = Triangle::new(corners).unwrap();
+            let alone = hullmap::contact(&shape, &hull, pose, &settings, &mut Cache::new());
+            assert!(alone.depth_lower <= depth + noise && depth <= alone.depth_upper + noise, "{round}: {alone:?}");
+            assert!((found.depth - alone.depth).abs() <= noise.max(1e-6 * depth), "round {round}");
+        }
+    }
+    println!("{apart} apart, {overlapping} overlapping, {unsure} unsure");
+    assert!(apart > 300 && overlapping > 300 && unsure < 40);
+}
+
+#[test]
+fn rays_hit_the_first_triangle_and_vertical_ones_find_the_ground() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let fields = fields(&mut rng);
+    let (mut hits, mut misses, mut ground) = (0, 0, 0);
+    for round in 0..4500 {
+        let field = &fields[round % fields.len()];
+        let [low, high] = field.bounds();
+        let size = (high - low).max(DVec3::splat(0.1 * (high.x - low.x)));
+        let mut at = |z: f64| low + DVec3::new(rng.unit() * 1.1 - 0.05, rng.unit() * 1.1 - 0.05, z) * size;
+        let (origin, target) = (at(1.5), at(0.5));
+        let down = usize::is_multiple_of(round, 3);
+        let dir = if down { DVec3::new(0.0, 0.0, -size.z) } else { target - origin };
+        let ray = Ray::new(origin, dir).unwrap();
+        let found = compound::ray(field, &ray, &CastSettings::default());
+        let crossings: Vec<_> = triangles(field).into_iter().map(|(_, corners)| crossing(&ray, corners)).collect();
+        if crossings.iter().any(Option::is_none) {
+            continue;
+        }
+        let first = crossings.iter().copied().flatten().flatten().fold(f64::INFINITY, f64::min);
+        let at_point = field.height_at(origin.x, origin.y);
+        if down {
+            assert_eq!(at_point.is_some(), first < f64::INFINITY, "round {round}");
+        }
+        if first == f64::INFINITY {
+            misses += 1;
+            assert!(!found.answer.hit, "round {round}: {found:?}");
+            continue;
+        }
+        hits += 1;
+        let (lower, upper) = (found.answer.t_lower, found.answer.t_upper);
+        let slack = 1e-9 * (1.0 + first);
+        assert!(found.answer.hit, "round {round}: {found:?} {first}");
+        assert!(lower <= first + slack && first <= upper + slack, "round {round}: {found:?} {first}");
+        assert!(upper - lower <= 1e-6 * (1.0 + first), "round {round}: {found:?}");
+        if let Some(at_point) = at_point.filter(|_| down) {
+            ground += 1;
+            let z = origin.z + first * dir.z;
+            assert!((at_point.height - z).abs() <= 1e-9 * size.z + 1e-9 * z.abs(), "round {round}: {at_point:?} {z}");
+            assert_eq!(at_point.triangle, found.hulls[0], "round {round}");
+            let [a, b, c] = field.triangle(at_point.triangle).unwrap().corners();
+            let normal = (b - a).cross(c - a).normalize();
+            assert!(at_point.normal.distance(normal) < 1e-12 && normal.z > 0.0);
+        }
+    }
+    println!("{hits} hits, {misses} misses, {ground} vertical");
+    assert!(hits > 1000 && misses > 300 && ground > 500);
+}
+
+/// The field as a triangle mesh, and for each triangle of the mesh that of the field.
+fn as_mesh(field: &HeightField) -> (TriangleMesh, Vec<usize>) {
+    let mut positions = Vec::new();
+    let of_field: Vec<usize> = triangles(field)
+        .into_iter()
+        .map(|(index, corners)| {
+            positions.extend(corners);
+            index
+        })
+        .collect();
+    let corners: Vec<[u32; 3]> = (0..of_field.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = mesh(&positions, &corners);
+    let sources = (0..mesh.triangle_count()).map(|i| of_field[mesh.source_triangle(i).unwrap() as usize]).collect();
+    (mesh, sources)
+}
+
+/// Fields whose vertices f32 can represent.
+fn dyadic_fields(rng: &mut SplitMix64) -> Vec<HeightField> {
+    let mut fields = Vec::new();
+    for (columns, rows, share) in [(9, 17, 0.0), (12, 7, 0.3), (2, 9, 0.1), (20, 20, 0.8)] {
+        for diagonal in Diagonal::ALL {
+            let heights: Vec<f32> = (0..columns * rows).map(|_| (1.5 * rng.unit()) as f32).collect();
+            let holes: Vec<bool> = (1..(columns - 1) * (rows - 1)).map(|_| rng.unit() < share).chain([false]).collect();
+            fields.push(field(centred(columns, rows, [0.5, 0.75], diagonal), &heights, &holes));
+        }
+    }
+    fields
+}
+
+#[test]
+fn answers_are_those_of_the_same_surface_as_a_mesh() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let pairs: Vec<_> = dyadic_fields(&mut rng).into_iter().map(|field| (as_mesh(&field), field)).collect();
+    let (settings, casts, motions) = (Settings::default(), CastSettings::default(), MotionSettings::default());
+    let (mut touching, mut met, mut deep) = (0, 0, 0);
+    for round in 0..1200 {
+        let ((mesh, sources), field) = &pairs[round % pairs.len()];
+        let (pack, pose) = body(field, &mut rng);
+        let hull = pack.hull(0).unwrap();
+        let (mut of_field, mut of_mesh) = (CompoundCache::default(), CompoundCache::default());
+        let gaps = [
+            compound::distance(field, &hull, pose, &settings, &mut of_field).answer,
+            compound::distance(mesh, &hull, pose, &settings, &mut of_mesh).answer,
+        ];
+        assert!(gaps[0].lower <= gaps[1].upper && gaps[1].lower <= gaps[0].upper, "round {round}: {gaps:?}");
+        let contacts = [
+            compound::contact(field, &hull, pose, &settings, &mut of_field),
+            compound::contact(mesh, &hull, pose, &settings, &mut of_mesh),
+        ];
+        let [Some(a), Some(b)] = contacts else {
+            assert_eq!(contacts[0].is_some(), contacts[1].is_some(), "round {round}");
+            continue;
+        };
+        touching += 1;
+        assert!(a.answer.depth_lower <= b.answer.depth_upper && b.answer.depth_lower <= a.answer.depth_upper);
+        // Manifolds belong to the same triangles, and have the same normals.
+        let manifold_settings = ManifoldSettings::default();
+        let [mut first, mut second] = [(); 2].map(|()| CompoundManifolds::new(200));
+        first.update(field, &hull, pose, &manifold_settings);
+        second.update(mesh, &hull, pose, &manifold_settings);
+        assert_eq!(first.len(), second.len(), "round {round}");
+        let normals: HashMap<_, _> = first.iter().map(|([t, _], manifold)| (t, manifold.normal())).collect();
+        for ([triangle, _], manifold) in second.iter() {
+            let normal = normals[&sources[triangle]];
+            assert!(normal.distance(manifold.normal()) < 1e-6, "round {round}: {normal} {}", manifold.normal());
+        }
+        // Casts, motions that turn, and a half-space that the field falls on.
+        let start = Pose::new(pose.translation() + DVec3::Z * 3.0, pose.rotation()).unwrap();
+        let fall = Motion::new(DVec3::new(0.3, -0.2, -2.0)).unwrap();
+        let casts = [
+            compound::cast(field, &hull, start, fall, &casts, &mut of_field).answer,
+            compound::cast(mesh, &hull, start, fall, &casts, &mut of_mesh).answer,
+        ];
+        assert_eq!(casts[0].hit, casts[1].hit, "round {round}: {casts:?}");
+        met += usize::from(casts[0].hit);
+        assert!(!casts[0].hit || casts[0].t_lower <= casts[1].t_upper && casts[1].t_lower <= casts[0].t_upper);
+        let still = RigidMotion::still(Pose::IDENTITY);
+        let turning = RigidMotion::between(start, pose).unwrap();
+        let times = [
+            compound::cast_motion(field, &still, &hull, &turning, &motions, &mut of_field).answer,
+            compound::cast_motion(mesh, &still, &hull, &turning, &motions, &mut of_mesh).answer,
+        ];
+        assert_eq!(times[0].hit, times[1].hit, "round {round}: {times:?}");
+        assert!(!times[0].hit || times[0].t_lower <= times[1].t_upper && times[1].t_lower <= times[0].t_upper);
+        let plane = HalfSpace::new(DVec3::from_array(rng.direction()), 0.5).unwrap();
+        let below = [
+            compound::half_space::contact(&plane, field, pose).answer,
+            compound::half_space::contact(&plane, mesh, pose).answer,
+        ];
+        deep += usize::from(below[0].hit);
+        assert!(below[0].hit == below[1].hit && (below[0].depth - below[1].depth).abs() < 1e-9, "round {round}");
+    }
+    println!("{touching} touching, {met} casts meet, {deep} in the half-space");
+    assert!(touching > 200 && met > 100 && deep > 100);
+}
+
+/// Classes of edges and vertices, neighbours and borders are those of the mesh.
+#[test]
+fn classes_are_those_of_the_mesh() {
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let mut counts: HashMap<EdgeClass, usize> = HashMap::new();
+    for field in dyadic_fields(&mut rng) {
+        let (mesh, sources) = as_mesh(&field);
+        for (index, triangle) in sources.iter().enumerate() {
+            // Both are counter-clockwise; the mesh may start at another corner.
+            let corners = field.triangle(*triangle).unwrap().corners();
+            let of_mesh = mesh.triangle(index).unwrap().corners();
+            let shift = of_mesh.iter().position(|corner| *corner == corners[0]).unwrap();
+            let (classes, expected) = (field.edge_classes(*triangle).unwrap(), mesh.edge_classes(index).unwrap());
+            let (near, near_expected) = (field.neighbours(*triangle).unwrap(), mesh.neighbours(index).unwrap());
+            for (edge, (class, near)) in classes.into_iter().zip(near).enumerate() {
+                let same = (edge + shift) % 3;
+                assert_eq!(class, expected[same]);
+                assert_eq!(near, near_expected[same].map(|near| sources[near as usize]));
+                *counts.entry(class).or_default() += 1;
+            }
+        }
+        let classes: HashMap<[u64; 3], VertexClass> = (0..mesh.triangle_count())
+            .flat_map(|t| {
+                let corners = mesh.triangle(t).unwrap().corners();
+                let class = |vertex: u32| mesh.vertex_class(vertex as usize).unwrap();
+                corners.into_iter().zip(mesh.corners(t).unwrap().map(class))
+            })
+            .map(|(corner, class)| (corner.to_array().map(f64::to_bits), class))
+            .collect();
+        for row in 0..field.layout().rows {
+            for column in 0..field.layout().columns {
+                let vertex = field.vertex(column, row).unwrap().to_array().map(f64::to_bits);
+                assert_eq!(field.vertex_class(column, row), classes.get(&vertex).copied(), "{column} {row}");
+            }
+        }
+    }
+    println!("{counts:?}");
+    let border_convex_concave = [EdgeClass::Border, EdgeClass::Convex, EdgeClass::Concave];
+    assert!(border_convex_concave.iter().all(|class| counts[class] > 100));
+}
+
+#[test]
+fn heights_at_edges_of_holes_are_those_of_the_ground_beside_them() {
+    let layout = centred(4, 3, [1.0, 1.0], Diagonal::Rising);
+    let mut holes = [false; 6];
+    holes[1] = true;
+    let field = field(layout, &[2.0; 12], &holes);
+    for (x, y, expected) in [
+        (-1.5, -1.0, Some(0)),
+        (-0.5, -0.5, Some(0)),
+        (0.0, -0.5, None),
+        (0.5, -0.5, Some(2)),
+        (0.0, 0.0, Some(4)),
+        (1.5, 1.0, Some(5)),
+        (1.6, 0.0, None),
+        (0.0, -1.1, None),
+        (f64::NAN, 0.0, None),
+        (0.0, f64::INFINITY, None),
+    ] {
+        let found = field.height_at(x, y);
+        assert_eq!(found.map(|ground| ground.triangle / 2), expected, "{x} {y}");
+        assert!(found.is_none_or(|ground| ground.height == 2.0 && ground.normal == DVec3::Z));
+    }
+    assert!(field.is_hole(1, 0) && !field.is_hole(0, 0) && field.is_hole(3, 0) && field.hole_count() == 1);
+    assert_eq!(
+        (field.triangle(2), field.triangle(12), field.material(3), field.material(4)),
+        (None, None, None, Some(0))
+    );
+}
+
+/// Every word of a file, with a few values in its place and the checksum corrected: the file is
+/// rejected, or queries end, and answer within the bounds.
+#[test]
+fn damaged_files_are_rejected_or_harmless() {
+    const CHECKSUM_AT: usize = 56;
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let heights: Vec<f32> = (0..7 * 9).map(|_| rng.unit() as f32).collect();
+    let holes: Vec<bool> = (0..6 * 8).map(|cell| cell == 5 || cell == 17).collect();
+    let materials: Vec<u16> = (0..6 * 8).collect();
+    let layout = centred(7, 9, [0.5, 0.5], Diagonal::Falling);
+    let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &holes, materials: &materials });
+    let file = write_height_field(baked.unwrap(), &Default::default()).unwrap();
+    let intact = HeightField::from_bytes(&file).unwrap();
+    assert_eq!(intact.material(2 * 7), Some(7));
+    let ball = Sphere::new(0.5).unwrap();
+    let (settings, near) = (Settings::default(), Pose::from_translation(DVec3::new(0.2, 0.1, 0.7)).unwrap());
+    let ray = Ray::new(DVec3::new(0.2, 0.1, 9.0), DVec3::NEG_Z).unwrap();
+    let (mut rejected, mut harmless) = (0, 0);
+    for at in (64..file.len() - 3).step_by(2) {
+        let old = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
+        for new in [0, 1, old ^ 1, old ^ 0x10, old ^ 1 << 16, old ^ 1 << 31, u32::MAX, 0x7fc0_0000, old.wrapping_mul(3)]
+        {
+            let mut file = file.clone();
+            file[at..at + 4].copy_from_slice(&new.to_le_bytes());
+            let checksum = intact.header().checksum_of(&file[64..]);
+            file[CHECKSUM_AT..64].copy_from_slice(&checksum.to_le_bytes());
+            let Ok(damaged) = HeightField::from_bytes(&file) else {
+                rejected += 1;
+                continue;
+            };
+            harmless += 1;
+            let mut cache = CompoundCache::default();
+            let gap = compound::distance(&damaged, &ball, near, &settings, &mut cache);
+            assert!(gap.answer.lower <= gap.answer.upper && gap.pairs <= 96, "{at}: {gap:?}");
+            compound::contact(&damaged, &ball, near, &settings, &mut cache);
+            compound::ray(&damaged, &ray, &CastSettings::default());
+            CompoundManifolds::new(4).update(&damaged, &ball, near, &ManifoldSettings::default());
+            damaged.height_at(0.2, 0.1);
+            for triangle in 0..damaged.triangle_count() {
+                let [low, high] = damaged.bounds();
+                let corners = damaged.triangle(triangle).map(|t| t.corners()).into_iter().flatten();
+                let is_within = |c: DVec3| c.clamp(low, high) == c;
+                assert!(corners.into_iter().all(is_within), "{at}");
+            }
+        }
+    }
+    println!("{rejected} rejected, {harmless} harmless");
+    // Materials are not followed, a height may move within its range, and an origin anywhere.
+    assert!(rejected > harmless && harmless > 100, "{rejected} {harmless}");
+    let mut file = file;
+    for at in 64..file.len() {
+        file[at] ^= 4;
+        assert!(HeightField::from_bytes(&file).is_err(), "byte {at}");
+        file[at] ^= 4;
+    }
+}
+
+/// A query of a large field compares few boxes, also over a large hole.
+#[test]
+fn work_grows_with_the_logarithm_of_the_field() {
+    let ball = Sphere::new(0.5).unwrap();
+    let near = Pose::from_translation(DVec3::new(0.2, 0.1, 0.4)).unwrap();
+    let ray = Ray::new(DVec3::new(0.2, 0.1, 9.0), DVec3::NEG_Z).unwrap();
+    let mut counts = Vec::new();
+    for cells in [8, 32, 128, 512] {
+        let size = cells + 1;
+        let layout = centred(size, size, [1.0, 1.0], Diagonal::Rising);
+        let whole = field(layout, &vec![0.0; size * size], &[]);
+        let gap = compound::distance(&whole, &ball, near, &Settings::default(), &mut CompoundCache::default());
+        let hit = compound::ray(&whole, &ray, &CastSettings::default());
+        println!("{} triangles: {} and {} boxes, {} pairs", whole.triangle_count(), gap.boxes, hit.boxes, gap.pairs);
+        assert!(gap.pairs <= 4 && hit.pairs <= 8, "{gap:?} {hit:?}");
+        counts.push((gap.boxes, hit.boxes));
+        // Only the border has ground.
+        let holes: Vec<bool> = (0..cells * cells)
+            .map(|cell| [cell % cells, cell / cells].iter().all(|at| (1..cells - 1).contains(at)))
+            .collect();
+        let ring = field(layout, &vec![0.0; size * size], &holes);
+        let settings = CastSettings::default();
+        let miss = compound::ray(&ring, &ray, &settings);
+        // Two boxes of each level, at most.
+        let levels = 2 * cells.ilog2() + 1;
+        assert!(!miss.answer.hit && miss.pairs == 0 && miss.boxes <= 2 * levels + 1, "{miss:?}");
+        let gap = compound::distance(&ring, &ball, near, &Settings::default(), &mut CompoundCache::default());
+        let expected = 0.5 * cells as f64 - 1.2;
+        assert!(gap.answer.lower <= expected && gap.answer.upper >= expected - 0.5, "{gap:?}");
+        println!("a ring: {} boxes, {} pairs", gap.boxes, gap.pairs);
+        assert!(gap.boxes < 200 + 8 * cells as u32, "{gap:?}");
+    }
+    let (first, last) = (counts[0], counts[3]);
+    // 4096 times as many triangles: twelve more levels.
+    assert!(last.0 <= first.0 + 96 && last.1 <= first.1 + 96, "{counts:?}");
+}

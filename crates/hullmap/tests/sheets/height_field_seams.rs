@@ -1,0 +1,168 @@
+//! Bodies that slide over height fields do not stumble: over edges inside a field, nor where two
+//! fields meet.
+
+use glam::{DQuat, DVec3};
+use hullmap::compound::seams::{self, Neighbour, Side, Union};
+use hullmap::height_field::{Diagonal, Layout};
+use hullmap::shapes::Cuboid;
+use hullmap::{Cache, CompoundManifolds, HeightField, Manifold, ManifoldSettings, Pose};
+
+use crate::height_field::{centred, field};
+
+/// A field of 10 × 10 cells with these heights for each column.
+fn ridge(heights: [f32; 11], diagonal: Diagonal) -> HeightField {
+    field(centred(11, 11, [1.0, 1.0], diagonal), &heights.repeat(11), &[])
+}
+
+/// A box that slides over triangles, a little below their surface, over every kind of edge inside
+/// it: all normals are those of the faces.
+#[test]
+fn a_box_does_not_stumble_over_edges_inside_a_field() {
+    const FOLDED: [f32; 11] = [0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0];
+    let settings = ManifoldSettings::default();
+    let mut replaced = 0;
+    for diagonal in Diagonal::ALL {
+        let (flat, folded) = (ridge([0.0; 11], diagonal), ridge(FOLDED, diagonal));
+        for (field, half, speed) in [
+            (&flat, DVec3::new(0.3, 0.3, 0.2), 2.0),
+            (&flat, DVec3::new(0.01, 0.02, 0.01), 2.0),
+            (&folded, DVec3::splat(0.1), 0.3),
+        ] {
+            let die = Cuboid::new(half).unwrap();
+            let sunk = 1e-3 * half.z;
+            for step in 0..500 {
+                // Along x, not parallel to the diagonals, on the flat part before the valley.
+                let x = -4.5 + 0.008 * f64::from(step) * speed;
+                let at = DVec3::new(x, 0.137 + 0.1 * x, half.z - sunk);
+                let pose = Pose::new(at, DQuat::from_rotation_z(0.3 * x)).unwrap();
+                let (mut manifolds, mut alone) = (CompoundManifolds::new(64), CompoundManifolds::new(64));
+                alone.set_welding(false);
+                manifolds.update(field, &die, pose, &settings);
+                alone.update(field, &die, pose, &settings);
+                let is_steep = |normal: DVec3| normal.distance(DVec3::Z) > 1e-3;
+                replaced += usize::from(alone.iter().any(|(_, manifold)| is_steep(manifold.normal())));
+                assert!(!manifolds.is_empty(), "x = {x}");
+                for ([triangle, _], manifold) in manifolds.iter() {
+                    let normal = manifold.normal();
+                    assert!(!is_steep(normal), "x = {x}, half {half}: triangle {triangle} has the normal {normal}");
+                    assert!(manifold.points().iter().all(|p| p.depth <= sunk * 1.001), "x = {x}");
+                }
+            }
+        }
+    }
+    println!("{replaced} poses stumble without welding");
+    assert!(replaced > 50, "the poses are too easy: {replaced}");
+}
+
+/// A box that slides on the ground keeps its height: the depth of its deepest point does not jump
+/// from cell to cell, on a surface that undulates gently.
+#[test]
+fn the_depth_of_a_sliding_ball_of_points_does_not_jump() {
+    let (columns, rows) = (41, 5);
+    let layout = centred(columns, rows, [0.25, 0.25], Diagonal::Falling);
+    let heights: Vec<f32> = (0..columns * rows).map(|i| (0.05 * ((i % columns) as f64 * 0.3).sin()) as f32).collect();
+    let field = field(layout, &heights, &[]);
+    let die = Cuboid::new(DVec3::new(0.02, 0.02, 0.02)).unwrap();
+    let settings = ManifoldSettings::default();
+    let mut last: Option<f64> = None;
+    let mut manifolds = CompoundManifolds::new(32);
+    for step in 0..2000 {
+        let x = -4.0 + 0.004 * f64::from(step);
+        let ground = field.height_at(x, 0.1).unwrap();
+        let turn = DQuat::from_rotation_arc(DVec3::Z, ground.normal);
+        let pose = Pose::new(DVec3::new(x, 0.1, ground.height) + 0.0199 * ground.normal, turn).unwrap();
+        manifolds.update(&field, &die, pose, &settings);
+        let depth = manifolds.iter().flat_map(|(_, m)| m.points().iter().map(|p| p.depth)).fold(0.0, f64::max);
+        assert!(depth > 0.0, "x = {x}");
+        if let Some(last) = last {
+            // A step of 4 mm on a slope that changes by at most a few percent from cell to cell.
+            assert!((depth - last).abs() < 1e-3, "x = {x}: {last} then {depth}");
+        }
+        last = Some(depth);
+    }
+}
+
+/// Two height fields side by side as one union: parts of the second one follow those of the first.
+struct Tiles<'f> {
+    fields: [&'f HeightField; 2],
+    /// Poses in the frame of the union.
+    places: [Pose; 2],
+}
+
+impl Tiles<'_> {
+    fn of(&self, part: usize) -> (usize, usize) {
+        let first = self.fields[0].triangle_count();
+        if part < first { (0, part) } else { (1, part - first) }
+    }
+}
+
+impl Union for Tiles<'_> {
+    fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
+        let mut base = 0;
+        for (field, place) in self.fields.into_iter().zip(self.places) {
+            let own = place.inverse().transform_point(point);
+            let found = seams::of(field).any_near(own, reach, &mut |near| {
+                test(Neighbour { index: base + near.index, shape: near.shape, place })
+            });
+            if found {
+                return true;
+            }
+            base += field.triangle_count();
+        }
+        false
+    }
+
+    fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
+        let (tile, part) = self.of(part);
+        let place = self.places[tile];
+        let normal = seams::of(self.fields[tile]).face_towards(part, place.inverse_transform_vector(dir))?;
+        Some(place.transform_vector(normal))
+    }
+
+    fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
+        let (tile, part) = self.of(part);
+        let place = self.places[tile];
+        seams::of(self.fields[tile]).faces_near(part, vertex, &mut |normal, point| {
+            visit(place.transform_vector(normal), place.transform_point(point));
+        });
+    }
+}
+
+/// The scene of jrouwe/JoltPhysics#1922: a box slides from one height field onto the next, and no
+/// normal points along its way. [`seams::weld`] corrects it, given the union of both.
+#[test]
+fn a_box_does_not_stumble_where_two_fields_meet() {
+    let layout = |diagonal| Layout { origin: [0.0, -2.0], ..centred(5, 5, [1.0, 1.0], diagonal) };
+    let settings = ManifoldSettings::default();
+    let mut replaced = 0;
+    for (left, right) in [(Diagonal::Rising, Diagonal::Rising), (Diagonal::Rising, Diagonal::Falling)] {
+        let fields = [field(layout(left), &[0.0; 25], &[]), field(layout(right), &[0.0; 25], &[])];
+        let places = [-4.0, 0.0].map(|x| Pose::from_translation(DVec3::new(x, 0.0, 0.0)).unwrap());
+        let tiles = Tiles { fields: [&fields[0], &fields[1]], places };
+        let half = DVec3::new(0.2, 0.3, 0.1);
+        let die = Cuboid::new(half).unwrap();
+        for step in 0..600 {
+            let x = -0.6 + 0.002 * f64::from(step);
+            let at = DVec3::new(x, 0.05 * x, half.z - 1e-3);
+            let mut held = 0;
+            for part in 0..64 {
+                let (tile, own) = tiles.of(part);
+                let place = places[tile];
+                let triangle = fields[tile].triangle(own).unwrap();
+                let in_field = Pose::from_translation(at - place.translation()).unwrap();
+                let mut manifold = Manifold::new();
+                manifold.update(&triangle, &die, in_field, &settings, &mut Cache::new());
+                let is_steep = |manifold: &Manifold| manifold.normal().distance(DVec3::Z) > 1e-3;
+                replaced += usize::from(!manifold.points().is_empty() && is_steep(&manifold));
+                let a = Side { shape: &triangle, union: Some((&tiles as &dyn Union, part, place)) };
+                let b = Side { shape: &die, union: None };
+                seams::weld(&mut manifold, &Manifold::new(), &a, &b, in_field, &settings);
+                held += manifold.points().len();
+                assert!(manifold.points().is_empty() || !is_steep(&manifold), "x = {x}: {}", manifold.normal());
+            }
+            assert!(held >= 3, "x = {x}: {held} points");
+        }
+    }
+    println!("{replaced} manifolds stumble without welding");
+    assert!(replaced > 50);
+}
