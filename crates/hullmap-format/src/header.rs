@@ -33,6 +33,22 @@ pub enum FileKind {
 }
 
 impl FileKind {
+    /// All kinds.
+    pub const ALL: [Self; 2] = [Self::Pack, Self::TriangleMesh];
+
+    /// The kind of a file that starts with these bytes; `None` if it is of no kind.
+    pub fn of(start: &[u8]) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| start.starts_with(&kind.magic()))
+    }
+
+    /// File name extension, without the dot.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Pack => "hullmap",
+            Self::TriangleMesh => triangle_mesh::EXTENSION,
+        }
+    }
+
     /// First bytes of every file of this kind.
     pub const fn magic(self) -> [u8; 8] {
         match self {
@@ -45,7 +61,7 @@ impl FileKind {
     const fn writer(self) -> &'static str {
         match self {
             Self::Pack => "`bake build`",
-            Self::TriangleMesh => "`hullmap_bake::triangle_mesh`",
+            Self::TriangleMesh => "`bake build --keep-triangles`",
         }
     }
 

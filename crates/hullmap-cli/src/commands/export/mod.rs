@@ -27,7 +27,7 @@ use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, through_link};
-use crate::packs::{PackPlace, find_packs, is_pack};
+use crate::packs::{PackPlace, find_packs, is_baked};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
@@ -296,7 +296,7 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     if target.is_dir() || target.file_name().is_none() {
         return usage(format!("--out {shown}: is a folder; name the file to write, or add --parts"));
     }
-    if is_pack(target) {
+    if is_baked(target) {
         return usage(format!("--out {shown}: has the extension of packs; name another file"));
     }
     Ok(())
