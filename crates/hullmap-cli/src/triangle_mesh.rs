@@ -109,8 +109,7 @@ impl MeshSummary {
 pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
     let vertices: Vec<[f32; 3]> =
         (0..mesh.vertex_count()).filter_map(|vertex| mesh.vertex(vertex)).map(|vertex| vertex.to_array()).collect();
-    let triangles: Vec<[u32; 3]> =
-        (0..mesh.triangle_count()).filter_map(|triangle| mesh.corners(triangle)).collect();
+    let triangles: Vec<[u32; 3]> = (0..mesh.triangle_count()).filter_map(|triangle| mesh.corners(triangle)).collect();
     let packed = |classes: [EdgeClass; 3]| {
         classes.iter().enumerate().fold(0, |word, (edge, class)| word | class.code() << (4 * edge))
     };

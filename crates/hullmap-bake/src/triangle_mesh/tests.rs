@@ -174,7 +174,11 @@ fn t_junctions_are_those_of_the_slow_twin() {
             let (positions, corners) = rows(widths, turn, scale);
             let baked = bake(&positions, &corners);
             let found = TJunctions { count: expected, is_complete: true };
-            assert_eq!((baked.t_junctions(), t_junctions_by_hand(&baked.mesh)), (found, expected), "{widths:?} {scale}");
+            assert_eq!(
+                (baked.t_junctions(), t_junctions_by_hand(&baked.mesh)),
+                (found, expected),
+                "{widths:?} {scale}"
+            );
         }
     }
     let (positions, corners) = cube();

@@ -190,11 +190,7 @@ fn build_table(rows: &[&Row]) -> Table {
         if has_triangles {
             cells.push(number(mesh.map(|mesh| mesh.triangles)));
         }
-        cells.extend([
-            or_dash(row.bytes, grouped),
-            format!("{:.1}", row.millis),
-            row.status.word().to_owned(),
-        ]);
+        cells.extend([or_dash(row.bytes, grouped), format!("{:.1}", row.millis), row.status.word().to_owned()]);
         table.push(cells);
     }
     table

@@ -201,7 +201,8 @@ fn compare_triangles(mesh: &TriangleMesh, source: &SourceTriangles, findings: &m
         }
         match is_used.get_mut(from) {
             Some(is_used) if !*is_used => *is_used = true,
-            _ => findings.add(|| format!("triangle {index}: triangle {from} of the source is there twice, or not at all")),
+            _ => findings
+                .add(|| format!("triangle {index}: triangle {from} of the source is there twice, or not at all")),
         }
         let material = source.materials.get(from).copied().unwrap_or_default();
         findings.compare(&format!("material of triangle {index}"), mesh.material(index), Some(material));
@@ -295,12 +296,7 @@ fn is_on_a_line(triangle: &[DVec3; 3]) -> bool {
 }
 
 /// The classes that the edge of two triangles may have: one, unless rounding decides.
-fn between(
-    triangles: &[[DVec3; 3]],
-    corners: &[[u32; 3]],
-    a: (usize, usize),
-    b: (usize, usize),
-) -> Vec<EdgeClass> {
+fn between(triangles: &[[DVec3; 3]], corners: &[[u32; 3]], a: (usize, usize), b: (usize, usize)) -> Vec<EdgeClass> {
     let start = |(index, edge): (usize, usize)| corners[index][edge];
     if start(a) == start(b) {
         return vec![EdgeClass::Reversed];
@@ -458,7 +454,8 @@ fn compare_points(
         })
         .collect();
     let judge = |point: &DVec3| {
-        let least = triangles.iter().map(|triangle| closest(triangle, *point).distance(*point)).fold(f64::INFINITY, f64::min);
+        let least =
+            triangles.iter().map(|triangle| closest(triangle, *point).distance(*point)).fold(f64::INFINITY, f64::min);
         let (Ok(pose), Ok(dot)) = (Pose::from_translation(*point), Sphere::new(0.0)) else {
             return (f64::NAN, f64::NAN, false);
         };

@@ -280,7 +280,10 @@ mod tests {
     fn text(fault: &str) -> String {
         let mut text = String::from("f 1 3 2\n");
         for i in 0..40 {
-            text += &format!("o part {i}\nusemtl m {}\nv {i} 0.1 2\nv 1 {i} -3e-5 2\nv 0 0 {i}\ng x\nf -1 -2 -3\nl -1 1\n", i % 7);
+            text += &format!(
+                "o part {i}\nusemtl m {}\nv {i} 0.1 2\nv 1 {i} -3e-5 2\nv 0 0 {i}\ng x\nf -1 -2 -3\nl -1 1\n",
+                i % 7
+            );
             text += "f 1 2 \\\n 3 1\n\np 2 # remark\n";
             if i == 25 {
                 text += fault;

@@ -134,8 +134,8 @@ fn source_of(
         SourceSearch::Found(source) => Ok(Some(*source)),
         SourceSearch::Absent(why) if args.require_source => {
             let recorded = opened.source_path();
-            let why = why
-                .unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
+            let why =
+                why.unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
             Err(Failure::rejected(format!("{file}: {why}; name the source with --source")))
         }
         SourceSearch::Absent(why) => {
