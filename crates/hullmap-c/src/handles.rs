@@ -39,8 +39,8 @@ fn not_found(error: hullmap::NoSuchHull) -> Failure {
     Failure::new(Code::NotFound, error)
 }
 
-/// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may share
-/// it.
+/// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may
+/// share it.
 #[derive(Debug)]
 pub struct TriangleMesh(Arc<hullmap::TriangleMesh>);
 

@@ -1,5 +1,5 @@
-//! Queries one pair of hulls, packs or triangle meshes in many poses, and names the fields of the answers as the
-//! command's JSON does.
+//! Queries one pair of hulls, packs or triangle meshes in many poses, and names the fields of the
+//! answers as the command's JSON does.
 
 use glam::DVec3;
 use hullmap::{Compound, CompoundCache, Contact, Hull, Overlap, Pose, Settings, Status, TriangleMesh, compound};

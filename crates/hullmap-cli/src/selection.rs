@@ -19,8 +19,8 @@ pub struct Selection {
 
 impl Selection {
     /// Splits `text` at a `#`: after the longest prefix that names an existing file; otherwise
-    /// after the first prefix that ends in `.hullmap` or `.hullmesh`; otherwise at the last `#`. So both files and
-    /// hulls may have a `#` in their names.
+    /// after the first prefix that ends in `.hullmap` or `.hullmesh`; otherwise at the last `#`. So
+    /// both files and hulls may have a `#` in their names.
     pub fn parse(text: &str) -> Self {
         let whole = || Self { file: PathBuf::from(text), hull: None };
         if Path::new(text).is_file() {

@@ -125,8 +125,8 @@ impl DisplayMesh {
         (self.merged(cells), groups.iter().map(|edges| renumbered(edges, &new)).collect())
     }
 
-    /// Number of cells along the longest side of the finest grid that meets the limit; `None` if the
-    /// whole mesh does.
+    /// Number of cells along the longest side of the finest grid that meets the limit; `None` if
+    /// the whole mesh does.
     fn cells_for(&self, limit: usize) -> Option<u32> {
         let fits = |mesh: &Self| mesh.triangles.len() <= limit && mesh.points.len() <= MAX_CORNERS;
         if fits(self) {

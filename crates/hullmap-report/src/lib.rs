@@ -1,4 +1,5 @@
-//! HTML report of a pack, of a triangle mesh or of a robot: one page that any browser opens, without a network.
+//! HTML report of a pack, of a triangle mesh or of a robot: one page that any browser opens,
+//! without a network.
 //!
 //! The caller opens the pack, finds its source, verifies it and collects remarks; all of that comes
 //! in as an [`Input`].

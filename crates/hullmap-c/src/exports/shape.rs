@@ -46,9 +46,9 @@ pub unsafe extern "C" fn hullmap_shape_compound(pack: *const Pack, shape: *mut *
     unsafe { make(shape, || Ok(Shape::compound(border::handle("pack", pack)?))) }
 }
 
-/// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers have
-/// the index of the triangle in place of that of a hull. It has no support points and no signed
-/// distance.
+/// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers
+/// have the index of the triangle in place of that of a hull. It has no support points and no
+/// signed distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_triangle_mesh(mesh: *const TriangleMesh, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.

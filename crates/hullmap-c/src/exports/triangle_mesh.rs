@@ -9,8 +9,8 @@ use crate::failure::Failure;
 use crate::handles::TriangleMesh;
 use crate::types::{MeshTriangle, Result};
 
-/// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is copied
-/// into memory and checked completely, so that no file can harm a later query.
+/// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is
+/// copied into memory and checked completely, so that no file can harm a later query.
 ///
 /// path: in UTF-8 on Windows, in the system's bytes elsewhere.
 #[unsafe(no_mangle)]
@@ -33,8 +33,8 @@ pub unsafe extern "C" fn hullmap_triangle_mesh_from_memory(
     mesh: *mut *mut TriangleMesh,
 ) -> Result {
     call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header. Nothing keeps a reference to
-        // the bytes after this call.
+        // SAFETY: the caller keeps the rules at the head of the header. Nothing keeps a reference
+        // to the bytes after this call.
         let (out, bytes) = unsafe { (Out::of_handle("mesh", mesh)?, border::array("bytes", bytes, length)?) };
         let opened = hullmap::TriangleMesh::from_bytes(bytes);
         out.give(TriangleMesh::new(opened.map_err(|error| Failure::new(Result::InvalidPack, error))?));

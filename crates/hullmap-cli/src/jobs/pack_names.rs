@@ -1,5 +1,5 @@
-//! Names of packs: `x.hullmap` for `x.obj`, or `x.obj.hullmap` beside `x.stl`. The names of triangle
-//! meshes differ in their extension alone.
+//! Names of packs: `x.hullmap` for `x.obj`, or `x.obj.hullmap` beside `x.stl`. The names of
+//! triangle meshes differ in their extension alone.
 //!
 //! A mesh keeps its extension in the name of its pack if another mesh of the build would otherwise
 //! have the same pack, or a pack whose name differs in case alone, which is the same file on some

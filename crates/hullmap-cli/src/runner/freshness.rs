@@ -1,10 +1,10 @@
 //! Freshness: whether a pack is what a bake would write, judged by its bytes and never by time
 //! stamps.
 //!
-//! Here, a triangle mesh counts as a pack. A pack is fresh if its header holds this format version and the hash of the source's bytes; if
-//! it records the options and the source's path; and if it opens, which checks a checksum over
-//! every byte. So a damaged pack is never fresh. A stale header is detected after 64 bytes;
-//! checking a fresh pack costs less than hashing its source.
+//! Here, a triangle mesh counts as a pack. A pack is fresh if its header holds this format version
+//! and the hash of the source's bytes; if it records the options and the source's path; and if it
+//! opens, which checks a checksum over every byte. So a damaged pack is never fresh. A stale header
+//! is detected after 64 bytes; checking a fresh pack costs less than hashing its source.
 
 use std::io::{self, Read};
 use std::path::Path;

@@ -5,8 +5,8 @@
 //!    [`VertexCheck`] can parse them here too.
 //! 3. `f`, `l`, `p`: resolve the references to zero-based vertex indices. Negative ones count back
 //!    from their line.
-//! 4. `o` starts an object, and `usemtl` a run of faces with a material. Everything else (`vt`, `vn`,
-//!    `g`, …) has no effect on a hull and is not checked.
+//! 4. `o` starts an object, and `usemtl` a run of faces with a material. Everything else (`vt`,
+//!    `vn`, `g`, …) has no effect on a hull and is not checked.
 //! 5. Positive references may point ahead, so they are compared with the vertex count at the end.
 //!
 //! A large file is scanned in parts, in parallel. The result does not depend on where it is cut.

@@ -183,7 +183,8 @@ impl TriangleMesh {
         self.record().map_or(0, |record| record.degenerate.to_native() as usize)
     }
 
-    /// Number of triangles with the same three vertices as an earlier one, as the bake counted them.
+    /// Number of triangles with the same three vertices as an earlier one, as the bake counted
+    /// them.
     pub fn duplicate_count(&self) -> usize {
         self.record().map_or(0, |record| record.duplicate.to_native() as usize)
     }

@@ -124,8 +124,8 @@ fn merge(args: &ReportArgs, places: &[PackPlace], out: &mut Output) -> Result<Ex
     end(exit, print_written(&args.out, cards.len(), page.len(), out))
 }
 
-/// Name of a pack's card: its path below the folder, without extension. A triangle mesh keeps it, to
-/// differ from a pack.
+/// Name of a pack's card: its path below the folder, without extension. A triangle mesh keeps it,
+/// to differ from a pack.
 fn name_of(args: &ReportArgs, place: &PackPlace) -> String {
     let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
     match kind_by_name(below) {
