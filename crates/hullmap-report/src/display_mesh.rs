@@ -21,7 +21,7 @@ const MAX_CORNERS: usize = 1 << 16;
 const FINEST_GRID: u32 = 2048;
 
 /// Points, triangles and edges, in source units.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisplayMesh {
     /// Corners.
     pub points: Vec<[f32; 3]>,
@@ -239,6 +239,22 @@ mod tests {
                 assert!(small_low[axis] >= low[axis] && small_high[axis] <= high[axis]);
             }
         }
+    }
+
+    /// The groups follow the corners of the thinned mesh.
+    #[test]
+    fn groups_of_edges_are_thinned_with_their_mesh() {
+        let (pack, _) = baked(cloud(4000), IndexKind::None);
+        let mesh = whole(&pack);
+        let (even, odd) = mesh.edges.iter().partition(|[from, _]| from % 2 == 0);
+        let groups: Vec<Vec<[u32; 2]>> = vec![even, odd];
+        assert_eq!(mesh.with_groups(1 << 20, &groups), (mesh.clone(), groups.clone()));
+        let (small, thinned) = mesh.with_groups(400, &groups);
+        assert_eq!(small, mesh.with_at_most(400));
+        let mut all = thinned.concat();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all, small.edges);
     }
 
     #[test]

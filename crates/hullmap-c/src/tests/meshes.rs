@@ -73,7 +73,8 @@ fn wrong_files_are_errors() {
         assert!(message().contains("not a hullmap triangle mesh"), "{}", message());
         assert_eq!(hullmap_triangle_mesh_from_memory(null(), 5, &raw mut handle), Code::Null);
         assert_eq!(hullmap_triangle_mesh_open(c"no/such/file".as_ptr(), &raw mut handle), Code::Io);
-        assert_eq!(hullmap_shape_triangle_mesh(null(), &raw mut null_mut()), Code::Null);
+        let mut shape = null_mut::<Shape>();
+        assert_eq!(hullmap_shape_triangle_mesh(null(), &raw mut shape), Code::Null);
         hullmap_triangle_mesh_free(null_mut());
     }
     let folder = tempfile::tempdir().unwrap();
