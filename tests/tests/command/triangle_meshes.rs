@@ -346,7 +346,10 @@ fn exported_triangles_bake_to_the_same_mesh() {
         ("export o/level.hullmesh --for unreal --out x.glb", "leave out --for"),
         ("export o/level.hullmesh --hull 0 --out x.obj", "leave out --hull"),
         ("export o/level.hullmesh --format json", "bake inspect --json --vertices"),
-        ("export o/level.hullmesh --for usd --out x.usda", "bake its source without --keep-triangles"),
+        (
+            "export o/level.hullmesh --for usd --prim /World/level --out x.usda",
+            "bake its source without --keep-triangles",
+        ),
         ("query o/level.hullmesh#3 o/level.hullmesh", "leave out `#3`"),
     ] {
         let run = run(&folder, line);
