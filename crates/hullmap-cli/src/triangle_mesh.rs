@@ -143,7 +143,7 @@ pub fn bake_triangles(imported: &Imported, source: &SourceRecord) -> Result<Bake
     if points.triangles.is_empty() {
         return Err(NO_FACES.to_owned());
     }
-    let materials = imported.materials.of_triangles(faces).ok_or_else(|| {
+    let materials = imported.materials.of_triangles(&faces.ends).ok_or_else(|| {
         let count = imported.materials.names().len();
         format!("has {count} materials, and a triangle mesh has at most {}; merge some", u16::MAX)
     })?;

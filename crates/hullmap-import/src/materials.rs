@@ -1,7 +1,5 @@
 //! Materials of the faces of a file: their names, and runs of consecutive faces with the same one.
 
-use crate::mesh::Polygons;
-
 /// Materials of the faces, each as a number. The number 0 stands for no material.
 ///
 /// ```
@@ -12,7 +10,7 @@ use crate::mesh::Polygons;
 /// let (options, limits) = (ImportOptions::DEFAULT, Limits::DEFAULT);
 /// let imported = import("a.obj", "a", "a.obj".as_ref(), &source, &options, &limits)?;
 /// // The square is two triangles.
-/// assert_eq!(imported.materials.of_triangles(&imported.faces[0]), Some(vec![0, 1, 1]));
+/// assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![0, 1, 1]));
 /// assert_eq!(imported.materials.names(), ["rock"]);
 /// # Ok::<(), hullmap_import::ImportError>(())
 /// ```
@@ -41,19 +39,21 @@ impl Materials {
         self.unknown_count
     }
 
-    /// Material of each triangle of `faces`, in the order of [`Polygons::triangles`]; empty if no
-    /// face has a material. `faces` are all faces of the file. `None` if a number exceeds 65,535.
+    /// Material of each triangle of the faces, in the order of
+    /// [`Polygons::triangles`](crate::Polygons::triangles); empty if no face has a material. `ends`
+    /// are those of all faces of the file. `None` if a number exceeds 65,535.
     ///
     /// # Complexity
     /// O(triangles).
-    pub fn of_triangles(&self, faces: &Polygons) -> Option<Vec<u16>> {
+    pub fn of_triangles(&self, ends: &[u32]) -> Option<Vec<u16>> {
         if self.is_empty() {
             return Some(Vec::new());
         }
-        let mut materials = Vec::with_capacity(faces.corners.len().saturating_sub(2 * faces.len()));
+        let corners = ends.last().map_or(0, |end| *end as usize);
+        let mut materials = Vec::with_capacity(corners.saturating_sub(2 * ends.len()));
         let mut runs = self.runs.iter().peekable();
         let (mut number, mut start) = (0, 0);
-        for (face, &end) in (0_u32..).zip(&faces.ends) {
+        for (face, &end) in (0_u32..).zip(ends) {
             while let Some((_, next)) = runs.next_if(|(first, _)| *first <= face) {
                 number = u16::try_from(*next).ok()?;
             }
@@ -103,13 +103,11 @@ mod tests {
         }
         assert_eq!(materials.runs, [(0, 2), (4, 0)]);
         assert_eq!(materials.unknown_count(), 1);
-        let mut faces = Polygons::default();
-        for corners in [&[0, 1, 2][..], &[0], &[0, 1, 2, 3], &[3, 2, 1], &[3, 2, 0]] {
-            faces.push(corners);
-        }
-        assert_eq!(materials.of_triangles(&faces), Some(vec![2, 2, 2, 2, 0]));
-        assert_eq!(Materials::default().of_triangles(&faces), Some(vec![]));
+        // Of 3, 1, 4, 3 and 3 corners.
+        let ends = [3, 4, 8, 11, 14];
+        assert_eq!(materials.of_triangles(&ends), Some(vec![2, 2, 2, 2, 0]));
+        assert_eq!(Materials::default().of_triangles(&ends), Some(vec![]));
         materials.begin(4, 65_536);
-        assert_eq!(materials.of_triangles(&faces), None);
+        assert_eq!(materials.of_triangles(&ends), None);
     }
 }

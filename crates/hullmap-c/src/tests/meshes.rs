@@ -187,7 +187,9 @@ fn a_level_carries_a_box_and_has_no_support_points() {
         let pose = at(0.6);
         let code = hullmap_manifold_update(points.0, ground.0, die.0, &raw const pose, null(), &raw mut shown);
         assert_eq!(code, Code::Ok, "{}", message());
-        assert!(shown.touching > 0 && shown.count >= 3 && shown.pairs >= shown.touching, "{shown:?}");
+        // The rough floor touches the box with a few of its peaks.
+        assert!(shown.touching > 0 && shown.pairs >= shown.touching, "{shown:?}");
+        assert!(shown.count >= shown.touching as usize, "{shown:?}");
         let mut support = types::Support::default();
         assert_eq!(hullmap_support(ground.0, &raw const half, 1, &raw mut support), Code::Unsupported);
         assert!(message().contains("a triangle mesh has no support point"), "{}", message());

@@ -78,16 +78,16 @@ pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (file_a, file_b) = (open_baked(&select_a.file)?, open_baked(&select_b.file)?);
     let (a, b) = (choose(&select_a, &file_a)?, choose(&select_b, &file_b)?);
     match (a, b) {
-        (Chosen::Hulls(a), Chosen::Hulls(b)) => answer(args, poses, &a, &b, out),
-        (Chosen::Hulls(a), Chosen::Triangles(b)) => answer(args, poses, &a, b, out),
-        (Chosen::Triangles(a), Chosen::Hulls(b)) => answer(args, poses, a, &b, out),
+        (Chosen::Hulls(a), Chosen::Hulls(b)) => answer(args, poses, &*a, &*b, out),
+        (Chosen::Hulls(a), Chosen::Triangles(b)) => answer(args, poses, &*a, b, out),
+        (Chosen::Triangles(a), Chosen::Hulls(b)) => answer(args, poses, a, &*b, out),
         (Chosen::Triangles(a), Chosen::Triangles(b)) => answer(args, poses, a, b, out),
     }
 }
 
 /// What an argument names.
 enum Chosen<'a> {
-    Hulls(Compound<'a>),
+    Hulls(Box<Compound<'a>>),
     Triangles(&'a TriangleMesh),
 }
 
@@ -146,11 +146,11 @@ fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Chosen<'a>, 
     };
     let hulls: Vec<Hull> = pack.hulls().collect();
     if selection.hull.is_none() {
-        return Ok(Chosen::Hulls(Compound::new(pack)));
+        return Ok(Chosen::Hulls(Box::new(Compound::new(pack))));
     }
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
     let index = selection.choose(&names)?;
-    Ok(Chosen::Hulls(Compound::from(hulls[index])))
+    Ok(Chosen::Hulls(Box::new(Compound::from(hulls[index]))))
 }
 
 /// An empty table. `names_hulls`: with columns for the two deciding hulls.

@@ -63,7 +63,7 @@ impl<'a> SourceTriangles<'a> {
         let ([points], [faces]) = (sets, faces) else {
             return Err("the source is not one mesh".to_owned());
         };
-        let materials = materials.of_triangles(faces).ok_or("the source has too many materials")?;
+        let materials = materials.of_triangles(&faces.ends).ok_or("the source has too many materials")?;
         Ok(Self { positions: &points.positions, corners: &points.triangles, materials })
     }
 

@@ -299,10 +299,10 @@ fn primitives_have_the_materials_that_they_name() {
     let extra = r#""materials":[{"name":"rock"},{},{"name":"grass"}],"#;
     let imported = materials(extra, &[r#","material":2"#, "", r#","material":0.0"#, r#","material":9"#]);
     assert_eq!(imported.materials.names(), ["rock", "", "grass"]);
-    assert_eq!(imported.materials.of_triangles(&imported.faces[0]), Some(vec![3, 0, 1, 0]));
+    assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![3, 0, 1, 0]));
     assert_eq!(imported.materials.unknown_count(), 1);
     // Materials of another form than expected do not stop a hull.
     let imported = materials(r#""materials":{"name":7},"#, &[r#","material":"x""#, r#","material":null"#]);
     assert_eq!((imported.materials.is_empty(), imported.materials.unknown_count()), (true, 1));
-    assert_eq!(imported.materials.of_triangles(&imported.faces[0]), Some(vec![]));
+    assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![]));
 }
