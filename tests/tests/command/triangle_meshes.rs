@@ -158,8 +158,8 @@ fn options_of_hulls_are_errors() {
 #[test]
 fn flaws_are_counted_and_reported() {
     let folder = tempfile::tempdir().unwrap();
-    // Two squares and their T-junction, a repeated triangle, one without area, one on the wrong side,
-    // and three at one edge.
+    // Two squares and their T-junction, a repeated triangle, one without area, one on the wrong
+    // side, and three at one edge.
     let text = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 0\nv 9 0 0\nv 9 1 0\nv 8 0 0\n\
                 v 10 0 0\nv 9 0 1\nv 20 0 0\nv 21 0 0\nv 20 1 0\nv 20 -1 0\n\
                 f 1 2 3 4\nf 4 5 7 6\nf 5 3 8 7\nf 1 2 3\nf 1 1 2\nf 9 10 11\nf 10 9 12\nf 9 10 13\nf 14 15 16\nf 14 15 17\n";

@@ -88,7 +88,8 @@ fn wrong_files_are_errors() {
     assert_eq!(unsafe { hullmap_triangle_mesh_triangle_count(opened.0) }, 8);
 }
 
-/// The mesh as A, and as B, against every shape. The mesh's handle is freed before its shape is used.
+/// The mesh as A, and as B, against every shape. The mesh's handle is freed before its shape is
+/// used.
 #[test]
 fn queries_have_the_same_bits() {
     let (file, pack_file, pack) = (mesh_file(4), file(), open());
