@@ -195,10 +195,11 @@ fn edges_that_cross_in_one_place_cost_no_square() {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     let count = 20_000;
     for edge in 0..count {
-        let angle = f64::from(edge) / f64::from(count) * std::f64::consts::PI;
-        let (y, x) = angle.sin_cos();
+        // A point of half a circle.
+        let t = 2.0 * f64::from(edge) / f64::from(count) - 1.0;
+        let [x, y] = [1.0 - t * t, 2.0 * t].map(|c| c / (1.0 + t * t));
         let first = positions.len() as u32;
-        positions.extend([[x, y, 0.0], [-x, -y, 0.0], [y, -x, 1.0 + angle]].map(|p| p.map(|c| c as f32)));
+        positions.extend([[x, y, 0.0], [-x, -y, 0.0], [y, -x, 2.0 + t]].map(|p| p.map(|c| c as f32)));
         corners.push([first, first + 1, first + 2]);
     }
     // Many vertices near the place.

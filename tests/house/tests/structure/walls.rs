@@ -235,6 +235,7 @@ fn unsafe_code_is_in_few_files() {
         "crates/hullmap-c/src/tests/facts.rs",
         "crates/hullmap-c/src/tests/lifetimes.rs",
         "crates/hullmap-c/src/tests/manifolds.rs",
+        "crates/hullmap-c/src/tests/meshes.rs",
         "crates/hullmap-c/src/tests/misuse.rs",
         "crates/hullmap-c/src/tests/mod.rs",
         "crates/hullmap-c/src/tests/overhead.rs",
