@@ -1,4 +1,4 @@
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DQuat, DVec3};
 use hullmap_format::triangle_mesh::{check, class::VertexClass, sections::Sections};
 use rkyv::util::AlignedVec;
 use shapes::rng::SplitMix64;
@@ -168,7 +168,7 @@ fn rows(widths: &[usize], turn: DQuat, scale: f64) -> (Vec<[f32; 3]>, Vec<[u32; 
 
 #[test]
 fn t_junctions_are_those_of_the_slow_twin() {
-    let turned = DQuat::from_euler(EulerRot::XYZ, 0.3, 0.7, 1.9);
+    let turned = DQuat::from_xyzw(0.1, 0.35, 0.8, 0.4).normalize();
     for (widths, expected) in [(&[4, 4, 4][..], 0), (&[1, 2], 1), (&[2, 3], 3), (&[1, 10, 1], 18), (&[7, 5, 3], 16)] {
         for (turn, scale) in [(DQuat::IDENTITY, 1.0), (turned, 1.0), (turned, 1e-3), (turned, 1e4)] {
             let (positions, corners) = rows(widths, turn, scale);
