@@ -2,8 +2,10 @@
 //
 // Generated from crates/hullmap-c by cbindgen: do not edit. Licence: MIT OR Apache-2.0.
 //
-// A pack is a .hullmap file with one or more hulls, made by the command `bake`. A shape is a hull, a
-// whole pack as a compound, or a primitive. Queries take one shape or an ordered pair (A, B).
+// A pack is a .hullmap file with one or more hulls, made by the command `bake`; a triangle mesh is a
+// .hullmesh file, a static level or terrain. A shape is a hull, a whole pack as a compound, a
+// triangle mesh, or a primitive. Queries take one shape or an ordered pair (A, B). What is said of
+// compounds below holds for triangle meshes, with triangles in place of hulls.
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
 // Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
@@ -22,12 +24,12 @@
 //
 // Memory. A handle is made by a function with HullmapX **out, and is freed once by the function
 // that ends in _free. Freeing a handle twice, or using it after it was freed, is undefined, as for
-// free(). Handles may be freed in any order: a shape keeps its pack. Pointers into a pack (names,
+// free(). Handles may be freed in any order: a shape keeps its file. Pointers into a pack (names,
 // arrays) are valid as long as the pack or a shape made from it exists. Queries do not allocate,
 // except batches, failures, and queries of compounds: with a cache or manifold the first one, and
 // without a cache each of them.
 //
-// Threads. Packs and shapes never change: any number of threads may use them at the same time.
+// Threads. Packs, meshes and shapes never change: any number of threads may use them at the same time.
 // A cache or a manifold is for one thread at a time; a call that finds it in use by another call
 // returns HULLMAP_RESULT_BUSY. A handle must not be freed while another thread uses it. Batches run
 // on a pool of threads, one for each core (or as many as the environment variable
@@ -173,6 +175,33 @@ typedef uint32_t HullmapFeatureKind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What an edge of a triangle of a mesh is, seen from the front: HullmapMeshTriangle.edge_classes.
+enum HullmapEdgeClass
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // No other triangle has the edge.
+    HULLMAP_EDGE_CLASS_BORDER = 0,
+    // The neighbour continues in the same plane.
+    HULLMAP_EDGE_CLASS_FLAT = 1,
+    // A ridge.
+    HULLMAP_EDGE_CLASS_CONVEX = 2,
+    // A valley.
+    HULLMAP_EDGE_CLASS_CONCAVE = 3,
+    // More than two triangles have the edge.
+    HULLMAP_EDGE_CLASS_NON_MANIFOLD = 4,
+    // The neighbour has the other side in front.
+    HULLMAP_EDGE_CLASS_REVERSED = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapEdgeClass HullmapEdgeClass;
+#else
+typedef uint32_t HullmapEdgeClass;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // The solid that mass properties describe: HullmapMassProperties.source.
 enum HullmapMassSource
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -245,9 +274,13 @@ typedef struct HullmapManifold HullmapManifold;
 // An open pack: a file with one or more hulls. It never changes; threads may share it.
 typedef struct HullmapPack HullmapPack;
 
-// A shape: a hull, a whole pack as a compound, or a primitive. It never changes; threads may share
-// it. A hull and a compound keep their pack open.
+// A shape: a hull, a whole pack as a compound, a triangle mesh, or a primitive. It never changes;
+// threads may share it. A hull, a compound and a triangle mesh keep their file open.
 typedef struct HullmapShape HullmapShape;
+
+// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may share
+// it.
+typedef struct HullmapTriangleMesh HullmapTriangleMesh;
 
 // Text in UTF-8. It is not terminated, and may hold any character.
 typedef struct {
@@ -376,6 +409,22 @@ typedef struct {
     // Length of face_vertices.
     size_t face_vertex_count;
 } HullmapHullArrays;
+
+// A triangle of a mesh. Edge i goes from corner i to the next one.
+typedef struct {
+    // Its corners, counter-clockwise seen from the front.
+    HullmapVec3 corners[3];
+    // Indices of the corners among the vertices of the mesh.
+    uint32_t vertices[3];
+    // The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
+    uint32_t neighbours[3];
+    // Classes of its edges: a HullmapEdgeClass each.
+    uint32_t edge_classes[3];
+    // Its index in the mesh that was baked.
+    uint32_t source_triangle;
+    // Its material; 0 without one.
+    uint32_t material;
+} HullmapMeshTriangle;
 
 // A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
 typedef struct {
@@ -741,6 +790,33 @@ HullmapResult hullmap_pack_hull_arrays(const HullmapPack *pack,
                                        size_t hull,
                                        HullmapHullArrays *arrays);
 
+// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is copied
+// into memory and checked completely, so that no file can harm a later query.
+//
+// path: in UTF-8 on Windows, in the system's bytes elsewhere.
+HullmapResult hullmap_triangle_mesh_open(const char *path,
+                                         HullmapTriangleMesh **mesh);
+
+// Opens a triangle mesh that is in memory: all bytes of a file. They are copied, and may be freed
+// after the call; any alignment will do.
+HullmapResult hullmap_triangle_mesh_from_memory(const uint8_t *bytes,
+                                                size_t length,
+                                                HullmapTriangleMesh **mesh);
+
+// Frees a triangle mesh; NULL is allowed. Shapes made from it stay valid, and keep its memory.
+void hullmap_triangle_mesh_free(HullmapTriangleMesh *mesh);
+
+// Number of triangles of a mesh, at least 1; 0 for NULL.
+size_t hullmap_triangle_mesh_triangle_count(const HullmapTriangleMesh *mesh);
+
+// Number of vertices of a mesh; 0 for NULL.
+size_t hullmap_triangle_mesh_vertex_count(const HullmapTriangleMesh *mesh);
+
+// The triangle of index `index`, counted from 0, as answers of queries count them. O(1).
+HullmapResult hullmap_triangle_mesh_triangle(const HullmapTriangleMesh *mesh,
+                                             size_t index,
+                                             HullmapMeshTriangle *triangle);
+
 // The hull of index `hull`, counted from 0, in its own frame.
 HullmapResult hullmap_shape_hull(const HullmapPack *pack,
                                  size_t hull,
@@ -756,6 +832,12 @@ HullmapResult hullmap_shape_scaled_hull(const HullmapPack *pack,
 // All hulls of a pack together: a concave mesh that was baked as convex parts.
 HullmapResult hullmap_shape_compound(const HullmapPack *pack,
                                      HullmapShape **shape);
+
+// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers have
+// the index of the triangle in place of that of a hull. It has no support points and no signed
+// distance.
+HullmapResult hullmap_shape_triangle_mesh(const HullmapTriangleMesh *mesh,
+                                          HullmapShape **shape);
 
 // A sphere about the origin. Lengths of this and the following shapes are from 0 to 3.4e38.
 HullmapResult hullmap_shape_sphere(double radius,
@@ -785,8 +867,8 @@ HullmapResult hullmap_shape_segment(HullmapVec3 start,
                                     HullmapVec3 end,
                                     HullmapShape **shape);
 
-// The triangle between three points, from both sides: for terrain and level geometry, triangle by
-// triangle.
+// The triangle between three points, from both sides: for single triangles; a level is a
+// triangle mesh.
 HullmapResult hullmap_shape_triangle(HullmapVec3 a,
                                      HullmapVec3 b,
                                      HullmapVec3 c,

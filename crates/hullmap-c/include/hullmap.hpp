@@ -133,6 +133,37 @@ private:
     Handle handle_;
 };
 
+// An open triangle mesh. Shapes made from it keep its memory.
+class TriangleMesh {
+public:
+    static TriangleMesh open(const std::string &path) {
+        return TriangleMesh(
+            detail::made<Handle>([&](auto out) { return hullmap_triangle_mesh_open(path.c_str(), out); }));
+    }
+
+    static TriangleMesh from_memory(const void *bytes, std::size_t length) {
+        auto first = static_cast<const std::uint8_t *>(bytes);
+        return TriangleMesh(
+            detail::made<Handle>([&](auto out) { return hullmap_triangle_mesh_from_memory(first, length, out); }));
+    }
+
+    std::size_t triangle_count() const { return hullmap_triangle_mesh_triangle_count(get()); }
+    std::size_t vertex_count() const { return hullmap_triangle_mesh_vertex_count(get()); }
+
+    HullmapMeshTriangle triangle(std::size_t index) const {
+        HullmapMeshTriangle triangle{};
+        check(hullmap_triangle_mesh_triangle(get(), index, &triangle));
+        return triangle;
+    }
+
+    const HullmapTriangleMesh *get() const noexcept { return handle_.get(); }
+
+private:
+    using Handle = detail::Handle<HullmapTriangleMesh, hullmap_triangle_mesh_free>;
+    explicit TriangleMesh(Handle handle) : handle_(std::move(handle)) {}
+    Handle handle_;
+};
+
 inline std::string_view text(const HullmapText &text) { return {text.data, text.length}; }
 
 // A shape. Threads may share it.
@@ -146,6 +177,9 @@ public:
     }
     static Shape compound(const Pack &pack) {
         return make([&](auto out) { return hullmap_shape_compound(pack.get(), out); });
+    }
+    static Shape triangle_mesh(const TriangleMesh &mesh) {
+        return make([&](auto out) { return hullmap_shape_triangle_mesh(mesh.get(), out); });
     }
     static Shape sphere(double radius) {
         return make([&](auto out) { return hullmap_shape_sphere(radius, out); });

@@ -15,7 +15,7 @@ use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Segmen
 use hullmap::{CompoundCache, CompoundManifolds, SharedHull};
 
 use crate::failure::{Failure, Fallible};
-use crate::types::{ManifoldPoint, ManifoldPoints, Result as Code};
+use crate::types::{ManifoldPoint, ManifoldPoints, MeshTriangle, Result as Code};
 
 /// An open pack: a file with one or more hulls. It never changes; threads may share it.
 #[derive(Debug)]
@@ -39,8 +39,30 @@ fn not_found(error: hullmap::NoSuchHull) -> Failure {
     Failure::new(Code::NotFound, error)
 }
 
-/// A shape: a hull, a whole pack as a compound, or a primitive. It never changes; threads may share
-/// it. A hull and a compound keep their pack open.
+/// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may
+/// share it.
+#[derive(Debug)]
+pub struct TriangleMesh(Arc<hullmap::TriangleMesh>);
+
+impl TriangleMesh {
+    pub(crate) fn new(mesh: hullmap::TriangleMesh) -> Self {
+        Self(Arc::new(mesh))
+    }
+
+    pub(crate) fn mesh(&self) -> &hullmap::TriangleMesh {
+        &self.0
+    }
+
+    pub(crate) fn triangle(&self, index: usize) -> Fallible<MeshTriangle> {
+        MeshTriangle::of(&self.0, index).ok_or_else(|| {
+            let count = self.0.triangle_count();
+            Failure::new(Code::NotFound, format_args!("triangle {index} is out of range: the mesh has {count}"))
+        })
+    }
+}
+
+/// A shape: a hull, a whole pack as a compound, a triangle mesh, or a primitive. It never changes;
+/// threads may share it. A hull, a compound and a triangle mesh keep their file open.
 #[derive(Debug)]
 pub struct Shape {
     pub(crate) kind: Kind,
@@ -51,6 +73,7 @@ pub(crate) enum Kind {
     Hull(SharedHull),
     Convex(Box<dyn hullmap::Shape + Send + Sync>),
     Compound(Arc<hullmap::Pack>),
+    Mesh(Arc<hullmap::TriangleMesh>),
     HalfSpace(HalfSpace),
 }
 
@@ -66,6 +89,7 @@ impl Kind {
             Self::Hull(_) => "a hull",
             Self::Convex(_) => "a primitive",
             Self::Compound(_) => "a compound",
+            Self::Mesh(_) => "a triangle mesh",
             Self::HalfSpace(_) => "a half-space",
         }
     }
@@ -76,7 +100,7 @@ impl Kind {
         match self {
             Self::Hull(hull) => Some(hull.hull()),
             Self::Convex(shape) => Some(&**shape),
-            Self::Compound(_) | Self::HalfSpace(_) => None,
+            Self::Compound(_) | Self::Mesh(_) | Self::HalfSpace(_) => None,
         }
     }
 }
@@ -93,6 +117,10 @@ impl Shape {
 
     pub(crate) fn compound(pack: &Pack) -> Self {
         Self { kind: Kind::Compound(Arc::clone(&pack.0)) }
+    }
+
+    pub(crate) fn triangle_mesh(mesh: &TriangleMesh) -> Self {
+        Self { kind: Kind::Mesh(Arc::clone(&mesh.0)) }
     }
 
     pub(crate) fn sphere(radius: f64) -> Fallible<Self> {

@@ -29,7 +29,7 @@ trait ShapeQuery {
 
     fn plane<B: hullmap::Shape + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer>;
 
-    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<Self::Answer>;
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer>;
 }
 
 /// Checks that the two kinds have queries at all.
@@ -48,6 +48,14 @@ fn run<Q: ShapeQuery>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
         (Kind::Hull(a), Kind::Compound(b)) => query.parts(&Compound::from(*a.hull()), &Compound::new(b)),
         (Kind::Compound(a), Kind::Convex(b)) => query.parts(&Compound::new(a), convex(&**b)),
         (Kind::Convex(a), Kind::Compound(b)) => query.parts(convex(&**a), &Compound::new(b)),
+        (Kind::HalfSpace(a), Kind::Mesh(b)) => query.plane_and_parts(a, &**b),
+        (Kind::Mesh(a), Kind::Mesh(b)) => query.parts(&**a, &**b),
+        (Kind::Mesh(a), Kind::Compound(b)) => query.parts(&**a, &Compound::new(b)),
+        (Kind::Compound(a), Kind::Mesh(b)) => query.parts(&Compound::new(a), &**b),
+        (Kind::Mesh(a), Kind::Hull(b)) => query.parts(&**a, &Compound::from(*b.hull())),
+        (Kind::Hull(a), Kind::Mesh(b)) => query.parts(&Compound::from(*a.hull()), &**b),
+        (Kind::Mesh(a), Kind::Convex(b)) => query.parts(&**a, convex(&**b)),
+        (Kind::Convex(a), Kind::Mesh(b)) => query.parts(convex(&**a), &**b),
         (a, b) => match (a, a.convex(), b.convex()) {
             (Kind::HalfSpace(a), _, Some(b)) => query.plane(a, b),
             (_, Some(a), Some(b)) => query.convex(a, b),
@@ -89,7 +97,7 @@ impl ShapeQuery for Intersects<'_> {
         Ok(types::Intersection::new(a.intersects(b, self.0), [0, 0]))
     }
 
-    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<Self::Answer> {
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
         let CompoundAnswer { answer, hulls, .. } = half_space::intersects(a, b, self.0);
         Ok(types::Intersection::new(answer, hulls))
     }
@@ -123,7 +131,7 @@ impl ShapeQuery for Distance<'_> {
         Ok(types::Distance::new(a.distance(b, self.0), [0, 0]))
     }
 
-    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<Self::Answer> {
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
         let CompoundAnswer { answer, hulls, .. } = half_space::distance(a, b, self.0);
         Ok(types::Distance::new(answer, hulls))
     }
@@ -163,7 +171,7 @@ impl ShapeQuery for Contact<'_> {
         Ok(types::Contact::new(a.contact(b, self.0), [0, 0]))
     }
 
-    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<Self::Answer> {
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
         let CompoundAnswer { answer, hulls, .. } = half_space::contact(a, b, self.0);
         Ok(types::Contact::new(answer, hulls))
     }
@@ -203,7 +211,7 @@ impl ShapeQuery for Cast<'_> {
         Ok(types::Impact::new(a.cast(b, self.0, self.1, self.2), [0, 0]))
     }
 
-    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<Self::Answer> {
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
         let CompoundAnswer { answer, hulls, .. } = half_space::cast(a, b, self.0, self.1, self.2);
         Ok(types::Impact::new(answer, hulls))
     }
@@ -249,7 +257,7 @@ impl ShapeQuery for Update<'_> {
         Ok(())
     }
 
-    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<()> {
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<()> {
         let counts = self.2.compound().update_half_space(a, b, self.0, self.1);
         self.2.show_compound(counts);
         Ok(())
@@ -269,6 +277,14 @@ pub(crate) fn update(
 }
 
 #[cold]
+fn not_for_meshes(query: &str) -> Failure {
+    Failure::unsupported(format_args!(
+        "a triangle mesh has no {query}: query the distance of a sphere of radius 0, or its triangles one by one \
+         (hullmap_triangle_mesh_triangle)"
+    ))
+}
+
+#[cold]
 fn not_for(kind: &str, query: &str) -> Failure {
     Failure::unsupported(format_args!("{kind} has no {query}: query its hulls one by one (hullmap_shape_hull)"))
 }
@@ -282,6 +298,7 @@ fn unbounded(query: &str) -> Failure {
 pub(crate) fn convex_for<'s>(shape: &'s Shape, query: &str) -> Fallible<&'s dyn hullmap::Shape> {
     shape.kind.convex().ok_or_else(|| match &shape.kind {
         Kind::HalfSpace(_) => unbounded(query),
+        Kind::Mesh(_) => not_for_meshes(query),
         kind => not_for(kind.name(), query),
     })
 }
@@ -291,7 +308,12 @@ pub(crate) fn bounds(shape: &Shape, pose: Pose) -> Fallible<types::Bounds> {
     let found = match &shape.kind {
         Kind::Compound(pack) => {
             let all = pack.hulls().map(|hull| hullmap::SupportMap::bounds_under(&hull, pose));
-            all.reduce(|p, q| hullmap::Bounds { min: p.min.min(q.min), max: p.max.max(q.max) })
+            all.reduce(around)
+        }
+        Kind::Mesh(mesh) => {
+            let triangles = (0..mesh.triangle_count()).filter_map(|triangle| mesh.triangle(triangle));
+            let all = triangles.map(|triangle| hullmap::SupportMap::bounds_under(&triangle, pose));
+            all.reduce(around)
         }
         Kind::HalfSpace(_) => return Err(unbounded("bounds")),
         kind => kind.convex().map(|shape| shape.bounds_under(pose)),
@@ -301,6 +323,11 @@ pub(crate) fn bounds(shape: &Shape, pose: Pose) -> Fallible<types::Bounds> {
     Ok(types::Bounds { min: found.min.into(), max: found.max.into() })
 }
 
+/// The box around two boxes.
+fn around(p: hullmap::Bounds, q: hullmap::Bounds) -> hullmap::Bounds {
+    hullmap::Bounds { min: p.min.min(q.min), max: p.max.max(q.max) }
+}
+
 /// Where a ray enters a shape.
 pub(crate) fn ray(shape: &Shape, ray: &hullmap::Ray, settings: &CastSettings) -> Fallible<types::RayHit> {
     let found = match &shape.kind {
@@ -308,6 +335,10 @@ pub(crate) fn ray(shape: &Shape, ray: &hullmap::Ray, settings: &CastSettings) ->
         Kind::Hull(hull) => hullmap::ray(hull.hull(), ray, settings),
         Kind::Compound(pack) => {
             let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
+            return Ok(types::RayHit::new(answer, hulls[0]));
+        }
+        Kind::Mesh(mesh) => {
+            let CompoundAnswer { answer, hulls, .. } = compound::ray(&**mesh, ray, settings);
             return Ok(types::RayHit::new(answer, hulls[0]));
         }
         Kind::Convex(convex) => hullmap::ray(&**convex, ray, settings),
@@ -331,6 +362,7 @@ pub(crate) fn signed_distance(
             let found = compound::signed_distance(&Compound::new(pack), point, settings, memory.compound());
             found.map(|CompoundAnswer { answer, hulls, .. }| (answer, hulls[0]))
         }
+        Kind::Mesh(_) => return Err(not_for_meshes("signed distance")),
         Kind::Convex(convex) => {
             hullmap::signed_distance(&**convex, point, settings, &mut memory.convex).map(|answer| (answer, 0))
         }

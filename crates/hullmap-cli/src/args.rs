@@ -515,7 +515,13 @@ pub enum FromVisual {
 }
 
 /// Options that a description decides: `bake robot` does not take them.
-pub const DECIDED_BY_ROBOTS: [&str; 6] = ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source"];
+pub const DECIDED_BY_ROBOTS: [&str; 7] =
+    ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles"];
+
+/// Why such an option has no effect.
+pub fn reason_of_robots(key: &str) -> &'static str {
+    if key == "keep_triangles" { "whose collisions become hulls" } else { "whose descriptions state it" }
+}
 
 /// Arguments of `bake query`.
 #[derive(Debug, clap::Args)]

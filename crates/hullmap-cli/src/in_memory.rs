@@ -10,7 +10,7 @@ use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, 
 
 use crate::baker::{BakedPack, bake_pack};
 use crate::options::removed::instead_of_option;
-use crate::options::table::{OPTIONS, Record};
+use crate::options::table::{BuildOption, OPTIONS, Record};
 use crate::options::{BuildOptions, OptionLayer};
 
 /// Why a mesh was not baked.
@@ -126,15 +126,20 @@ fn bake(
     Ok((pack, imported))
 }
 
+/// What to use instead of the option `keep_triangles`.
+const NO_PACK: &str = "makes no pack; use TriangleMesh, or `bake build --keep-triangles`";
+
 /// The options, with their defaults for those that are not given.
 fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
-    let accepted = || OPTIONS.iter().filter(|option| option.record != Record::Never).map(|option| option.key);
+    let is_accepted = |option: &&BuildOption| option.record != Record::Never && option.key != "keep_triangles";
+    let accepted = || OPTIONS.iter().filter(is_accepted).map(|option| option.key);
     let mut layer = OptionLayer::default();
     for (key, value) in options {
         if !accepted().any(|known| known == *key) {
             let known: Vec<&str> = accepted().collect();
             let unknown = || format!("unknown option {key}: the options are {}", known.join(", "));
-            let instead = instead_of_option(key).map(|instead| format!("option {key}: {instead}"));
+            let instead = instead_of_option(key).or((*key == "keep_triangles").then_some(NO_PACK));
+            let instead = instead.map(|instead| format!("option {key}: {instead}"));
             return Err(InMemoryError::Option(instead.unwrap_or_else(unknown)));
         }
         layer
@@ -157,6 +162,7 @@ mod tests {
         let error = |options: &[(&str, &str)]| resolve(options).unwrap_err().to_string();
         assert!(error(&[("indx", "tree")]).starts_with("unknown option indx: the options are split, vertices, index"));
         assert!(error(&[("pack_names", "full")]).starts_with("unknown option pack_names"));
+        assert_eq!(error(&[("keep_triangles", "true")]), format!("option keep_triangles: {NO_PACK}"));
         assert!(error(&[("index", "oak")]).starts_with("invalid value oak of option index: expected one of tree,"));
         assert!(error(&[("max_error", "1"), ("max_vertices", "8")]).contains("exclude each other"));
         assert!(error(&[("max_parts", "8")]).starts_with("max_parts has no effect without decompose"));

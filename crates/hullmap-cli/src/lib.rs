@@ -16,6 +16,7 @@
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
 //! | `baker` | all calls into `hullmap-bake` |
+//! | `triangle_mesh` | triangle meshes: how they are baked, and what is counted |
 //! | `budget` | what physics engines accept of a hull |
 //! | `measure`, `estimates` | how parts fit their meshes, and each other |
 //! | `verification` | proves and measures packs |
@@ -90,6 +91,8 @@ mod source_mesh;
 mod table;
 #[cfg(feature = "command")]
 mod terminal;
+#[cfg(feature = "command")]
+mod triangle_mesh;
 #[cfg(feature = "command")]
 mod verification;
 

@@ -1,11 +1,14 @@
-//! Opening packs, with the exit code for each error, and the remarks in them.
+//! Opening packs and triangle meshes, with the exit code for each error, and the remarks in them.
 
+use std::io::Read;
 use std::path::Path;
 
-use hullmap::{OpenError, Pack};
+use hullmap::{OpenError, Pack, TriangleMesh};
+use hullmap_format::header::{FileKind, HEADER_LEN, Header};
 use hullmap_import::open_regular;
 
 use crate::outcome::Failure;
+use crate::packs::kind_by_name;
 
 /// Maximum number of remarks from elsewhere about one mesh.
 const MAX_REMARKS: usize = 100;
@@ -13,23 +16,90 @@ const MAX_REMARKS: usize = 100;
 /// Maximum number of characters of such a remark.
 const MAX_REMARK: usize = 10_000;
 
-/// Reads a pack into memory and checks it. The error is [`Failure::usage`] if the file cannot be
-/// read, and [`Failure::rejected`] if it is not a valid pack. Both name the file.
-pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
-    // `Pack::open` would wait for a pipe.
-    if path.exists()
-        && !path.is_file()
-        && let Err(error) = open_regular(path)
-    {
-        return Err(Failure::usage(format!("{}: cannot read: {error}; name the file of a pack", path.display())));
+/// A file that `bake build` writes, opened.
+#[derive(Debug)]
+pub enum BakedFile {
+    /// Convex hulls.
+    Pack(Pack),
+    /// A static mesh that keeps its triangles.
+    TriangleMesh(TriangleMesh),
+}
+
+impl BakedFile {
+    /// The header.
+    pub fn header(&self) -> &Header {
+        match self {
+            Self::Pack(pack) => pack.header(),
+            Self::TriangleMesh(mesh) => mesh.header(),
+        }
     }
-    Pack::open(path).map_err(|error| match &error {
+
+    /// The options that shaped the bake, as they are recorded.
+    pub fn options(&self) -> &str {
+        match self {
+            Self::Pack(pack) => pack.options(),
+            Self::TriangleMesh(mesh) => mesh.options(),
+        }
+    }
+
+    /// The recorded path of the source.
+    pub fn source_path(&self) -> &str {
+        match self {
+            Self::Pack(pack) => pack.source_path(),
+            Self::TriangleMesh(mesh) => mesh.source_path(),
+        }
+    }
+
+    /// The recorded warnings, within limits: anybody may have written the file.
+    pub fn kept_warnings(&self) -> Vec<String> {
+        match self {
+            Self::Pack(pack) => kept_warnings(pack),
+            Self::TriangleMesh(mesh) => bounded_remarks(mesh.warnings(), str::to_owned),
+        }
+    }
+}
+
+/// Reads a pack or a triangle mesh into memory and checks it. The first bytes decide which it is;
+/// if they are those of neither, the name does. The error is [`Failure::usage`] if the file cannot
+/// be read, and [`Failure::rejected`] if it is not valid. Both name the file.
+pub fn open_baked(path: &Path) -> Result<BakedFile, Failure> {
+    let mut start = Vec::new();
+    // `Pack::open` would wait for a pipe.
+    match open_regular(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut start)) {
+        Err(error) if path.exists() && !path.is_file() => {
+            return Err(Failure::usage(format!("{}: cannot read: {error}; name the file of a pack", path.display())));
+        }
+        _ => {}
+    }
+    let opened = match FileKind::of(&start).or_else(|| kind_by_name(path)) {
+        Some(FileKind::TriangleMesh) => TriangleMesh::open(path).map(BakedFile::TriangleMesh),
+        Some(FileKind::HeightField) => {
+            return Err(Failure::rejected(format!(
+                "{}: is a height field; bake inspect, verify, export and report take it by its extension .hullfield, \
+                 without other files",
+                path.display()
+            )));
+        }
+        Some(FileKind::Pack) | None => Pack::open(path).map(BakedFile::Pack),
+    };
+    opened.map_err(|error| match &error {
         OpenError::Io { .. } => Failure::usage(error.to_string()),
         OpenError::Invalid { .. } => Failure::rejected(error.to_string()),
     })
 }
 
-/// The warnings that a pack keeps, within limits: anybody may have written it.
+/// As [`open_baked`], but only packs are accepted.
+pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
+    match open_baked(path)? {
+        BakedFile::Pack(pack) => Ok(pack),
+        BakedFile::TriangleMesh(_) => Err(Failure::rejected(format!(
+            "{}: is a triangle mesh, but hulls are required; bake its source without --keep-triangles",
+            path.display()
+        ))),
+    }
+}
+
+/// The warnings that a pack keeps, within limits.
 pub fn kept_warnings(pack: &Pack) -> Vec<String> {
     bounded_remarks(pack.warnings(), str::to_owned)
 }

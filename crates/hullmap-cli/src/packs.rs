@@ -1,7 +1,9 @@
-//! The packs that arguments name: files, and all packs in folders.
+//! The packs that arguments name: files, and all packs in folders. Here and below, triangle meshes
+//! count as packs.
 
 use std::path::{Path, PathBuf};
 
+use hullmap_format::header::FileKind;
 use walkdir::WalkDir;
 
 use crate::outcome::Failure;
@@ -33,14 +35,14 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
             })?;
             let path = entry.path();
             // A pipe would block. A broken link is an error when it is opened.
-            if is_pack(path) && std::fs::metadata(path).map_or(true, |kind| kind.is_file()) {
+            if is_baked(path) && std::fs::metadata(path).map_or(true, |kind| kind.is_file()) {
                 let below = path.strip_prefix(input).ok().and_then(|path| path.parent());
                 places.push(PackPlace { path: path.to_owned(), below: below.unwrap_or(input).to_owned() });
             }
         }
         if places.len() == before {
             return Err(Failure::usage(format!(
-                "{}: no .hullmap files in this folder; name a folder of packs",
+                "{}: no .hullmap or .hullmesh files in this folder; name a folder of packs",
                 input.display()
             )));
         }
@@ -48,9 +50,15 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     Ok(places)
 }
 
-/// Whether the name ends in `.hullmap`.
-pub fn is_pack(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "hullmap")
+/// Whether the name is that of a file that `bake build` writes: a pack or a triangle mesh.
+pub fn is_baked(path: &Path) -> bool {
+    matches!(kind_by_name(path), Some(FileKind::Pack | FileKind::TriangleMesh))
+}
+
+/// The kind of file that has such a name; `None` if it is of no kind.
+pub fn kind_by_name(path: &Path) -> Option<FileKind> {
+    let extension = path.extension()?;
+    FileKind::ALL.into_iter().find(|kind| extension == kind.extension())
 }
 
 #[cfg(test)]

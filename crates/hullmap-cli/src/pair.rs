@@ -1,8 +1,8 @@
-//! Queries one pair of hulls or packs in many poses, and names the fields of the answers as the
-//! command's JSON does.
+//! Queries one pair of hulls, packs or triangle meshes in many poses, and names the fields of the
+//! answers as the command's JSON does.
 
 use glam::DVec3;
-use hullmap::{Compound, CompoundCache, Contact, Overlap, Pose, Settings, Status, compound};
+use hullmap::{Compound, CompoundCache, Contact, Hull, Overlap, Pose, Settings, Status, TriangleMesh, compound};
 
 use crate::args::Mode;
 
@@ -28,22 +28,61 @@ pub struct PairAnswer {
     pub iterations: u32,
     /// Pairs of support queries, one on each of the two hulls.
     pub support_calls: u32,
-    /// Indices of the hulls that decide the answer, if a pack has several.
+    /// Indices of the hulls or triangles that decide the answer, if a side has several.
     pub hulls: Option<[usize; 2]>,
 }
 
-/// A solver for one pair of hulls or packs, with the cache that carries over from pose to pose.
+/// One side of a query: hulls, or the triangles of a mesh.
+pub trait Side: compound::Parts {
+    /// The hull, if it is a single one.
+    fn single_hull(&self) -> Option<Hull<'_>>;
+    /// Whether it has several parts.
+    fn has_parts(&self) -> bool;
+    /// Name of a part: of a hull its own, of a triangle its index.
+    fn part_name(&self, index: usize) -> Option<String>;
+}
+
+impl Side for Compound<'_> {
+    fn single_hull(&self) -> Option<Hull<'_>> {
+        if self.hull_count() == 1 { self.hull(0) } else { None }
+    }
+
+    fn has_parts(&self) -> bool {
+        self.hull_count() > 1
+    }
+
+    fn part_name(&self, index: usize) -> Option<String> {
+        Some(self.hull(index)?.name().to_owned())
+    }
+}
+
+impl Side for TriangleMesh {
+    fn single_hull(&self) -> Option<Hull<'_>> {
+        None
+    }
+
+    fn has_parts(&self) -> bool {
+        true
+    }
+
+    fn part_name(&self, index: usize) -> Option<String> {
+        Some(index.to_string())
+    }
+}
+
+/// A solver for one pair of hulls, packs or triangle meshes, with the cache that carries over from
+/// pose to pose.
 #[derive(Debug)]
-pub struct PairSolver<'a> {
-    a: Compound<'a>,
-    b: Compound<'a>,
+pub struct PairSolver<'a, A, B> {
+    a: &'a A,
+    b: &'a B,
     settings: Settings,
     cache: CompoundCache,
 }
 
-impl<'a> PairSolver<'a> {
+impl<'a, A: Side, B: Side> PairSolver<'a, A, B> {
     /// A solver with an empty cache.
-    pub fn new(a: Compound<'a>, b: Compound<'a>) -> Self {
+    pub fn new(a: &'a A, b: &'a B) -> Self {
         Self { a, b, settings: Settings::default(), cache: CompoundCache::default() }
     }
 
@@ -58,11 +97,11 @@ impl<'a> PairSolver<'a> {
 
     /// The deciding hulls of an answer, if a pack has several.
     fn named(&self, hulls: [usize; 2]) -> Option<[usize; 2]> {
-        (self.a.hull_count() > 1 || self.b.hull_count() > 1).then_some(hulls)
+        (self.a.has_parts() || self.b.has_parts()).then_some(hulls)
     }
 
     fn intersect(&mut self, b_in_a: Pose) -> PairAnswer {
-        let found = compound::intersects(&self.a, &self.b, b_in_a, &mut self.cache);
+        let found = compound::intersects(self.a, self.b, b_in_a, &mut self.cache);
         let is_hit = found.answer.is_hit();
         PairAnswer {
             hit: (found.answer.status != Overlap::Undecided).then_some(is_hit),
@@ -75,7 +114,7 @@ impl<'a> PairSolver<'a> {
     }
 
     fn distance(&mut self, b_in_a: Pose) -> PairAnswer {
-        let whole = compound::distance(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache);
+        let whole = compound::distance(self.a, self.b, b_in_a, &self.settings, &mut self.cache);
         let found = whole.answer;
         let hit = match found.status {
             Status::Overlapping | Status::Touching => Some(true),
@@ -97,12 +136,12 @@ impl<'a> PairSolver<'a> {
     }
 
     fn contact(&mut self, b_in_a: Pose) -> PairAnswer {
-        if let ([Some(a), Some(b)], None) = ([self.a.hull(0), self.b.hull(0)], self.named([0, 0])) {
+        if let (Some(a), Some(b)) = (self.a.single_hull(), self.b.single_hull()) {
             // One hull each: the solver returns a separating axis, which a compound does not.
             let found = hullmap::contact(&a, &b, b_in_a, &self.settings, self.cache.pair([0, 0]));
             return of_contact(&found, None);
         }
-        match compound::contact(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache) {
+        match compound::contact(self.a, self.b, b_in_a, &self.settings, &mut self.cache) {
             Some(whole) => of_contact(&whole.answer, self.named(whole.hulls)),
             None => PairAnswer {
                 hit: Some(false),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::outcome::Failure;
-use crate::packs::is_pack;
+use crate::packs::is_baked;
 
 /// Maximum number of hull names in a message.
 const NAMES_IN_MESSAGE: usize = 8;
@@ -19,8 +19,8 @@ pub struct Selection {
 
 impl Selection {
     /// Splits `text` at a `#`: after the longest prefix that names an existing file; otherwise
-    /// after the first prefix that ends in `.hullmap`; otherwise at the last `#`. So both files and
-    /// hulls may have a `#` in their names.
+    /// after the first prefix that ends in `.hullmap` or `.hullmesh`; otherwise at the last `#`. So
+    /// both files and hulls may have a `#` in their names.
     pub fn parse(text: &str) -> Self {
         let whole = || Self { file: PathBuf::from(text), hull: None };
         if Path::new(text).is_file() {
@@ -28,7 +28,7 @@ impl Selection {
         }
         let cuts: Vec<(&str, &str)> = text.match_indices('#').map(|(at, _)| (&text[..at], &text[at + 1..])).collect();
         let existing = cuts.iter().rfind(|(file, _)| Path::new(file).is_file());
-        let named = || cuts.iter().find(|(file, _)| is_pack(Path::new(file)));
+        let named = || cuts.iter().find(|(file, _)| is_baked(Path::new(file)));
         match existing.or_else(named).or(cuts.last()) {
             Some((file, hull)) => Self { file: PathBuf::from(file), hull: Some((*hull).to_owned()) },
             None => whole(),

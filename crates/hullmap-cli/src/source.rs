@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
 
-use crate::open::open_pack;
+use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::PackPlace;
 use crate::project::{Found, Project};
-use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
+use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Materials, Polygons, ReadError, SourceFile};
 
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]
@@ -25,6 +25,8 @@ pub struct Source {
     pub point_sets: Vec<PointSet>,
     /// The faces of each set, by indices of its own points.
     pub faces: Vec<Polygons>,
+    /// Materials of the faces of the file.
+    pub materials: Materials,
     /// Findings of interest from the import.
     pub notes: Vec<String>,
     /// Findings to act on from the import.
@@ -43,6 +45,11 @@ pub struct Recorded<'a> {
 }
 
 impl<'a> Recorded<'a> {
+    /// The record of a pack or of a triangle mesh.
+    pub fn from_file(file: &'a BakedFile) -> Self {
+        Self { hash: file.header().source_hash, path: file.source_path(), options: file.options() }
+    }
+
     /// The record of `pack`.
     pub fn from_pack(pack: &'a hullmap::Pack) -> Self {
         Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
@@ -123,8 +130,9 @@ pub fn find_source(
         match context.check(&path, limits)? {
             Candidate::IsSource(file) => {
                 let imported = import(&path, &file, recorded, limits)?;
-                let Imported { point_sets, faces, notes, warnings, .. } = imported;
-                return Ok(SourceSearch::Found(Box::new(Source { path, point_sets, faces, notes, warnings })));
+                let Imported { point_sets, faces, materials, notes, warnings, .. } = imported;
+                let source = Source { path, point_sets, faces, materials, notes, warnings };
+                return Ok(SourceSearch::Found(Box::new(source)));
             }
             Candidate::Rejected(reason) => _ = rejected.get_or_insert(reason),
             Candidate::NotFollowed(reason) => _ = not_followed.get_or_insert(reason),
@@ -242,7 +250,7 @@ pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Resul
     };
     let is_meant = |place: &PackPlace| {
         // A pack that does not open is reported later.
-        let pack = open_pack(&place.path).ok();
+        let pack = open_baked(&place.path).ok();
         let recorded = pack.as_ref().and_then(|pack| pack.source_path().rsplit('/').next());
         has_name_of(mesh, &place.path) || recorded.is_some_and(|name| mesh.file_name().is_some_and(|file| file == name))
     };

@@ -35,6 +35,23 @@ pub enum FileKind {
 }
 
 impl FileKind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Pack, Self::TriangleMesh, Self::HeightField];
+
+    /// The kind of a file that starts with these bytes; `None` if it is of no kind.
+    pub fn of(start: &[u8]) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| start.starts_with(&kind.magic()))
+    }
+
+    /// File name extension, without the dot.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Pack => "hullmap",
+            Self::TriangleMesh => triangle_mesh::EXTENSION,
+            Self::HeightField => height_field::EXTENSION,
+        }
+    }
+
     /// First bytes of every file of this kind.
     pub const fn magic(self) -> [u8; 8] {
         match self {
@@ -48,8 +65,8 @@ impl FileKind {
     const fn writer(self) -> &'static str {
         match self {
             Self::Pack => "`bake build`",
-            Self::TriangleMesh => "`hullmap_bake::triangle_mesh`",
             Self::HeightField => "`bake build --height-field`",
+            Self::TriangleMesh => "`bake build --keep-triangles`",
         }
     }
 

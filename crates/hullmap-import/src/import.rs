@@ -12,6 +12,7 @@ use crate::{
     format::Format,
     gltf,
     limits::Limits,
+    materials::Materials,
     mesh::{Polygons, SourceMesh},
     msh, obj,
     options::{ImportOptions, Split, Vertices},
@@ -29,6 +30,8 @@ pub struct Imported {
     pub point_sets: Vec<PointSet>,
     /// Faces of each set, as indices into its points. Empty for a point cloud.
     pub faces: Vec<Polygons>,
+    /// Materials of the faces of the file. Without a split, these are the faces of the only set.
+    pub materials: Materials,
     /// Number of vertices in the file.
     pub vertex_count: usize,
     /// Number of vertices that no element references.
@@ -162,6 +165,7 @@ pub(crate) fn imported(
     Ok(Imported {
         point_sets: sets.point_sets,
         faces: sets.faces,
+        materials: mesh.materials,
         vertex_count,
         unreferenced_count,
         duplicate_count,

@@ -12,14 +12,14 @@
 //!    `conventions`). `placement` rotates, scales and recentres them.
 //! 4. `far` warns about points too far from the origin for the precision of `f32`.
 //!
-//! | format | vertices, in index order | objects |
-//! |---|---|---|
-//! | OBJ | `v` lines | `o` lines |
-//! | glTF, GLB | positions of each instance, node by node | nodes with a mesh |
-//! | STL | distinct positions, by first appearance | `solid`s |
-//! | PLY | instances of the element `vertex` | the file |
-//! | COLLADA | positions of each instance, node by node | instances of geometries |
-//! | MSH | vertices | the file |
+//! | format | vertices, in index order | objects | materials of faces |
+//! |---|---|---|---|
+//! | OBJ | `v` lines | `o` lines | `usemtl` lines |
+//! | glTF, GLB | positions of each instance, node by node | nodes with a mesh | of primitives |
+//! | STL | distinct positions, by first appearance | `solid`s | none |
+//! | PLY | instances of the element `vertex` | the file | none |
+//! | COLLADA | positions of each instance, node by node | instances of geometries | not read |
+//! | MSH | vertices | the file | none |
 //!
 //! Heights on a grid have readers of their own: [`height_field`].
 //!
@@ -53,6 +53,7 @@ mod gltf;
 pub mod height_field;
 mod import;
 mod limits;
+mod materials;
 mod mesh;
 mod msh;
 mod obj;
@@ -74,6 +75,7 @@ pub use foreign::unread_format;
 pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
 pub use import::{Imported, import};
 pub use limits::Limits;
+pub use materials::Materials;
 pub use mesh::Polygons;
 pub use options::{ImportOptions, Split, UpAxis, Vertices};
 pub use read::{ReadError, SourceFile, buffers_of, open_regular, read};

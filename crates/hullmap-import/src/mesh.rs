@@ -1,6 +1,7 @@
 //! Source mesh: the result of every reader, with vertices, elements and objects.
 
 use crate::ears::triangulate;
+use crate::materials::Materials;
 
 /// Vertex positions in file order, in the precision of the file or of the options.
 #[derive(Debug)]
@@ -136,13 +137,15 @@ pub struct SourceCollider {
     pub stands_for: Option<usize>,
 }
 
-/// Everything in a source file that affects a hull.
+/// Everything in a source file that affects a hull or a triangle mesh.
 #[derive(Debug)]
 pub struct SourceMesh {
     /// Positions of all vertices, finite, in file order.
     pub positions: Positions,
     /// Faces. All corners are in range.
     pub faces: Polygons,
+    /// Materials of the faces. They affect no hull.
+    pub materials: Materials,
     /// Vertices that lines and points reference, in range.
     pub loose: Vec<u32>,
     /// Objects in file order. There is at least one, and the first starts at 0.
@@ -169,6 +172,7 @@ impl SourceMesh {
         Self {
             positions,
             faces,
+            materials: Materials::default(),
             loose: Vec::new(),
             objects: vec![SourceObject { name: String::new(), first_vertex: 0, first_face: 0, first_loose: 0 }],
             colliders: Vec::new(),

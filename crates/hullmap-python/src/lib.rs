@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `memory` | views of a pack's arrays, maps of files: the unsafe code |
 //! | `pack`, `shape` | packs, hulls, and all other shapes |
+//! | `mesh` | triangle meshes |
 //! | `bake` | bakes, on a thread of their own |
 //! | `pairs` | pairs of shapes, of which one call queries all |
 //! | `pose` | rows of an array as poses |
@@ -26,6 +27,7 @@ mod error;
 mod gpu;
 mod manifolds;
 mod memory;
+mod mesh;
 mod pack;
 mod pairs;
 mod pose;
@@ -62,6 +64,7 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("BakeWarning", py.get_type::<error::BakeWarning>())?;
     module.add_class::<pack::Pack>()?;
     module.add_class::<pack::Hull>()?;
+    module.add_class::<mesh::TriangleMesh>()?;
     module.add_class::<shape::Shape>()?;
     module.add_class::<pairs::Pairs>()?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;

@@ -1,7 +1,7 @@
 //! Contact manifolds over arrays of poses: one for each pose of convex shapes, and one for each
 //! pair of parts that touch for packs.
 
-use hullmap::compound::{CompoundManifolds, ManifoldCounts};
+use hullmap::compound::{CompoundManifolds, ManifoldCounts, Parts};
 use hullmap::glam::DVec3;
 use hullmap::manifold::{MAX_POINTS, Manifold, ManifoldPoint, ManifoldSettings, Prediction};
 use hullmap::{Compound, Pose, Settings};
@@ -139,6 +139,7 @@ pub fn manifolds<'py>(
 fn part_count(side: &Side) -> usize {
     match side {
         Side::Compound(pack) => pack.hull_count(),
+        Side::Mesh(mesh) => mesh.triangle_count(),
         _ => 1,
     }
 }
@@ -153,11 +154,26 @@ fn update(
 ) -> Option<ManifoldCounts> {
     Some(match (a, b) {
         (Side::HalfSpace(a), Side::Compound(b)) => found.update_half_space(a, &Compound::new(b), b_in_a, settings),
+        (Side::HalfSpace(a), Side::Mesh(b)) => found.update_half_space(a, &**b, b_in_a, settings),
         (Side::HalfSpace(a), _) => found.update_half_space(a, convex(b)?, b_in_a, settings),
-        (Side::Compound(a), Side::Compound(b)) => found.update(&Compound::new(a), &Compound::new(b), b_in_a, settings),
-        (Side::Compound(a), _) => found.update(&Compound::new(a), convex(b)?, b_in_a, settings),
-        (_, Side::Compound(b)) => found.update(convex(a)?, &Compound::new(b), b_in_a, settings),
-        _ => found.update(convex(a)?, convex(b)?, b_in_a, settings),
+        (Side::Compound(a), _) => update_against(found, &Compound::new(a), b, b_in_a, settings)?,
+        (Side::Mesh(a), _) => update_against(found, &**a, b, b_in_a, settings)?,
+        _ => update_against(found, convex(a)?, b, b_in_a, settings)?,
+    })
+}
+
+/// Updates the manifolds of parts against any bounded shape.
+fn update_against<A: Parts + ?Sized>(
+    found: &mut CompoundManifolds,
+    a: &A,
+    b: &Side,
+    b_in_a: Pose,
+    settings: &ManifoldSettings,
+) -> Option<ManifoldCounts> {
+    Some(match b {
+        Side::Compound(b) => found.update(a, &Compound::new(b), b_in_a, settings),
+        Side::Mesh(b) => found.update(a, &**b, b_in_a, settings),
+        _ => found.update(a, convex(b)?, b_in_a, settings),
     })
 }
 

@@ -89,9 +89,16 @@ pub fn obstacle(query: &str, a: &Side, b: &Side, takes_compounds: bool) -> Optio
         let remedy = "make it the first shape, and pass the pose of the other one in its frame";
         return Some(format!("{query}: a half-space must be the first shape of a pair: {remedy}"));
     }
-    let is_compound = |side: &Side| matches!(side, Side::Compound(_));
-    (!takes_compounds && (is_compound(a) || is_compound(b)))
-        .then(|| format!("{query} takes convex shapes, found a pack: query it by {query}s, or its hulls one by one"))
+    if takes_compounds {
+        return None;
+    }
+    [a, b].into_iter().find_map(|side| match side {
+        Side::Compound(_) => {
+            Some(format!("{query} takes convex shapes, found a pack: query it by {query}s, or its hulls one by one"))
+        }
+        Side::Mesh(_) => Some(format!("{query} takes convex shapes, found a triangle mesh: query it by {query}s")),
+        _ => None,
+    })
 }
 
 /// Answers `query` for one pose. `None` for pairs that [`obstacle`] reports.
@@ -106,13 +113,28 @@ pub fn answer<Q: ShapeQuery>(
     match (a, b) {
         (Side::Hull(a), Side::Hull(b)) => Some(query.convex(a.hull(), b.hull(), b_in_a, cache).into()),
         (Side::HalfSpace(a), Side::Compound(b)) => query.half_space_compound(a, &Compound::new(b), b_in_a),
+        (Side::HalfSpace(a), Side::Mesh(b)) => query.half_space_compound(a, &**b, b_in_a),
         (Side::HalfSpace(a), _) => Some(query.half_space(a, convex(b)?, b_in_a).into()),
-        (Side::Compound(a), Side::Compound(b)) => {
-            query.compound(&Compound::new(a), &Compound::new(b), b_in_a, caches.compound())
-        }
-        (Side::Compound(a), _) => query.compound(&Compound::new(a), convex(b)?, b_in_a, caches.compound()),
-        (_, Side::Compound(b)) => query.compound(convex(a)?, &Compound::new(b), b_in_a, caches.compound()),
+        (Side::Compound(a), _) => against(query, &Compound::new(a), b, b_in_a, caches),
+        (Side::Mesh(a), _) => against(query, &**a, b, b_in_a, caches),
+        (_, Side::Compound(_) | Side::Mesh(_)) => against(query, convex(a)?, b, b_in_a, caches),
         _ => Some(query.convex(convex(a)?, convex(b)?, b_in_a, cache).into()),
+    }
+}
+
+/// Answers `query` for parts against any bounded shape.
+fn against<Q: ShapeQuery, A: Parts + ?Sized>(
+    query: &Q,
+    a: &A,
+    b: &Side,
+    b_in_a: Pose,
+    caches: &mut Caches,
+) -> Option<Found<Q::Answer>> {
+    let cache = caches.compound();
+    match b {
+        Side::Compound(b) => query.compound(a, &Compound::new(b), b_in_a, cache),
+        Side::Mesh(b) => query.compound(a, &**b, b_in_a, cache),
+        _ => query.compound(a, convex(b)?, b_in_a, cache),
     }
 }
 
@@ -121,7 +143,7 @@ pub fn convex(side: &Side) -> Option<&AnyConvex> {
     match side {
         Side::Hull(hull) => Some(hull),
         Side::Convex(shape) => Some(&**shape),
-        Side::HalfSpace(_) | Side::Compound(_) => None,
+        Side::HalfSpace(_) | Side::Compound(_) | Side::Mesh(_) => None,
     }
 }
 

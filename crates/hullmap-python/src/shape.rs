@@ -1,4 +1,4 @@
-//! Shapes: hulls, packs as compounds, primitives and half-spaces.
+//! Shapes: hulls, packs as compounds, triangle meshes, primitives and half-spaces.
 
 use std::sync::Arc;
 
@@ -19,6 +19,7 @@ pub enum Side {
     Convex(Arc<AnyConvex>),
     HalfSpace(HalfSpace),
     Compound(Arc<core::Pack>),
+    Mesh(Arc<core::TriangleMesh>),
 }
 
 /// A shape, for queries.

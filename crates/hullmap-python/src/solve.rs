@@ -315,6 +315,10 @@ fn cast_ray(side: &Side, ray: &Ray, settings: &CastSettings) -> (RayHit, u32) {
             let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
             (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
         }
+        Side::Mesh(mesh) => {
+            let CompoundAnswer { answer, hulls, .. } = compound::ray(&**mesh, ray, settings);
+            (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
+        }
     }
 }
 
@@ -332,6 +336,11 @@ pub fn signed_distance<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let points = Vectors::new("points", &points)?;
     let side = shape.0.clone();
+    if matches!(side, Side::Mesh(_)) {
+        return Err(ShapeError::new_err(
+            "signed_distance takes a shape with an inside, found a triangle mesh: query the distance of Sphere(0)",
+        ));
+    }
     let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
         let mut caches = Caches::default();
         for at in 0..count {
@@ -372,6 +381,10 @@ fn signed(
             let found = compound::signed_distance(&Compound::new(pack), point, settings, caches.compound())?;
             return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
         }
+        Side::Mesh(mesh) => {
+            let found = compound::signed_distance(&**mesh, point, settings, caches.compound())?;
+            return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
+        }
     };
     Ok((found, 0))
 }
@@ -387,6 +400,9 @@ pub fn support<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let directions = Vectors::new("directions", &directions)?;
     let side = shape.0.clone();
+    if matches!(side, Side::Mesh(_)) {
+        return Err(ShapeError::new_err("support takes a convex shape or a pack, found a triangle mesh: use its vertices"));
+    }
     if matches!(side, Side::HalfSpace(_)) {
         return Err(ShapeError::new_err(
             "support takes a bounded shape, found a half-space: it reaches to infinity in all directions but one",
@@ -416,7 +432,7 @@ pub fn support<'py>(
                     None => continue,
                 },
                 // Rejected above.
-                Side::HalfSpace(_) => continue,
+                Side::HalfSpace(_) | Side::Mesh(_) => continue,
             };
             put_vector(rows.point, at, found.point);
             put(rows.vertex, at, found.feature);

@@ -21,7 +21,7 @@ const MAX_CORNERS: usize = 1 << 16;
 const FINEST_GRID: u32 = 2048;
 
 /// Points, triangles and edges, in source units.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisplayMesh {
     /// Corners.
     pub points: Vec<[f32; 3]>,
@@ -54,6 +54,30 @@ pub struct EncodedMesh {
     pub whole: usize,
     /// Number of corners in the whole mesh.
     pub corners: usize,
+}
+
+/// Corners of a mesh, of which those in each cell of a grid are merged.
+struct GridCorners {
+    points: Vec<[f32; 3]>,
+    /// Their indices in the whole mesh.
+    numbers: Vec<u32>,
+    /// For each corner of the whole mesh, its index among them.
+    new: Vec<u32>,
+}
+
+/// Edges with new corners, sorted, each of them once.
+fn renumbered(edges: &[[u32; 2]], new: &[u32]) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = edges.iter().map(|edge| edge.map(|corner| new[corner as usize])).collect();
+    edges.retain(|[a, b]| a != b);
+    edges.iter_mut().for_each(|edge| edge.sort_unstable());
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+/// Edges as a page reads them: two 16-bit corner indices each.
+pub fn encoded_edges(edges: &[[u32; 2]]) -> String {
+    words(edges.as_flattened().iter().map(|&corner| corner as u16))
 }
 
 /// Maximum triangles of each hull on a page with `hull_count` hulls.
@@ -91,26 +115,37 @@ impl DisplayMesh {
     /// Corners in the same cell of a grid are merged into the first of them, on the finest grid
     /// that meets the limit. Triangles that degenerate to an edge or a point are dropped.
     pub fn with_at_most(&self, limit: usize) -> Self {
+        self.cells_for(limit).map_or_else(|| self.clone(), |cells| self.merged(cells))
+    }
+
+    /// The same, and groups of edges with the corners of the thinned mesh.
+    pub fn with_groups(&self, limit: usize, groups: &[Vec<[u32; 2]>]) -> (Self, Vec<Vec<[u32; 2]>>) {
+        let Some(cells) = self.cells_for(limit) else { return (self.clone(), groups.to_vec()) };
+        let new = self.corners_of_grid(cells).new;
+        (self.merged(cells), groups.iter().map(|edges| renumbered(edges, &new)).collect())
+    }
+
+    /// Number of cells along the longest side of the finest grid that meets the limit; `None` if
+    /// the whole mesh does.
+    fn cells_for(&self, limit: usize) -> Option<u32> {
         let fits = |mesh: &Self| mesh.triangles.len() <= limit && mesh.points.len() <= MAX_CORNERS;
         if fits(self) {
-            return self.clone();
+            return None;
         }
         let (mut coarse, mut fine) = (1, FINEST_GRID);
-        let mut best = self.merged(1);
         while coarse < fine {
             let middle = (coarse + fine).div_ceil(2);
-            let tried = self.merged(middle);
-            if fits(&tried) {
-                (coarse, best) = (middle, tried);
+            if fits(&self.merged(middle)) {
+                coarse = middle;
             } else {
                 fine = middle - 1;
             }
         }
-        best
+        Some(coarse)
     }
 
-    /// The mesh with the corners in each grid cell merged.
-    fn merged(&self, cells: u32) -> Self {
+    /// The corners that are left if those in each cell of a grid are merged.
+    fn corners_of_grid(&self, cells: u32) -> GridCorners {
         let [low, high] = self.bounds();
         let longest = (0..3).map(|axis| f64::from(high[axis]) - f64::from(low[axis])).fold(0.0, f64::max);
         let cell = |p: [f32; 3]| {
@@ -118,23 +153,24 @@ impl DisplayMesh {
         };
         let mut first = HashMap::new();
         let (mut points, mut numbers) = (Vec::new(), Vec::new());
-        let mut merged = Vec::with_capacity(self.points.len());
+        let mut new = Vec::with_capacity(self.points.len());
         for (number, &point) in self.points.iter().enumerate() {
-            merged.push(*first.entry(cell(point)).or_insert_with(|| {
+            new.push(*first.entry(cell(point)).or_insert_with(|| {
                 points.push(point);
                 numbers.push(number as u32);
                 points.len() as u32 - 1
             }));
         }
+        GridCorners { points, numbers, new }
+    }
+
+    /// The mesh with the corners in each grid cell merged.
+    fn merged(&self, cells: u32) -> Self {
+        let GridCorners { points, numbers, new } = self.corners_of_grid(cells);
         let mut triangles: Vec<[u32; 3]> =
-            self.triangles.iter().map(|t| t.map(|corner| merged[corner as usize])).collect();
+            self.triangles.iter().map(|t| t.map(|corner| new[corner as usize])).collect();
         triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-        let mut edges: Vec<[u32; 2]> = self.edges.iter().map(|e| e.map(|corner| merged[corner as usize])).collect();
-        edges.retain(|[a, b]| a != b);
-        edges.iter_mut().for_each(|edge| edge.sort_unstable());
-        edges.sort_unstable();
-        edges.dedup();
-        Self { points, numbers, triangles, edges }
+        Self { points, numbers, triangles, edges: renumbered(&self.edges, &new) }
     }
 
     /// The mesh as a page reads it; `whole` is the mesh before it was thinned out.
@@ -148,7 +184,7 @@ impl DisplayMesh {
             points: words(self.points.iter().flat_map(scaled)),
             numbers: self.numbers.clone(),
             triangles: words(self.triangles.as_flattened().iter().map(|&corner| corner as u16)),
-            edges: words(self.edges.as_flattened().iter().map(|&corner| corner as u16)),
+            edges: encoded_edges(&self.edges),
             shown: self.triangles.len(),
             whole: whole.triangles.len(),
             corners: whole.points.len(),
@@ -203,6 +239,22 @@ mod tests {
                 assert!(small_low[axis] >= low[axis] && small_high[axis] <= high[axis]);
             }
         }
+    }
+
+    /// The groups follow the corners of the thinned mesh.
+    #[test]
+    fn groups_of_edges_are_thinned_with_their_mesh() {
+        let (pack, _) = baked(cloud(4000), IndexKind::None);
+        let mesh = whole(&pack);
+        let (even, odd) = mesh.edges.iter().partition(|[from, _]| from % 2 == 0);
+        let groups: Vec<Vec<[u32; 2]>> = vec![even, odd];
+        assert_eq!(mesh.with_groups(1 << 20, &groups), (mesh.clone(), groups.clone()));
+        let (small, thinned) = mesh.with_groups(400, &groups);
+        assert_eq!(small, mesh.with_at_most(400));
+        let mut all = thinned.concat();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all, small.edges);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Analysis;
 use crate::html::{count, escape, fill, link};
+use crate::mesh::MeshReport;
 use crate::pack_page::{FAULTS, STYLE, Verdict};
 
 const PAGE: &str = include_str!("page/folder.html");
@@ -35,6 +36,9 @@ struct Content {
     /// Its picture, as a `data:` URL.
     picture: String,
     hulls: usize,
+    /// Number of triangles of a triangle mesh.
+    #[serde(default)]
+    triangles: usize,
     /// Number of vertices, over all hulls.
     vertices: usize,
     /// Size of the pack in bytes.
@@ -52,8 +56,26 @@ impl Card {
                 page,
                 picture: pack.picture.clone(),
                 hulls: pack.hull_count,
+                triangles: 0,
                 vertices: pack.vertex_count,
                 bytes: pack.bytes,
+            }),
+        }
+    }
+
+    /// The card of a triangle mesh; `page` is the path of its own page, relative to the folder's.
+    pub fn of_mesh(name: String, mesh: &MeshReport, page: String) -> Self {
+        Self {
+            name,
+            verdict: mesh.verdict(),
+            remarks: mesh.remarks.faults.iter().chain(&mesh.remarks.warnings).cloned().collect(),
+            content: Some(Content {
+                page,
+                picture: mesh.picture.clone(),
+                hulls: 0,
+                triangles: mesh.triangle_count,
+                vertices: mesh.vertex_count,
+                bytes: mesh.bytes,
             }),
         }
     }
@@ -89,8 +111,12 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
     let sum = |pick: fn(&Content) -> usize| {
         count(cards.iter().filter_map(|card| card.content.as_ref()).map(pick).sum::<usize>() as u64)
     };
+    let triangles = match sum(|content| content.triangles) {
+        none if none == "0" => String::new(),
+        some => format!(" · {some} triangles"),
+    };
     let subtitle = format!(
-        "{} · {} hulls · {} vertices · {} bytes",
+        "{} · {} hulls{triangles} · {} vertices · {} bytes",
         packs(cards.len()),
         sum(|content| content.hulls),
         sum(|content| content.vertices),
@@ -140,14 +166,17 @@ fn item(card: &Card) -> String {
     match &card.content {
         Some(content) => {
             let page = escape(&link(&content.page));
-            let hulls = if content.hulls == 1 { "hull" } else { "hulls" };
+            let contents = match (content.hulls, content.triangles) {
+                (1, _) => "1 hull".to_owned(),
+                (hulls, 0) => format!("{} hulls", count(hulls as u64)),
+                (_, triangles) => format!("{} triangles", count(triangles as u64)),
+            };
             let _ = write!(
                 out,
                 "<a class=\"picture\" href=\"{page}\" tabindex=\"-1\" aria-hidden=\"true\"><img src=\"{}\" width=\"160\" height=\"120\" alt=\"\"></a>\n\
-                 <div class=\"text\"><h2><a href=\"{page}\">{name}</a></h2>{}\n<p>{} {hulls} · {} vertices · {} bytes</p>\n",
+                 <div class=\"text\"><h2><a href=\"{page}\">{name}</a></h2>{}\n<p>{contents} · {} vertices · {} bytes</p>\n",
                 content.picture,
                 card.verdict.html(),
-                count(content.hulls as u64),
                 count(content.vertices as u64),
                 count(content.bytes as u64)
             );

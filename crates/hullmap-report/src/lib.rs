@@ -1,4 +1,5 @@
-//! HTML report of a pack: one page that any browser opens, without a network.
+//! HTML report of a pack, of a triangle mesh or of a robot: one page that any browser opens,
+//! without a network.
 //!
 //! The caller opens the pack, finds its source, verifies it and collects remarks; all of that comes
 //! in as an [`Input`].
@@ -21,6 +22,7 @@
 //! | `picture` | a still picture of them |
 //! | `parts_section`, `part_colours` | the parts of decomposed meshes |
 //! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
+//! | [`mesh`], `mesh_page` | a triangle mesh, and its page |
 //! | [`robot`], `robot_page` | a robot, and its page |
 //! | `field_page` | a height field as a shaded relief |
 //! | `html`, `encode` | text and numbers in a page |
@@ -39,6 +41,8 @@ mod gauss_map;
 mod html;
 mod index_reader;
 pub mod input;
+pub mod mesh;
+mod mesh_page;
 mod pack_page;
 mod part_colours;
 mod parts_section;
@@ -58,5 +62,6 @@ pub use folder_page::{Card, folder_page};
 pub use gauss_map::gauss_map_json;
 pub use index_reader::ReadError;
 pub use input::Input;
+pub use mesh_page::mesh_page;
 pub use pack_page::pack_page;
 pub use robot_page::robot_page;

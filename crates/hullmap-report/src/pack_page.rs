@@ -85,7 +85,9 @@ pub enum Verdict {
     BoundsUnchecked,
     /// Its source was not found.
     ExactForTheStoredHull,
-    /// No hull is simplified.
+    /// A triangle mesh, and its source was not found.
+    ExactForTheStoredTriangles,
+    /// No hull is simplified; or a triangle mesh is that of its source.
     Exact,
     /// It has parts that differ from their mesh.
     WithinItsBounds,
@@ -116,13 +118,14 @@ impl Verdict {
     }
 
     /// The verdicts that are not good, the worst first.
-    pub const DOUBTS: [Self; 6] = [
+    pub const DOUBTS: [Self; 7] = [
         Self::NotOpened,
         Self::Failed,
         Self::Unmeasured,
         Self::BoundsUnchecked,
         Self::PartsNeedAttention,
         Self::ExactForTheStoredHull,
+        Self::ExactForTheStoredTriangles,
     ];
 
     /// The verdict in a few words, and the class of its chip: `bad`, `odd` or `good`.
@@ -134,6 +137,7 @@ impl Verdict {
             Self::BoundsUnchecked => ("odd", "bounds unchecked"),
             Self::PartsNeedAttention => ("odd", "parts need attention"),
             Self::ExactForTheStoredHull => ("odd", "exact for the stored hull"),
+            Self::ExactForTheStoredTriangles => ("odd", "exact for the stored triangles"),
             Self::Exact => ("good", "exact"),
             Self::WithinItsBounds => ("good", "within its bounds"),
             Self::ContainsItsSource => ("good", "contains its source"),

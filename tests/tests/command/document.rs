@@ -113,6 +113,10 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     }
     let run = |line: &str| bake_in(folder.path(), line.split_whitespace());
     run("build in --out o").expect(0);
+    // A level of two triangles with a material.
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl grass\nf 1 2 3 4\n";
+    fs::write(folder.path().join("level.obj"), text).unwrap();
+    run("build level.obj --out l --keep-triangles").expect(0);
     // A sheet of two parts.
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
     fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
@@ -127,6 +131,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     fs::write(folder.path().join("r.urdf"), robot).unwrap();
     fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
+    // A heading "field" followed by more words is that of another kind of object.
     for (name, lines) in [
         (
             "build",
@@ -136,6 +141,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
                 "build in --out p --json",
                 "build sheet.obj --out q --decompose --json",
                 "build box.obj --out t --decompose --primitives --json",
+                "build level.obj --out l --keep-triangles --force --json",
             ]
             .as_slice(),
         ),
@@ -145,6 +151,8 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
         ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
         ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices", "inspect q --json", "inspect t --json"]),
+        ("verify: field of a triangle mesh", &["verify l --json"]),
+        ("inspect: field of a triangle mesh", &["inspect l --json", "inspect l --json --vertices"]),
         ("export", &["export o/a.hullmap --format json"]),
         ("robot", &["robot r.urdf --out o/r.urdf --json", "robot r.urdf --out o/r.urdf --json --exclude-pairs"]),
         (
@@ -156,7 +164,8 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
             ],
         ),
     ] {
-        let documented = table(&section(name), "field");
+        let (name, heading) = name.split_once(": ").unwrap_or((name, "field"));
+        let documented = table(&section(name), heading);
         let mut all = BTreeSet::new();
         for line in lines {
             let (mut printed, mut empty) = (BTreeSet::new(), BTreeSet::new());

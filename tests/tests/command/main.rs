@@ -20,6 +20,7 @@ mod robot;
 mod scenes;
 mod sources;
 mod subcommands;
+mod triangle_meshes;
 #[cfg(unix)]
 mod untrusted;
 mod usd;

@@ -13,6 +13,7 @@
 
 mod edges;
 mod order;
+mod t_junctions;
 
 use std::collections::HashMap;
 
@@ -27,6 +28,7 @@ use hullmap_format::{
 };
 
 use crate::{BakeError, SourceRecord, file, pack::options_text};
+pub use t_junctions::{TJunctions, t_junctions};
 
 /// Triangles of a source, with the vertices that they index.
 #[derive(Clone, Copy, Debug)]
@@ -135,6 +137,14 @@ pub fn write_triangle_mesh(baked: BakedTriangleMesh, source: &SourceRecord) -> R
 }
 
 impl BakedTriangleMesh {
+    /// The T-junctions: vertices that lie on a border edge of a triangle, between its ends.
+    ///
+    /// # Complexity
+    /// O(n log n) for n border edges.
+    pub fn t_junctions(&self) -> TJunctions {
+        t_junctions(&self.mesh.vertices, &self.mesh.triangles, &self.mesh.edge_classes)
+    }
+
     /// What the mesh consists of.
     pub fn counts(&self) -> MeshCounts {
         let mesh = &self.mesh;

@@ -1,3 +1,4 @@
+use glam::{DQuat, DVec3};
 use hullmap_format::header::HEADER_LEN;
 use hullmap_format::triangle_mesh::{check, class::VertexClass, sections::Sections};
 use rkyv::util::AlignedVec;
@@ -119,4 +120,98 @@ fn random_soups_pass_the_check() {
         let bytes = |baked: BakedTriangleMesh| write_triangle_mesh(baked, &SourceRecord::default()).unwrap();
         assert_eq!(bytes(again), bytes(baked));
     }
+}
+
+/// The slow, obvious twin: every vertex against every edge that no other triangle has.
+fn t_junctions_by_hand(mesh: &TriangleMesh) -> usize {
+    let at = |corner: u32| DVec3::from_array(mesh.vertices[corner as usize].map(f64::from));
+    let mut edges: Vec<([u32; 2], u32)> = Vec::new();
+    for corners in &mesh.triangles {
+        for edge in 0..3 {
+            edges.push(([corners[edge], corners[(edge + 1) % 3]], corners[(edge + 2) % 3]));
+        }
+    }
+    let is_same = |a: &[u32; 2], b: &[u32; 2]| a == b || *a == [b[1], b[0]];
+    let border = |edge: &&([u32; 2], u32)| edges.iter().filter(|other| is_same(&other.0, &edge.0)).count() == 1;
+    let border: Vec<_> = edges.iter().filter(border).collect();
+    let [low, high] = bounds(&mesh.vertices).map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let tolerance = 1e-6 * low.distance(high);
+    let is_junction = |vertex: &u32| {
+        border.iter().any(|([a, b], c)| {
+            let (p, a_at, b_at) = (at(*vertex), at(*a), at(*b));
+            let (to_a, to_b) = (p.distance(a_at), p.distance(b_at));
+            // A point of a segment is as far from both ends together as they are from each other.
+            let off = (p - a_at).cross(b_at - a_at).length() / a_at.distance(b_at);
+            let is_inside = (p - a_at).dot(b_at - a_at) > 0.0 && (p - b_at).dot(a_at - b_at) > 0.0;
+            ![a, b, c].contains(&vertex) && is_inside && off <= tolerance && to_a.min(to_b) > 2.0 * tolerance
+        })
+    };
+    let on_border = |vertex: &u32| border.iter().any(|(ends, _)| ends.contains(vertex));
+    (0..mesh.vertices.len() as u32).filter(on_border).filter(is_junction).count()
+}
+
+/// Rows of squares of two triangles. The squares of each row are narrower than those of the one
+/// before, so that corners of one row lie on edges of the other.
+fn rows(widths: &[usize], turn: DQuat, scale: f64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let (mut positions, mut corners) = (Vec::new(), Vec::new());
+    for (row, count) in widths.iter().enumerate() {
+        for column in 0..*count {
+            let first = positions.len() as u32;
+            for (x, y) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+                let p = DVec3::new((column + x) as f64 / *count as f64 * 10.0, (row + y) as f64, 0.0);
+                positions.push((turn * p * scale).as_vec3().to_array());
+            }
+            corners.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+    }
+    (positions, corners)
+}
+
+#[test]
+fn t_junctions_are_those_of_the_slow_twin() {
+    let turned = DQuat::from_xyzw(0.1, 0.35, 0.8, 0.4).normalize();
+    for (widths, expected) in [(&[4, 4, 4][..], 0), (&[1, 2], 1), (&[2, 3], 3), (&[1, 10, 1], 18), (&[7, 5, 3], 16)] {
+        for (turn, scale) in [(DQuat::IDENTITY, 1.0), (turned, 1.0), (turned, 1e-3), (turned, 1e4)] {
+            let (positions, corners) = rows(widths, turn, scale);
+            let baked = bake(&positions, &corners);
+            let found = TJunctions { count: expected, is_complete: true };
+            assert_eq!(
+                (baked.t_junctions(), t_junctions_by_hand(&baked.mesh)),
+                (found, expected),
+                "{widths:?} {scale}"
+            );
+        }
+    }
+    let (positions, corners) = cube();
+    assert_eq!(bake(&positions, &corners).t_junctions().count, 0);
+    // The third corner of a triangle without area is on its longest edge.
+    let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.25, 0.0, 0.0]];
+    assert_eq!(bake(&line, &[[0, 1, 2]]).t_junctions().count, 0);
+}
+
+/// A fan of edges that all cross in one place: the work stays bounded, and the result says that the
+/// count is a lower bound.
+#[test]
+fn edges_that_cross_in_one_place_cost_no_square() {
+    let (mut positions, mut corners) = (Vec::new(), Vec::new());
+    let count = 20_000;
+    for edge in 0..count {
+        // A point of half a circle.
+        let t = 2.0 * f64::from(edge) / f64::from(count) - 1.0;
+        let [x, y] = [1.0 - t * t, 2.0 * t].map(|c| c / (1.0 + t * t));
+        let first = positions.len() as u32;
+        positions.extend([[x, y, 0.0], [-x, -y, 0.0], [y, -x, 2.0 + t]].map(|p| p.map(|c| c as f32)));
+        corners.push([first, first + 1, first + 2]);
+    }
+    // Many vertices near the place.
+    let near = |i: usize| [1e-4 * (i % 100) as f32, 1e-4 * (i / 100) as f32, 0.3];
+    for i in 0..5_000 {
+        let first = positions.len() as u32;
+        positions.extend([near(i), near(i + 1), near(i + 100)]);
+        corners.push([first, first + 1, first + 2]);
+    }
+    let found = bake(&positions, &corners).t_junctions();
+    assert!(!found.is_complete);
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(alone.install(|| bake(&positions, &corners).t_junctions()), found);
 }

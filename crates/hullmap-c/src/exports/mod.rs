@@ -11,6 +11,8 @@ pub mod version;
 
 pub mod pack;
 
+pub mod triangle_mesh;
+
 pub mod shape;
 
 pub mod pose;

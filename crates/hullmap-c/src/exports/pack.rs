@@ -41,7 +41,7 @@ pub unsafe extern "C" fn hullmap_pack_open(path: *const c_char, flags: u32, pack
 }
 
 #[cold]
-fn not_opened(error: OpenError) -> Failure {
+pub(super) fn not_opened(error: OpenError) -> Failure {
     let code = match error {
         OpenError::Io { .. } => Result::Io,
         OpenError::Invalid { .. } => Result::InvalidPack,
@@ -50,13 +50,13 @@ fn not_opened(error: OpenError) -> Failure {
 }
 
 #[cfg(unix)]
-fn native(path: &CStr) -> Fallible<PathBuf> {
+pub(super) fn native(path: &CStr) -> Fallible<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     Ok(std::ffi::OsStr::from_bytes(path.to_bytes()).into())
 }
 
 #[cfg(not(unix))]
-fn native(path: &CStr) -> Fallible<PathBuf> {
+pub(super) fn native(path: &CStr) -> Fallible<PathBuf> {
     path.to_str().map(PathBuf::from).map_err(|error| Failure::argument("path", error))
 }
 

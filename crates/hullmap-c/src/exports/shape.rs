@@ -3,7 +3,7 @@
 
 use crate::border::{self, Out, call};
 use crate::failure::Fallible;
-use crate::handles::{Pack, Shape};
+use crate::handles::{Pack, Shape, TriangleMesh};
 use crate::types::{Result, Vec3};
 
 /// Makes a shape and hands it out.
@@ -44,6 +44,15 @@ pub unsafe extern "C" fn hullmap_shape_scaled_hull(
 pub unsafe extern "C" fn hullmap_shape_compound(pack: *const Pack, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
     unsafe { make(shape, || Ok(Shape::compound(border::handle("pack", pack)?))) }
+}
+
+/// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers
+/// have the index of the triangle in place of that of a hull. It has no support points and no
+/// signed distance.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_triangle_mesh(mesh: *const TriangleMesh, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Ok(Shape::triangle_mesh(border::handle("mesh", mesh)?))) }
 }
 
 /// A sphere about the origin. Lengths of this and the following shapes are from 0 to 3.4e38.
@@ -88,8 +97,8 @@ pub unsafe extern "C" fn hullmap_shape_segment(start: Vec3, end: Vec3, shape: *m
     unsafe { make(shape, || Shape::segment(start.into(), end.into())) }
 }
 
-/// The triangle between three points, from both sides: for terrain and level geometry, triangle by
-/// triangle.
+/// The triangle between three points, from both sides: for single triangles; a level is a
+/// triangle mesh.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_triangle(a: Vec3, b: Vec3, c: Vec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.

@@ -6,6 +6,7 @@ mod batches;
 mod facts;
 mod lifetimes;
 mod manifolds;
+mod meshes;
 mod misuse;
 mod overhead;
 mod pairs;

@@ -81,6 +81,24 @@ static void opening(const char *path) {
     FAILS(HULLMAP_RESULT_IO, "; check the path", hullmap_pack_open("missing.hullmap", HULLMAP_OPEN_MAP, &pack));
 }
 
+static void meshes(void) {
+    HullmapTriangleMesh *mesh;
+    FAILS(HULLMAP_RESULT_NULL, "path", hullmap_triangle_mesh_open(NULL, &mesh));
+    FAILS(HULLMAP_RESULT_NULL, "mesh", hullmap_triangle_mesh_open(path, NULL));
+    FAILS(HULLMAP_RESULT_IO, "no/such/file", hullmap_triangle_mesh_open("no/such/file", &mesh));
+    FAILS(HULLMAP_RESULT_INVALID_PACK, "not a hullmap triangle mesh", hullmap_triangle_mesh_open(path, &mesh));
+    FAILS(HULLMAP_RESULT_INVALID_PACK, "", hullmap_triangle_mesh_from_memory(file, length, &mesh));
+    EXPECT(mesh == NULL);
+    FAILS(HULLMAP_RESULT_NULL, "bytes", hullmap_triangle_mesh_from_memory(NULL, 5, &mesh));
+    EXPECT(hullmap_triangle_mesh_triangle_count(NULL) == 0 && hullmap_triangle_mesh_vertex_count(NULL) == 0);
+    HullmapMeshTriangle triangle;
+    FAILS(HULLMAP_RESULT_NULL, "mesh", hullmap_triangle_mesh_triangle(NULL, 0, &triangle));
+    HullmapShape *shape;
+    FAILS(HULLMAP_RESULT_NULL, "mesh", hullmap_shape_triangle_mesh(NULL, &shape));
+    EXPECT(shape == NULL);
+    hullmap_triangle_mesh_free(NULL);
+}
+
 static void memory(void) {
     HullmapPack *pack;
     FAILS(HULLMAP_RESULT_NULL, "bytes", hullmap_pack_from_memory(NULL, 5, 0, &pack));
@@ -477,6 +495,7 @@ int main(int count, char **arguments) {
     EXPECT(hullmap_abi_version() == HULLMAP_ABI_VERSION);
     read_file(arguments[1]);
     opening(arguments[1]);
+    meshes();
     memory();
     unchecked();
     HullmapPack *pack;

@@ -1,12 +1,13 @@
-//! `bake query`: intersection, distance or contact of two hulls or packs, in many poses.
+//! `bake query`: intersection, distance or contact of two hulls, packs or triangle meshes, in many
+//! poses.
 
-use hullmap::{Compound, Hull, Pack, Pose};
+use hullmap::{Compound, Hull, Pose, TriangleMesh};
 use serde::Serialize;
 
 use crate::args::{Mode, QueryArgs};
-use crate::open::open_pack;
+use crate::open::{BakedFile, open_baked};
 use crate::outcome::{Exit, Failure};
-use crate::pair::{PairAnswer, PairSolver};
+use crate::pair::{PairAnswer, PairSolver, Side};
 use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash, rounded};
@@ -31,9 +32,9 @@ struct PoseAnswer {
     point_b: Option<[f64; 3]>,
     iterations: u32,
     support_calls: u32,
-    /// Name of the deciding hull of A, if A or B has several.
+    /// Name of the deciding hull of A, if A or B has several, or the index of a triangle.
     hull_a: Option<String>,
-    /// Name of the deciding hull of B, if A or B has several.
+    /// Name of the deciding hull of B, if A or B has several, or the index of a triangle.
     hull_b: Option<String>,
 }
 
@@ -74,21 +75,42 @@ fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
 pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
-    let (pack_a, pack_b) = (open_pack(&select_a.file)?, open_pack(&select_b.file)?);
-    let (a, b) = (choose(&select_a, &pack_a)?, choose(&select_b, &pack_b)?);
-    let names =
-        |pair: [usize; 2]| [a.hull(pair[0]), b.hull(pair[1])].map(|hull| hull.map(|hull| hull.name().to_owned()));
-    let names_hulls = a.hull_count() > 1 || b.hull_count() > 1;
+    let (file_a, file_b) = (open_baked(&select_a.file)?, open_baked(&select_b.file)?);
+    let (a, b) = (choose(&select_a, &file_a)?, choose(&select_b, &file_b)?);
+    match (a, b) {
+        (Chosen::Hulls(a), Chosen::Hulls(b)) => answer(args, poses, &*a, &*b, out),
+        (Chosen::Hulls(a), Chosen::Triangles(b)) => answer(args, poses, &*a, b, out),
+        (Chosen::Triangles(a), Chosen::Hulls(b)) => answer(args, poses, a, &*b, out),
+        (Chosen::Triangles(a), Chosen::Triangles(b)) => answer(args, poses, a, b, out),
+    }
+}
+
+/// What an argument names.
+enum Chosen<'a> {
+    Hulls(Box<Compound<'a>>),
+    Triangles(&'a TriangleMesh),
+}
+
+/// Answers for each pose, and prints the answers.
+fn answer<A: Side, B: Side>(
+    args: &QueryArgs,
+    poses: Vec<Pose>,
+    a: &A,
+    b: &B,
+    out: &mut Output,
+) -> Result<Exit, Failure> {
+    let names_parts = a.has_parts() || b.has_parts();
     let mut solver = PairSolver::new(a, b);
-    let mut table = table(args.mode, names_hulls);
+    let mut table = table(args.mode, names_parts);
     for (index, pose) in poses.into_iter().enumerate() {
         let answer = solver.query(pose, args.mode);
+        let names = |[in_a, in_b]: [usize; 2]| [a.part_name(in_a), b.part_name(in_b)];
         let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
         let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(index, answer) };
         if args.json {
             out.json(&report)?;
         } else {
-            table.push(row(&report, args.mode, names_hulls));
+            table.push(row(&report, args.mode, names_parts));
         }
     }
     if !args.json {
@@ -112,15 +134,23 @@ fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     Ok(poses)
 }
 
-/// The selected hull, or the whole pack.
-fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Compound<'a>, Failure> {
+/// The selected hull, the whole pack, or the triangle mesh.
+fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Chosen<'a>, Failure> {
+    let pack = match (file, &selection.hull) {
+        (BakedFile::TriangleMesh(mesh), None) => return Ok(Chosen::Triangles(mesh)),
+        (BakedFile::TriangleMesh(_), Some(hull)) => {
+            let path = selection.file.display();
+            return Err(Failure::usage(format!("{path}: is a triangle mesh, which has no hulls; leave out `#{hull}`")));
+        }
+        (BakedFile::Pack(pack), _) => pack,
+    };
     let hulls: Vec<Hull> = pack.hulls().collect();
     if selection.hull.is_none() {
-        return Ok(Compound::new(pack));
+        return Ok(Chosen::Hulls(Box::new(Compound::new(pack))));
     }
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
     let index = selection.choose(&names)?;
-    Ok(Compound::from(hulls[index]))
+    Ok(Chosen::Hulls(Box::new(Compound::from(hulls[index]))))
 }
 
 /// An empty table. `names_hulls`: with columns for the two deciding hulls.

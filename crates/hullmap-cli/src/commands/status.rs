@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-use hullmap::Pack;
-use hullmap_format::header::{HEADER_LEN, Header, options_hash};
+use hullmap::{HeightField, OpenError, Pack, TriangleMesh};
+use hullmap_format::header::{FileKind, HEADER_LEN, Header, options_hash};
 use hullmap_import::open_regular;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -72,19 +72,28 @@ fn state(job: &Job) -> (State, Option<String>) {
         Ok(length)
     });
     let (length, header) = match read {
-        Ok(length) => (length, Header::read(&bytes)),
+        Ok(length) => (length, Header::read_kind(&bytes, job.options.file_kind())),
         Err(error) if error.kind() == ErrorKind::NotFound => return (State::Missing, None),
         Err(error) => return stale(format!("the pack cannot be read: {error}")),
     };
     match header.and_then(|header| header.check_length(length).map(|()| header)) {
         Ok(header) if header.options_hash == options_hash(&job.options.to_string()) => (State::Present, None),
         // The hash of the options of a pack with warnings covers them too.
-        Ok(_) => match Pack::open_skipping_contents(&job.output) {
-            Ok(pack) if pack.options() == job.options.to_string() => (State::Present, None),
+        Ok(_) => match recorded_options(job) {
+            Ok(options) if options == job.options.to_string() => (State::Present, None),
             Ok(_) => stale("the options have changed".to_owned()),
             Err(error) => stale(error.to_string()),
         },
         Err(error) => stale(error.to_string()),
+    }
+}
+
+/// The options that the file of a job records.
+fn recorded_options(job: &Job) -> Result<String, OpenError> {
+    match job.options.file_kind() {
+        FileKind::Pack => Pack::open_skipping_contents(&job.output).map(|pack| pack.options().to_owned()),
+        FileKind::TriangleMesh => TriangleMesh::open(&job.output).map(|mesh| mesh.options().to_owned()),
+        FileKind::HeightField => HeightField::open(&job.output).map(|field| field.options().to_owned()),
     }
 }
 

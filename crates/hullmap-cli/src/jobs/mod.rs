@@ -34,7 +34,7 @@ use crate::outcome::{Exit, Failure};
 use crate::terminal;
 use filter::Filter;
 pub use job::Job;
-use pack_names::PackName;
+use pack_names::{PackName, Unnamed};
 use search::{Found, Mesh, in_words, without_meshes};
 
 /// What is to be baked, and what is not.
@@ -112,7 +112,14 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<J
             unread.push(Unread { place: place(&mesh, out), source: mesh.source });
         }
     }
-    let names: Vec<_> = chosen.iter().map(|(mesh, options, _)| (mesh, options.keeps_extension())).collect();
+    let names: Vec<Unnamed> = chosen
+        .iter()
+        .map(|(mesh, options, _)| Unnamed {
+            mesh,
+            keeps_extension: options.keeps_extension(),
+            kind: options.file_kind(),
+        })
+        .collect();
     let names = pack_names::pack_names(&names);
     let job = |((mesh, options, config), name): ((Mesh, BuildOptions, _), PackName)| Job {
         place: place(&mesh, out),

@@ -1,4 +1,5 @@
-//! Names of packs: `x.hullmap` for `x.obj`, or `x.obj.hullmap` beside `x.stl`.
+//! Names of packs: `x.hullmap` for `x.obj`, or `x.obj.hullmap` beside `x.stl`. The names of
+//! triangle meshes differ in their extension alone.
 //!
 //! A mesh keeps its extension in the name of its pack if another mesh of the build would otherwise
 //! have the same pack, or a pack whose name differs in case alone, which is the same file on some
@@ -8,10 +9,9 @@ use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::search::Mesh;
+use hullmap_format::header::FileKind;
 
-/// End of a pack's name.
-const PACK: &str = ".hullmap";
+use super::search::Mesh;
 
 /// The pack of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,30 +26,41 @@ pub struct PackName {
     pub clash: Option<String>,
 }
 
-/// The packs of all meshes of a build. For each mesh, whether its pack keeps the extension; `None`
-/// if the other names decide. Complexity: O(meshes), apart from meshes of the same stem.
-pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
+/// A mesh whose pack needs a name.
+#[derive(Clone, Copy, Debug)]
+pub struct Unnamed<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// Whether the name keeps the extension of the mesh; `None` if the other names decide.
+    pub keeps_extension: Option<bool>,
+    /// What is written.
+    pub kind: FileKind,
+}
+
+/// The packs of all meshes of a build. Complexity: O(meshes), apart from meshes of the same stem.
+pub fn pack_names(meshes: &[Unnamed]) -> Vec<PackName> {
     // The meshes with a stem, or with a name, in a folder of packs; without case.
     let mut by_stem: HashMap<(&Path, String), Vec<usize>> = HashMap::new();
     let mut by_name: HashMap<(&Path, String), Vec<usize>> = HashMap::new();
     let full = |mesh: &Mesh| lower(mesh.source.file_name().map(Path::new));
     let stem = |mesh: &Mesh| lower(mesh.source.file_stem().map(Path::new));
-    for (index, (mesh, _)) in meshes.iter().enumerate() {
+    for (index, Unnamed { mesh, .. }) in meshes.iter().enumerate() {
         by_stem.entry((&mesh.folder, stem(mesh))).or_default().push(index);
         by_name.entry((&mesh.folder, full(mesh))).or_default().push(index);
     }
     let rival = |index: usize| {
-        let mesh = meshes[index].0;
+        let mesh = meshes[index].mesh;
         let key = (mesh.folder.as_path(), stem(mesh));
         let others = [by_stem.get(&key), by_name.get(&key)].into_iter().flatten().flatten();
         // The extension cannot distinguish meshes whose whole names are equal.
-        others.copied().find(|&other| full(meshes[other].0) != full(mesh))
+        others.copied().find(|&other| full(meshes[other].mesh) != full(mesh))
     };
-    let name = |(index, (mesh, keeps)): (usize, &(&Mesh, Option<bool>))| {
-        let rival = if keeps.is_none() { rival(index) } else { None };
-        let output = mesh.folder.join(file_name(&mesh.source, keeps.unwrap_or(rival.is_some())));
+    let name = |(index, unnamed): (usize, &Unnamed)| {
+        let Unnamed { mesh, keeps_extension, kind } = *unnamed;
+        let rival = if keeps_extension.is_none() { rival(index) } else { None };
+        let output = mesh.folder.join(file_name(&mesh.source, keeps_extension.unwrap_or(rival.is_some()), kind));
         let note = rival.map(|rival| {
-            let rival = meshes[rival].0.source.display();
+            let rival = meshes[rival].mesh.source.display();
             format!("its pack {} keeps the extension, to differ from the pack of {rival}", output.display())
         });
         PackName { output, note, ..PackName::default() }
@@ -65,17 +76,17 @@ pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
                 let is_same = |&other: &usize| (names[other].output == names[index].output) == is_equal;
                 same.iter().copied().filter(|&other| other != index).find(is_same)
             };
-            let (source, output) = (meshes[index].0.source.display(), names[index].output.display());
+            let (source, output) = (meshes[index].mesh.source.display(), names[index].output.display());
             let clash = other(true).map(|other| {
                 let (first, second) = (index.min(other), index.max(other));
-                let [first, second] = [first, second].map(|index| meshes[index].0.source.display());
+                let [first, second] = [first, second].map(|index| meshes[index].mesh.source.display());
                 format!(
                     "{first} and {second} would both become {output}; rename one, bake them into separate folders, \
                      or try --pack-names full"
                 )
             });
             let warning = other(false).map(|other| {
-                let (other, theirs) = (meshes[other].0.source.display(), names[other].output.display());
+                let (other, theirs) = (meshes[other].mesh.source.display(), names[other].output.display());
                 format!("{output} and {theirs} are one file on systems that ignore case; rename {source} or {other}")
             });
             (names[index].clash, names[index].warning) = (clash, warning);
@@ -86,14 +97,16 @@ pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
 
 /// Whether the packs of a mesh have this name, with or without the extension of the mesh.
 pub fn is_name_of(pack: &Path, source: &Path) -> bool {
-    [true, false].iter().any(|&keeps| pack.file_name() == Some(&file_name(source, keeps)))
+    let is_name = |keeps: bool, kind: FileKind| pack.file_name() == Some(&file_name(source, keeps, kind));
+    FileKind::ALL.iter().any(|kind| is_name(true, *kind) || is_name(false, *kind))
 }
 
 /// The stem keeps its inner dots.
-fn file_name(source: &Path, keeps_extension: bool) -> OsString {
+fn file_name(source: &Path, keeps_extension: bool, kind: FileKind) -> OsString {
     let name = if keeps_extension { source.file_name() } else { source.file_stem() };
     let mut name = name.unwrap_or_default().to_owned();
-    name.push(PACK);
+    name.push(".");
+    name.push(kind.extension());
     name
 }
 
@@ -106,12 +119,17 @@ mod tests {
     use super::*;
 
     /// Names of the packs of meshes, each in a folder with these packs.
-    fn names(meshes: &[&str], keeps: Option<bool>) -> Vec<String> {
+    fn names(meshes: &[&str], keeps_extension: Option<bool>) -> Vec<String> {
+        names_of(meshes, keeps_extension, |_| FileKind::Pack)
+    }
+
+    fn names_of(meshes: &[&str], keeps_extension: Option<bool>, kind: impl Fn(&Path) -> FileKind) -> Vec<String> {
         let meshes: Vec<Mesh> = meshes
             .iter()
             .map(|mesh| Mesh { source: mesh.into(), folder: Path::new("o").join(Path::new(mesh).parent().unwrap()) })
             .collect();
-        let choices: Vec<_> = meshes.iter().map(|mesh| (mesh, keeps)).collect();
+        let unnamed = |mesh| Unnamed { mesh, keeps_extension, kind: kind(&mesh.source) };
+        let choices: Vec<_> = meshes.iter().map(unnamed).collect();
         let shown = |name: PackName| {
             let mark = if name.clash.is_some() {
                 "!"
@@ -123,6 +141,16 @@ mod tests {
             format!("{}{mark}", name.output.to_str().unwrap().replace('\\', "/"))
         };
         pack_names(&choices).into_iter().map(shown).collect()
+    }
+
+    #[test]
+    fn triangle_meshes_have_an_extension_of_their_own() {
+        let kind = |source: &Path| if source.ends_with("level.obj") { FileKind::TriangleMesh } else { FileKind::Pack };
+        assert_eq!(names_of(&["level.obj", "y.obj"], None, kind), ["o/level.hullmesh", "o/y.hullmap"]);
+        // The stem alone does not distinguish their sources.
+        let both = ["o/level.obj.hullmesh", "o/level.stl.hullmap"];
+        assert_eq!(names_of(&["level.obj", "level.stl"], None, kind), both);
+        assert_eq!(names_of(&["level.obj", "level.stl"], Some(false), kind), ["o/level.hullmesh", "o/level.hullmap"]);
     }
 
     #[test]
@@ -165,6 +193,8 @@ mod tests {
         for (pack, source, expected) in [
             ("o/x.hullmap", "in/x.obj", true),
             ("o/x.obj.hullmap", "in/x.obj", true),
+            ("o/x.hullmesh", "in/x.obj", true),
+            ("o/x.obj.hullmesh", "in/x.obj", true),
             ("o/x.stl.hullmap", "in/x.obj", false),
             ("o/renamed.hullmap", "in/x.obj", false),
         ] {

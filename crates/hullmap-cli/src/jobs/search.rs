@@ -136,8 +136,9 @@ fn without_repeats(meshes: Vec<Mesh>) -> Vec<Mesh> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pack_names::pack_names;
+    use super::super::pack_names::{Unnamed, pack_names};
     use super::*;
+    use hullmap_format::header::FileKind;
 
     /// A folder with empty files of these names.
     fn folder(names: &[&str]) -> tempfile::TempDir {
@@ -152,7 +153,8 @@ mod tests {
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
         let meshes = search(inputs, Path::new("out"), &mut Filter::default()).unwrap().meshes;
-        let meshes: Vec<_> = meshes.iter().map(|mesh| (mesh, None)).collect();
+        let unnamed = |mesh| Unnamed { mesh, keeps_extension: None, kind: FileKind::Pack };
+        let meshes: Vec<_> = meshes.iter().map(unnamed).collect();
         let names = pack_names(&meshes);
         names.iter().map(|name| name.output.to_str().unwrap().replace('\\', "/")).collect()
     }

@@ -15,7 +15,7 @@ use super::key::{Ingredients, sha256};
 use super::pack_names::PackName;
 use super::slashed;
 use crate::options::BuildOptions;
-use crate::packs::is_pack;
+use crate::packs::{is_baked, kind_by_name};
 
 /// Maximum length of a task in bytes. A batch of 256 meshes takes about 200 KiB.
 const MAX_BYTES: u64 = 64 << 20;
@@ -107,11 +107,15 @@ impl TaskMesh {
     fn job(&self, out: &Path) -> Result<Job, String> {
         let pack = Path::new(&self.pack);
         let is_inside = pack.components().all(|part| matches!(part, Component::Normal(_)));
-        if !is_inside || !is_pack(pack) || self.pack.contains('\\') {
+        if !is_inside || !is_baked(pack) || self.pack.contains('\\') {
             return Err(format!("`{}` is not the path of a pack below --out; plan again", self.pack));
         }
         let options = BuildOptions::from_recorded(&self.options)
             .ok_or_else(|| format!("unknown options `{}`; plan again with this version", self.options))?;
+        if kind_by_name(pack) != Some(options.file_kind()) {
+            let expected = options.file_kind().extension();
+            return Err(format!("`{}` must end in .{expected} with these options; plan again", self.pack));
+        }
         let output = out.join(pack);
         Ok(Job {
             source: PathBuf::from(&self.source),

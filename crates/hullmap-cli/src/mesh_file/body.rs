@@ -144,7 +144,7 @@ impl Body {
 }
 
 /// The rotation of `bake build --up-axis`.
-fn rotated<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3], up_axis: UpAxis) -> [T; 3] {
+pub fn rotated<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3], up_axis: UpAxis) -> [T; 3] {
     match up_axis {
         UpAxis::Keep => [x, y, z],
         UpAxis::YToZ => [x, -z, y],

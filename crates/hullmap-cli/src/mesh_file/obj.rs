@@ -1,4 +1,5 @@
-//! Hulls as OBJ text: an object each, with triangles, or a line or a point element.
+//! Hulls as OBJ text: an object each, with triangles, or a line or a point element. And triangle
+//! meshes.
 //!
 //! Coordinates are the shortest decimals that give the same `f32` again, also to a reader that
 //! rounds to `f64` first.
@@ -23,14 +24,7 @@ pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
         if has_groups {
             text += &format!("g {name}\n");
         }
-        for position in &body.positions {
-            text.push('v');
-            for coordinate in position {
-                text.push(' ');
-                push_decimal(&mut text, *coordinate);
-            }
-            text.push('\n');
-        }
+        push_vertices(&mut text, &body.positions);
         match body.rank {
             0 => push_element(&mut text, "p", first..first + 1),
             1 => push_element(&mut text, "l", first..first + body.positions.len() as u64),
@@ -43,6 +37,35 @@ pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
         first += body.positions.len() as u64;
     }
     text.into_bytes()
+}
+
+/// The file of a triangle mesh, with the material of each triangle. Numbers are named, since their
+/// names are not known.
+pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
+    let mut text = format!("# Triangle mesh, exported by bake\no {}\n", line(&body.name));
+    push_vertices(&mut text, &body.positions);
+    let mut current = 0;
+    for (corners, material) in body.triangles().zip(materials) {
+        if *material != current {
+            current = *material;
+            // Without a name, the faces have no material.
+            let name = if current == 0 { String::new() } else { format!(" material_{current}") };
+            text += &format!("usemtl{name}\n");
+        }
+        push_element(&mut text, "f", corners.into_iter().map(|corner| 1 + u64::from(corner)));
+    }
+    text.into_bytes()
+}
+
+fn push_vertices(text: &mut String, positions: &[[f32; 3]]) {
+    for position in positions {
+        text.push('v');
+        for coordinate in position {
+            text.push(' ');
+            push_decimal(text, *coordinate);
+        }
+        text.push('\n');
+    }
 }
 
 fn push_element(text: &mut String, keyword: &str, vertices: impl Iterator<Item = u64>) {

@@ -10,14 +10,26 @@ use super::body::Body;
 /// The comment before the triangles, 80 bytes. It must not start with `solid`, as text files do.
 const COMMENT: &[u8] = b"convex hull, exported by bake";
 
+/// The comment of a triangle mesh.
+const COMMENT_OF_TRIANGLES: &[u8] = b"triangle mesh, exported by bake";
+
 /// Bytes of the comment.
 const COMMENT_LEN: usize = 80;
 
 /// The file. Fails if it would have more triangles than its header can count.
 pub fn write(body: &Body) -> Result<Vec<u8>, String> {
+    write_with(COMMENT, body)
+}
+
+/// The file of a triangle mesh. Fails as [`write`] does.
+pub fn write_triangles(body: &Body) -> Result<Vec<u8>, String> {
+    write_with(COMMENT_OF_TRIANGLES, body)
+}
+
+fn write_with(comment: &[u8], body: &Body) -> Result<Vec<u8>, String> {
     let count = body.triangles().count();
     let count = u32::try_from(count).map_err(|_| format!("has {count} triangles, but STL counts to {}", u32::MAX))?;
-    let mut bytes = COMMENT.to_vec();
+    let mut bytes = comment.to_vec();
     bytes.resize(COMMENT_LEN, b' ');
     bytes.extend(count.to_le_bytes());
     for corners in body.triangles() {

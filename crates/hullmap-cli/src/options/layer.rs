@@ -34,12 +34,19 @@ enum ClashKind {
     SwitchedOff,
     /// `key` has no effect unless `other` has this value.
     NoEffect(&'static str),
+    /// `key` shapes hulls, and `other` writes none.
+    OfHulls,
 }
 
 impl Clash {
     /// `key` has no effect unless `other` has this value.
     pub(super) fn no_effect(key: &'static str, other: &'static str, value: &'static str) -> Self {
         Self { key, other, kind: ClashKind::NoEffect(value) }
+    }
+
+    /// `key` has no effect on meshes that keep their triangles.
+    pub(super) fn of_hulls(key: &'static str) -> Self {
+        Self { key, other: "keep_triangles", kind: ClashKind::OfHulls }
     }
 
     /// What is wrong and what to do; `name` turns a key into the name by which the user knows the
@@ -54,6 +61,9 @@ impl Clash {
             }
             ClashKind::Exclusive => format!("{key} and {other} exclude each other; remove one of them"),
             ClashKind::SwitchedOff => format!("{key} has no effect because {other} is false; remove one of them"),
+            ClashKind::OfHulls => {
+                format!("{key} has no effect with {other}, which writes no hulls; remove one of them")
+            }
             ClashKind::NoEffect(UNNAMED) => format!("{key} has no effect without {other}; add it, or remove {key}"),
             ClashKind::NoEffect(value) => {
                 format!("{key} has no effect without {other}={value}; add it, or remove {key}")
@@ -105,6 +115,17 @@ impl OptionLayer {
         }
     }
 
+    /// Whether meshes keep their triangles.
+    pub(super) fn keeps_triangles(&self) -> bool {
+        self.get("keep_triangles") == Some(Value::Switch(true))
+    }
+
+    /// The first option of this layer that does not apply to meshes that keep their triangles.
+    pub(super) fn first_option_of_hulls(&self) -> Option<&'static str> {
+        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
+        given.find(|(option, _)| !option.is_of_triangles).map(|(option, _)| option.key)
+    }
+
     /// The first option of this layer that only applies to decomposed meshes.
     pub fn first_option_of_parts(&self) -> Option<&'static str> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
@@ -123,7 +144,11 @@ impl OptionLayer {
     pub fn clash(&self) -> Option<Clash> {
         let is_set = |key| self.get(key).is_some();
         let clash = |key, other, kind| Some(Clash { key, other, kind });
-        if is_set("resolution") && self.get("index") != Some(Value::Word("cubemap")) {
+        if self.keeps_triangles()
+            && let Some(key) = self.first_option_of_hulls()
+        {
+            Some(Clash::of_hulls(key))
+        } else if is_set("resolution") && self.get("index") != Some(Value::Word("cubemap")) {
             clash("resolution", "index", ClashKind::RequiresCubemap)
         } else if is_set("index_budget") && is_set("index") {
             clash("index_budget", "index", ClashKind::Exclusive)
@@ -188,6 +213,7 @@ pub mod tests {
         ("for_engine", "box3d"),
         ("fill", "true"),
         ("primitives", "true"),
+        ("keep_triangles", "true"),
     ];
 
     /// A layer with these values.
@@ -272,6 +298,10 @@ pub mod tests {
         let message = "decompose_seconds has no effect without decompose; add it, or remove decompose_seconds";
         assert_eq!(unused(&[("decompose_seconds", "4")], &[&[("decompose", "false")]]), Some(message.to_owned()));
         assert_eq!(unused(&[("max_vertices", "4"), ("split", "auto")], &[&[]]), None);
+        let keeps: &[(&str, &str)] = &[("keep_triangles", "true")];
+        let message = "lean has no effect with keep_triangles, which writes no hulls; remove one of them";
+        assert_eq!(unused(&[("lean", "true")], &[keeps, keeps]), Some(message.to_owned()));
+        assert_eq!(unused(&[("lean", "true")], &[keeps, &[]]), None);
     }
 
     #[test]
@@ -289,6 +319,10 @@ pub mod tests {
             assert_eq!(clash(&[(key, value)]), None);
         }
         assert_eq!(clash(&[("decompose", "cover"), ("max_error", "2%"), ("max_vertices", "8")]), None);
+        assert_eq!(clash(&[("keep_triangles", "true"), ("lean", "true")]), Some("lean"));
+        assert_eq!(clash(&[("keep_triangles", "false"), ("lean", "true")]), None);
+        let kept = [("keep_triangles", "true"), ("unit_scale", "2"), ("up_axis", "y-to-z"), ("pack_names", "full")];
+        assert_eq!(clash(&kept), None);
         let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
         assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");
     }

@@ -105,7 +105,7 @@ mod tests {
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
     /// Packs are fresh by these texts: a change here makes every pack in the world stale.
-    const RECORDS: [(&[(&str, &str)], &str); 26] = [
+    const RECORDS: [(&[(&str, &str)], &str); 28] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
@@ -140,6 +140,11 @@ mod tests {
         (
             &[("up_axis", "y-to-z"), ("recentre", "true"), ("unit_scale", "2"), ("index", "none"), ("split", "auto")],
             "split auto, vertices referenced, index none, unit_scale 2, up_axis y-to-z, recentre true",
+        ),
+        (&[("keep_triangles", "true")], "split none, vertices referenced, index none, keep_triangles true"),
+        (
+            &[("keep_triangles", "true"), ("unit_scale", "2")],
+            "split none, vertices referenced, index none, unit_scale 2, keep_triangles true",
         ),
     ];
 

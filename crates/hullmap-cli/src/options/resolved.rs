@@ -3,6 +3,8 @@
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_format::header::FileKind;
+use hullmap_format::triangle_mesh;
 use hullmap_format::version::Layout;
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
@@ -46,7 +48,8 @@ impl OptionLayer {
         }
         let given = resolved.clone();
         for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
-            let applies = option.applies_with.is_none_or(|(key, expected)| given.is(key, expected));
+            let applies = option.applies_with.is_none_or(|(key, expected)| given.is(key, expected))
+                && (option.is_of_triangles || !given.keeps_triangles());
             if value.is_none() || !applies {
                 *value = match option.default {
                     DefaultValue::Value(text) => {
@@ -56,6 +59,10 @@ impl OptionLayer {
                 };
             }
         }
+        // Triangles have no direction index.
+        if let (true, Some(index)) = (given.keeps_triangles(), position("index")) {
+            resolved.values[index] = Some(Value::Word("none"));
+        }
         BuildOptions(resolved)
     }
 
@@ -63,6 +70,10 @@ impl OptionLayer {
     /// `resolved` has. Other layers may have contributed to `resolved`.
     pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
+        let keep_triangles = |options: &BuildOptions| options.keeps_triangles();
+        if resolved.clone().next().is_some() && resolved.clone().all(keep_triangles) {
+            return self.first_option_of_hulls().map(Clash::of_hulls);
+        }
         given.find_map(|(option, _)| {
             let (other, value) = option.applies_with?;
             let has_effect = resolved.clone().any(|options| options.0.is(other, value));
@@ -125,6 +136,16 @@ impl BuildOptions {
             fill: self.switch("fill"),
             seconds: self.optional_number("decompose_seconds"),
         })
+    }
+
+    /// Whether a static triangle mesh is written instead of a pack of hulls.
+    pub fn keeps_triangles(&self) -> bool {
+        self.switch("keep_triangles")
+    }
+
+    /// The kind of file that is written.
+    pub fn file_kind(&self) -> FileKind {
+        if self.keeps_triangles() { FileKind::TriangleMesh } else { FileKind::Pack }
     }
 
     /// Whether packs record primitives that may replace parts.
@@ -203,8 +224,11 @@ impl BuildOptions {
         self.switch("lean")
     }
 
-    /// The latest format version that the packs may have.
+    /// The latest format version that the files may have.
     pub fn format_version(&self) -> u32 {
+        if self.keeps_triangles() {
+            return triangle_mesh::FORMAT_VERSION;
+        }
         Layout { is_lean: self.is_lean(), is_extended: true }.version()
     }
 
@@ -313,5 +337,18 @@ pub mod tests {
         assert_eq!(cover("fill", "true"), Some(Cover { fill: true, ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
+        let kinds = ["false", "true"].map(|value| options(&[("keep_triangles", value)]).file_kind());
+        assert_eq!(kinds, [FileKind::Pack, FileKind::TriangleMesh]);
+    }
+
+    /// A level below a folder whose meshes are decomposed keeps its triangles.
+    #[test]
+    fn options_of_hulls_do_not_apply_to_triangles() {
+        let level = options(&crate::options::layer::tests::VALUES);
+        assert!(level.keeps_triangles());
+        assert_eq!((level.decompose(), level.simplify(1.0), level.budget().is_some()), (None, None, false));
+        let import = level.import();
+        assert_eq!((import.split, import.recentre), (Split::None, false));
+        assert_eq!((import.unit_scale, import.up_axis), (0.01, UpAxis::YToZ));
     }
 }

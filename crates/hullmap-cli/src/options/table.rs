@@ -29,6 +29,8 @@ pub struct BuildOption {
     pub group: Group,
     /// Another option and the value of it with which this one applies.
     pub applies_with: Option<(&'static str, &'static str)>,
+    /// Whether it applies to meshes that keep their triangles, too.
+    pub is_of_triangles: bool,
     /// How a pack records it.
     pub record: Record,
 }
@@ -176,6 +178,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         is_advanced: true,
         group: Group::Index,
         applies_with: Some(("index", "cubemap")),
+        is_of_triangles: false,
         record: Record::WithIndex,
     },
     BuildOption {
@@ -185,6 +188,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "F",
         help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
         section: Section::Shape,
+        is_of_triangles: true,
         ..OPTION
     },
     BuildOption {
@@ -194,6 +198,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "keep|y-to-z|z-to-y",
         help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
         section: Section::Shape,
+        is_of_triangles: true,
         ..OPTION
     },
     BuildOption {
@@ -243,6 +248,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         section: Section::Files,
         is_advanced: true,
         record: Record::Never,
+        is_of_triangles: true,
         ..OPTION
     },
     BuildOption {
@@ -298,6 +304,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         section: Section::Files,
         is_advanced: true,
         record: Record::Never,
+        is_of_triangles: true,
         ..OPTION
     },
     BuildOption {
@@ -363,10 +370,20 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         applies_with: Some(("decompose", "cover")),
         ..OPTION
     },
+    BuildOption {
+        key: "keep_triangles",
+        syntax: Switch,
+        default: DefaultValue::Value("false"),
+        value_name: "BOOL",
+        help: "Write a static triangle mesh (.hullmesh) that keeps all triangles, for a level or a terrain, instead of a pack of hulls",
+        section: Section::Shape,
+        is_of_triangles: true,
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 23;
+pub const OPTION_COUNT: usize = 24;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {
@@ -379,6 +396,7 @@ const OPTION: BuildOption = BuildOption {
     is_advanced: false,
     group: Group::Single,
     applies_with: None,
+    is_of_triangles: false,
     record: Record::IfChanged,
 };
 

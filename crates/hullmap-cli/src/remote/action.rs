@@ -20,7 +20,7 @@ use crate::jobs::key::inputs;
 use crate::jobs::task::{Task, TaskMesh};
 use crate::jobs::{Job, slashed};
 use crate::outcome::Failure;
-use crate::packs::is_pack;
+use crate::packs::is_baked;
 use crate::runner::one::Build;
 use crate::runner::rows::{Row, Status};
 use crate::terminal;
@@ -109,7 +109,7 @@ pub fn is_portable(job: &Job, build: &Build) -> bool {
         is_inside && !path.contains(['\\', '\0', '\u{fffd}'])
     };
     let pack = job.output.strip_prefix(build.out).unwrap_or(&job.output);
-    job.name.clash.is_none() && is_plain(&job.place) && is_pack(pack) && is_plain(&slashed(pack))
+    job.name.clash.is_none() && is_plain(&job.place) && is_baked(pack) && is_plain(&slashed(pack))
 }
 
 impl<'j> Batch<'j> {

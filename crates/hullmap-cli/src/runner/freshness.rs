@@ -1,19 +1,18 @@
 //! Freshness: whether a pack is what a bake would write, judged by its bytes and never by time
 //! stamps.
 //!
-//! A pack is fresh if its header holds this format version and the hash of the source's bytes; if
-//! it records the options and the source's path; and if it opens, which checks a checksum over
-//! every byte. So a damaged pack is never fresh. A stale header is detected after 64 bytes;
-//! checking a fresh pack costs less than hashing its source.
+//! Here, a triangle mesh counts as a pack. A pack is fresh if its header holds this format version
+//! and the hash of the source's bytes; if it records the options and the source's path; and if it
+//! opens, which checks a checksum over every byte. So a damaged pack is never fresh. A stale header
+//! is detected after 64 bytes; checking a fresh pack costs less than hashing its source.
 
 use std::io::{self, Read};
 use std::path::Path;
 
-use hullmap::Pack;
 use hullmap_format::header::{HEADER_LEN, Header, options_hash};
 use hullmap_import::open_regular;
 
-use crate::open::open_pack;
+use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 
@@ -35,7 +34,7 @@ pub struct Expected<'a> {
 #[derive(Debug)]
 pub enum Found {
     /// The pack that a bake would write.
-    Fresh(Pack),
+    Fresh(BakedFile),
     /// Another file, and why it is stale.
     Stale(String),
     /// No file.
@@ -52,7 +51,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Missing,
         Err(error) => return Found::Stale(format!("the pack cannot be read: {error}")),
     }
-    let header = match Header::read(&bytes) {
+    let header = match Header::read_kind(&bytes, expected.options.file_kind()) {
         Ok(header) => header,
         Err(error) => return Found::Stale(error.to_string()),
     };
@@ -62,7 +61,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
         return Found::Stale(SOURCE_CHANGED.to_owned());
     }
     // The hash of the options of a pack with warnings covers them too, so the pack has to be read.
-    match open_pack(path) {
+    match open_baked(path) {
         Err(_) if source_changed => Found::Stale(SOURCE_CHANGED.to_owned()),
         Err(failure) => {
             // The message starts with the pack's path, which the row shows already.

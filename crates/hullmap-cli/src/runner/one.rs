@@ -7,7 +7,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::Instant;
 
-use hullmap::Pack;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
 
@@ -17,11 +16,13 @@ use crate::args::verify::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
 use crate::jobs::key::{check_planned, read};
-use crate::open::{kept_warnings, open_pack};
+use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
+use crate::triangle_mesh::{MeshSummary, adapted, bake_triangles};
 use crate::verification::pack::{Reference, verify_hulls};
+use crate::verification::triangle_mesh::{SourceTriangles, verify_mesh};
 use hullmap_import::{self as import, Imported, Limits, SourceFile};
 
 /// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
@@ -132,7 +133,7 @@ impl Build<'_> {
         let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
         let file = write_beside(&job.output, bytes).map_err(cannot_write)?;
         match judge(file.path(), &expected) {
-            Found::Fresh(pack) => fill_from_pack(&pack, row),
+            Found::Fresh(file) => fill_from_file(&file, row),
             Found::Stale(reason) => {
                 return Err(Failure::rejected(format!("{output}: the pack that the farm sent was rejected: {reason}")));
             }
@@ -178,24 +179,44 @@ impl Build<'_> {
             warnings: row.warnings.clone(),
         };
         stage.reach(READ);
-        let pack = (self.baker)(&imported.point_sets, &job.options, &record, stage.from_to(READ, BAKED))
+        let bytes = self
+            .bytes(job, &imported, &record, row, stage)
             .map_err(|error| Failure::rejected(format!("{}: {error}", row.source)))?;
         stage.reach(BAKED);
-        let file = write_beside(&job.output, &pack.bytes).map_err(cannot_write)?;
+        let file = write_beside(&job.output, &bytes).map_err(cannot_write)?;
         if self.verify {
             verify_pack(file.path(), &imported).inspect_err(|_| row.is_internal = true)?;
         }
         put_in_place(file, &job.output).map_err(cannot_write)?;
-
-        row.hulls = Some(pack.ranks.len());
-        row.vertices_hull = Some(pack.vertex_count);
-        row.ranks = Some(pack.ranks);
-        row.objects = Some(pack.objects.into_iter().take(MAX_OBJECTS).collect());
-        row.bytes = Some(pack.bytes.len() as u64);
         row.origin = Some(Origin::Local);
-        row.notes.extend(pack.notes);
-        row.warnings = pack.warnings;
         Ok(Status::Baked)
+    }
+
+    /// The bytes of the pack or of the triangle mesh, which the row then describes.
+    fn bytes(
+        &self,
+        job: &Job,
+        imported: &Imported,
+        record: &SourceRecord,
+        row: &mut Row,
+        stage: Stage,
+    ) -> Result<Vec<u8>, String> {
+        let (bytes, notes, warnings) = if job.options.keeps_triangles() {
+            let mesh = bake_triangles(imported, record)?;
+            row.triangle_mesh = Some(mesh.summary);
+            (mesh.bytes, mesh.notes, mesh.warnings)
+        } else {
+            let pack = (self.baker)(&imported.point_sets, &job.options, record, stage.from_to(READ, BAKED))?;
+            row.hulls = Some(pack.ranks.len());
+            row.vertices_hull = Some(pack.vertex_count);
+            row.ranks = Some(pack.ranks);
+            row.objects = Some(pack.objects.into_iter().take(MAX_OBJECTS).collect());
+            (pack.bytes, pack.notes, pack.warnings)
+        };
+        row.bytes = Some(bytes.len() as u64);
+        row.notes.extend(notes);
+        row.warnings = warnings;
+        Ok(bytes)
     }
 
     /// Status of a file that needs no bake; `None` if it must be baked, with the reason in the row.
@@ -214,8 +235,8 @@ impl Build<'_> {
         };
         let (status, reason) = match found {
             Found::Fresh(pack) => {
-                fill_from_pack(&pack, row);
-                row.warnings = kept_warnings(&pack);
+                fill_from_file(&pack, row);
+                row.warnings = pack.kept_warnings();
                 return Ok(Some(Status::Fresh));
             }
             Found::Stale(reason) => (Status::Stale, reason),
@@ -242,6 +263,11 @@ impl Build<'_> {
         row.vertices_duplicate = Some(imported.duplicate_count);
         row.notes = std::mem::take(&mut imported.notes);
         row.warnings = std::mem::take(&mut imported.warnings);
+        if job.options.keeps_triangles() {
+            for remark in row.notes.iter_mut().chain(&mut row.warnings) {
+                *remark = adapted(remark);
+            }
+        }
         Ok(imported)
     }
 }
@@ -259,7 +285,15 @@ fn cannot_place(job: &Job, error: &std::io::Error) -> Failure {
     Failure::usage(format!("{source}: cannot determine its path relative to {output}: {error}; check both folders"))
 }
 
-fn fill_from_pack(pack: &Pack, row: &mut Row) {
+fn fill_from_file(file: &BakedFile, row: &mut Row) {
+    let pack = match file {
+        BakedFile::Pack(pack) => pack,
+        BakedFile::TriangleMesh(mesh) => {
+            row.triangle_mesh.get_or_insert_with(|| MeshSummary::of_file(mesh));
+            row.bytes = Some(mesh.bytes().len() as u64);
+            return;
+        }
+    };
     row.hulls = Some(pack.hull_count());
     row.vertices_in = Some(pack.hulls().map(|hull| hull.source_point_count() as usize).sum());
     row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
@@ -267,9 +301,19 @@ fn fill_from_pack(pack: &Pack, row: &mut Row) {
     row.bytes = Some(pack.byte_len() as u64);
 }
 
-/// Verifies a pack as `bake verify` does with default arguments.
+/// Verifies a pack or a triangle mesh as `bake verify` does with default arguments.
 fn verify_pack(path: &Path, imported: &Imported) -> Result<(), Failure> {
-    let pack = open_pack(path)?;
+    let pack = match open_baked(path)? {
+        BakedFile::Pack(pack) => pack,
+        BakedFile::TriangleMesh(mesh) => {
+            let source = SourceTriangles::new(&imported.point_sets, &imported.faces, &imported.materials);
+            let source = source.map_err(Failure::rejected)?;
+            return match verify_mesh(&mesh, Some(&source), DEFAULT_DIRECTIONS, 0).verdict() {
+                Some(problems) => Err(Failure::rejected(format!("verification failed: {problems}"))),
+                None => Ok(()),
+            };
+        }
+    };
     let results = verify_hulls(&pack, Reference::Source(&imported.point_sets), DEFAULT_DIRECTIONS, 0)
         .map_err(Failure::rejected)?;
     match results.into_iter().find(|result| !result.pass) {

@@ -6,6 +6,7 @@ use crate::estimates::DecomposedObject;
 use crate::outcome::Failure;
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::Output;
+use crate::triangle_mesh::MeshSummary;
 
 /// Result of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
@@ -91,6 +92,9 @@ pub struct Row {
     /// them; `None` for a pack that was not baked now.
     #[serde(default)]
     pub objects: Option<Vec<DecomposedObject>>,
+    /// What a triangle mesh consists of; `None` for a pack.
+    #[serde(default)]
+    pub triangle_mesh: Option<MeshSummary>,
     /// Size of the pack.
     pub bytes: Option<u64>,
     /// Where it was baked, if it was.
@@ -127,6 +131,7 @@ impl Row {
             vertices_hull: None,
             ranks: None,
             objects: None,
+            triangle_mesh: None,
             bytes: None,
             origin: None,
             millis: 0.0,
@@ -161,30 +166,32 @@ pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Outp
 }
 
 fn build_table(rows: &[&Row]) -> Table {
-    let mut table = Table::new(&[
-        ("source", Align::Left),
-        ("pack", Align::Left),
-        ("hulls", Align::Right),
-        ("points", Align::Right),
-        ("vertices", Align::Right),
-        ("rank", Align::Right),
-        ("bytes", Align::Right),
-        ("ms", Align::Right),
-        ("status", Align::Left),
-    ]);
+    let has_triangles = rows.iter().any(|row| row.triangle_mesh.is_some());
+    let triangles = has_triangles.then_some(("triangles", Align::Right));
+    let columns: Vec<(&str, Align)> =
+        [("source", Align::Left), ("pack", Align::Left), ("hulls", Align::Right), ("points", Align::Right)]
+            .into_iter()
+            .chain([("vertices", Align::Right), ("rank", Align::Right)])
+            .chain(triangles)
+            .chain([("bytes", Align::Right), ("ms", Align::Right), ("status", Align::Left)])
+            .collect();
+    let mut table = Table::new(&columns);
     let number = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
     for row in rows {
-        table.push(vec![
+        let mesh = row.triangle_mesh.as_ref();
+        let mut cells = vec![
             row.source.clone(),
             row.output.clone(),
             number(row.hulls),
             number(row.vertices_in),
-            number(row.vertices_hull),
+            number(row.vertices_hull.or(mesh.map(|mesh| mesh.vertices))),
             or_dash(row.ranks.as_deref(), ranks),
-            or_dash(row.bytes, grouped),
-            format!("{:.1}", row.millis),
-            row.status.word().to_owned(),
-        ]);
+        ];
+        if has_triangles {
+            cells.push(number(mesh.map(|mesh| mesh.triangles)));
+        }
+        cells.extend([or_dash(row.bytes, grouped), format!("{:.1}", row.millis), row.status.word().to_owned()]);
+        table.push(cells);
     }
     table
 }
@@ -199,7 +206,7 @@ fn check_table(rows: &[&Row]) -> Table {
     table
 }
 
-/// `3 baked, 9 fresh, 0 failed; 12 hulls in 34 567 bytes`.
+/// `3 baked, 9 fresh, 0 failed; 12 hulls in 34 567 bytes`. Triangles are counted if there are any.
 fn summary(rows: &[Row], is_check: bool) -> String {
     let count = |status| rows.iter().filter(|row| row.status == status).count();
     let always = if is_check {
@@ -218,7 +225,13 @@ fn summary(rows: &[Row], is_check: bool) -> String {
     let bytes: u64 = rows.iter().filter_map(|row| row.bytes).sum();
     let hulls: usize = rows.iter().filter_map(|row| row.hulls).sum();
     let noun = if hulls == 1 { "hull" } else { "hulls" };
-    format!("{}; {} {noun} in {} bytes", counts.join(", "), grouped(hulls as u64), grouped(bytes))
+    let triangles: usize = rows.iter().filter_map(|row| Some(row.triangle_mesh.as_ref()?.triangles)).sum();
+    let contents = match (hulls, triangles) {
+        (_, 0) => format!("{} {noun}", grouped(hulls as u64)),
+        (0, _) => format!("{} triangles", grouped(triangles as u64)),
+        _ => format!("{} {noun} and {} triangles", grouped(hulls as u64), grouped(triangles as u64)),
+    };
+    format!("{}; {contents} in {} bytes", counts.join(", "), grouped(bytes))
 }
 
 /// The rank of all hulls, or the range of ranks.
@@ -254,6 +267,15 @@ mod tests {
         let mut out = Vec::new();
         write_table(&rows()[..1], false, false, &mut Output::new(&mut out)).unwrap();
         assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
+    }
+
+    #[test]
+    fn triangles_are_counted_beside_hulls() {
+        let mut rows = rows();
+        rows[1].triangle_mesh = Some(MeshSummary { triangles: 1200, ..MeshSummary::default() });
+        assert!(summary(&rows, false).ends_with("; 1 200 triangles in 0 bytes"), "{}", summary(&rows, false));
+        rows[0].hulls = Some(2);
+        assert!(summary(&rows, false).ends_with("; 2 hulls and 1 200 triangles in 0 bytes"));
     }
 
     #[test]

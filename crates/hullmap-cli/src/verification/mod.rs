@@ -18,6 +18,7 @@ pub mod parts;
 mod primitive;
 pub mod random;
 pub mod soup;
+pub mod triangle_mesh;
 pub mod truth;
 
 use glam::Vec3;

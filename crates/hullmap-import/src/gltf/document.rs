@@ -33,6 +33,10 @@ pub struct Document<'a> {
     pub nodes: Bounded<Node<'a>>,
     #[serde(borrow, default)]
     pub meshes: Bounded<MeshRecord<'a>>,
+    /// The list of materials, as text: a file whose materials have another form than expected still
+    /// has its meshes.
+    #[serde(borrow)]
+    pub materials: Option<&'a RawValue>,
     #[serde(default)]
     pub accessors: Bounded<Accessor>,
     #[serde(default)]
@@ -97,21 +101,48 @@ pub struct NodeExtensions<'a> {
 pub struct MeshRecord<'a> {
     #[serde(borrow)]
     pub name: Option<Cow<'a, str>>,
-    #[serde(default)]
-    pub primitives: Bounded<Primitive>,
+    #[serde(borrow, default)]
+    pub primitives: Bounded<Primitive<'a>>,
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Primitive {
+pub struct Primitive<'a> {
     #[serde(default)]
     pub attributes: Attributes,
     #[serde(default, deserialize_with = "optional_whole")]
     pub indices: Option<u32>,
     #[serde(default, deserialize_with = "optional_whole")]
     pub mode: Option<u32>,
+    /// Index of the material, as text, like the list of materials.
+    #[serde(borrow)]
+    pub material: Option<&'a RawValue>,
     pub targets: Option<IgnoredAny>,
     #[serde(default)]
     pub extensions: PrimitiveExtensions,
+}
+
+#[derive(Debug, Deserialize)]
+struct Material<'a> {
+    #[serde(borrow)]
+    name: Option<Cow<'a, str>>,
+}
+
+impl Document<'_> {
+    /// Names of the materials, empty where they have none. No names if the list has another form
+    /// than expected.
+    pub fn material_names(&self) -> Vec<String> {
+        let list = self.materials.and_then(|text| serde_json::from_str::<Bounded<Material>>(text.get()).ok());
+        let name = |material: Material| material.name.map_or_else(String::new, Cow::into_owned);
+        list.map_or_else(Vec::new, |list| list.0.into_iter().map(name).collect())
+    }
+}
+
+impl Primitive<'_> {
+    /// Index of the material. An index that is not a whole number is that of no material.
+    pub fn material_index(&self) -> Option<u32> {
+        let text = self.material?.get();
+        (text != "null").then(|| serde_json::from_str::<Whole<u32>>(text).map_or(u32::MAX, |index| index.0))
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]

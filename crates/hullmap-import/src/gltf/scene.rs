@@ -24,6 +24,7 @@ use super::extensions::{INSTANCING, allows_restart, remedy};
 use super::physics::{self, Shapes};
 use crate::fault::{Fault, counted, excerpt};
 use crate::limits::Limits;
+use crate::materials::Materials;
 use crate::mesh::{Polygons, Positions, SourceMesh};
 use findings::Findings;
 
@@ -96,7 +97,10 @@ impl<'a> SceneReader<'a> {
             shapes: shapes.map(Rc::new),
             findings: Findings::default(),
             positions: Vec::new(),
-            mesh: SourceMesh::new(Positions::Double(Vec::new()), Polygons::default()),
+            mesh: SourceMesh {
+                materials: Materials::with_names(data.document.material_names()),
+                ..SourceMesh::new(Positions::Double(Vec::new()), Polygons::default())
+            },
             is_shown: vec![false; data.document.meshes.len()],
             unclaimed_bytes: byte_count,
             repeated_count,
@@ -221,6 +225,7 @@ impl<'a> SceneReader<'a> {
                 Fault::Format(text) => Fault::Format(format!("{label}, mesh {mesh_index}: {text}")),
                 other => other,
             };
+            self.mesh.materials.begin_index(self.mesh.faces.len(), primitive.material_index());
             if let Some(draco) = self.only_compressed(primitive, accessor).map_err(within)? {
                 self.add_compressed(draco, primitive, accessor, transform).map_err(within)?;
                 continue;
@@ -232,6 +237,7 @@ impl<'a> SceneReader<'a> {
             known.insert(accessor, vertices);
             self.add_elements(primitive, vertices, transform).map_err(within)?;
         }
+        self.mesh.materials.begin(self.mesh.faces.len(), 0);
         Ok(())
     }
 

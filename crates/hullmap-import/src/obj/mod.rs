@@ -27,6 +27,7 @@
 //! The tests compare the result with tobj's own reading of whole files, elements included.
 
 mod lines;
+mod named_materials;
 mod positions;
 mod reference;
 mod scan;
@@ -104,6 +105,7 @@ fn source_mesh(scan: Scan, positions: Positions) -> SourceMesh {
     }
     SourceMesh {
         loose: scan.loose,
+        materials: scan.materials.finish(),
         has_only_groups: scan.objects.len() == 1 && scan.group_count > 0,
         objects: scan.objects,
         has_too_many_objects: scan.has_too_many_objects,

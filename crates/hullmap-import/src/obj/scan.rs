@@ -5,8 +5,8 @@
 //!    [`VertexCheck`] can parse them here too.
 //! 3. `f`, `l`, `p`: resolve the references to zero-based vertex indices. Negative ones count back
 //!    from their line.
-//! 4. `o` starts an object. Everything else (`vt`, `vn`, `g`, materials, …) has no effect on a hull
-//!    and is not checked.
+//! 4. `o` starts an object, and `usemtl` a run of faces with a material. Everything else (`vt`,
+//!    `vn`, `g`, …) has no effect on a hull and is not checked.
 //! 5. Positive references may point ahead, so they are compared with the vertex count at the end.
 //!
 //! A large file is scanned in parts, in parallel. The result does not depend on where it is cut.
@@ -25,6 +25,7 @@
 use rayon::prelude::*;
 
 use super::lines::{Lines, Part, Parts, is_irrelevant, is_vertex_line, with_words};
+use super::named_materials::NamedMaterials;
 use super::reference::resolve_reference;
 use super::vertex_line::VertexLine;
 use crate::fault::{Fault, LineFault, excerpt};
@@ -41,6 +42,8 @@ pub struct Scan {
     pub vertex_count: usize,
     /// `f` elements: zero-based vertex indices, all in range.
     pub faces: Polygons,
+    /// Materials of the faces, by the names on `usemtl` lines.
+    pub materials: NamedMaterials,
     /// References of `l` and `p` elements: zero-based vertex indices, all in range.
     pub loose: Vec<u32>,
     /// Objects in file order. The first holds what precedes any `o` line, and has an empty name.
@@ -129,6 +132,10 @@ impl Scan {
                 self.begin_object(text);
                 Ok(())
             }
+            Some("usemtl") => {
+                self.materials.begin(self.faces.len(), &argument(text, "usemtl"));
+                Ok(())
+            }
             Some("g") => {
                 self.group_count += 1;
                 Ok(())
@@ -146,9 +153,8 @@ impl Scan {
             self.has_too_many_objects = true;
             return;
         }
-        let text = String::from_utf8_lossy(text);
         self.objects.push(SourceObject {
-            name: text.trim_start()["o".len()..].trim().to_owned(),
+            name: argument(text, "o"),
             first_vertex: self.vertex_count as u32,
             first_face: self.faces.len() as u32,
             first_loose: self.loose.len() as u32,
@@ -223,6 +229,7 @@ impl Scan {
             self.faces.ends.extend(part.faces.ends.iter().map(|end| end + corners as u32));
             self.loose.extend(part.loose);
         }
+        self.materials.append(part.materials, faces);
         self.group_count += part.group_count;
         self.short_face_count += part.short_face_count;
         self.free_form_line = self.free_form_line.or(part.free_form_line);
@@ -231,6 +238,13 @@ impl Scan {
         self.largest_reference = self.largest_reference.max(part.largest_reference);
         Ok(())
     }
+}
+
+/// The rest of a line after its keyword, which may have blanks.
+fn argument(line: &[u8], keyword: &str) -> String {
+    let line = String::from_utf8_lossy(line);
+    let line = line.trim_start();
+    line.strip_prefix(keyword).unwrap_or(line).trim().to_owned()
 }
 
 /// Finds the first reference beyond the last vertex, by reading the elements again.
@@ -266,7 +280,10 @@ mod tests {
     fn text(fault: &str) -> String {
         let mut text = String::from("f 1 3 2\n");
         for i in 0..40 {
-            text += &format!("o part {i}\nv {i} 0.1 2\nv 1 {i} -3e-5 2\nv 0 0 {i}\ng x\nf -1 -2 -3\nl -1 1\n");
+            text += &format!(
+                "o part {i}\nusemtl m {}\nv {i} 0.1 2\nv 1 {i} -3e-5 2\nv 0 0 {i}\ng x\nf -1 -2 -3\nl -1 1\n",
+                i % 7
+            );
             text += "f 1 2 \\\n 3 1\n\np 2 # remark\n";
             if i == 25 {
                 text += fault;
@@ -287,7 +304,16 @@ mod tests {
             let outline = |scan: Result<Scan, LineFault>| match scan {
                 Ok(s) => Ok(format!(
                     "{:?}",
-                    (s.vertex_count, s.faces, s.loose, s.objects, s.group_count, s.free_form_line, s.weight_line)
+                    (
+                        s.vertex_count,
+                        s.faces,
+                        s.loose,
+                        s.objects,
+                        s.materials.finish(),
+                        s.group_count,
+                        s.free_form_line,
+                        s.weight_line
+                    )
                 )),
                 Err(error) => Err((error.line, error.fault.to_string())),
             };

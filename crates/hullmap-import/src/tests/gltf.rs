@@ -286,3 +286,23 @@ fn version_1_is_named() {
     let wrong = PLAIN.json().replace("\"meshes\":[", "\"nodes\":{},\"meshes\":[");
     fails(import_bytes("a.gltf", wrong.into()), &["not a glTF document: invalid type: map, expected a list"]);
 }
+
+/// Numbers count from 1 in the order of the document, 0 is no material, and a reference that leads
+/// nowhere counts.
+#[test]
+fn primitives_have_the_materials_that_they_name() {
+    let materials = |extra: &str, names: &[&str]| {
+        let primitives: Vec<String> =
+            names.iter().map(|name| format!(r#"{{"attributes":{{"POSITION":0}},"indices":1{name}}}"#)).collect();
+        Parts { extra, primitive: &primitives.join(","), ..PLAIN }.glb(&triangle()).unwrap()
+    };
+    let extra = r#""materials":[{"name":"rock"},{},{"name":"grass"}],"#;
+    let imported = materials(extra, &[r#","material":2"#, "", r#","material":0.0"#, r#","material":9"#]);
+    assert_eq!(imported.materials.names(), ["rock", "", "grass"]);
+    assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![3, 0, 1, 0]));
+    assert_eq!(imported.materials.unknown_count(), 1);
+    // Materials of another form than expected do not stop a hull.
+    let imported = materials(r#""materials":{"name":7},"#, &[r#","material":"x""#, r#","material":null"#]);
+    assert_eq!((imported.materials.is_empty(), imported.materials.unknown_count()), (true, 1));
+    assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![]));
+}

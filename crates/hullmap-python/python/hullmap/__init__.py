@@ -62,6 +62,7 @@ from ._shapes import (
     Shape,
     Sphere,
     Triangle,
+    TriangleMesh,
     from_bytes,
     open,
 )
@@ -102,6 +103,7 @@ __all__ = [
     "Status",
     "Support",
     "Triangle",
+    "TriangleMesh",
     "__version__",
     "bake",
     "bake_file",

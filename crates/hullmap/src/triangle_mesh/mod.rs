@@ -236,6 +236,44 @@ impl TriangleMesh {
         self.sections().materials.get(triangle).copied().map(u16_le::to_native)
     }
 
+    /// The vertex with this index.
+    pub fn vertex(&self, index: usize) -> Option<glam::Vec3> {
+        let coordinates = self.sections().vertices.get(index)?;
+        Some(glam::Vec3::from_array(coordinates.map(f32_le::to_native)))
+    }
+
+    /// Number of triangles whose corners are on a line, as the bake counted them.
+    pub fn degenerate_count(&self) -> usize {
+        self.record().map_or(0, |record| record.degenerate.to_native() as usize)
+    }
+
+    /// Number of triangles with the same three vertices as an earlier one, as the bake counted
+    /// them.
+    pub fn duplicate_count(&self) -> usize {
+        self.record().map_or(0, |record| record.duplicate.to_native() as usize)
+    }
+
+    /// Number of vertices of the source that equal an earlier one, as the bake counted them.
+    pub fn merged_count(&self) -> usize {
+        self.record().map_or(0, |record| record.merged.to_native() as usize)
+    }
+
+    /// Path of the source relative to the folder of the file, with `/` between folders; empty if it
+    /// was not recorded.
+    pub fn source_path(&self) -> &str {
+        std::str::from_utf8(self.sections().source_path).unwrap_or_default()
+    }
+
+    /// The options that shaped the bake, in the form in which `bake` records them: one line.
+    pub fn options(&self) -> &str {
+        self.sections().options_text().split('\n').next().unwrap_or_default()
+    }
+
+    /// Warnings of the bake about the mesh, each with its remedy.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        self.sections().options_text().split('\n').skip(1)
+    }
+
     /// Minimum and maximum coordinates of the vertices.
     pub fn bounds(&self) -> [glam::Vec3; 2] {
         bounds(self.sections()).map(glam::Vec3::from_array)
@@ -254,6 +292,10 @@ impl TriangleMesh {
     #[inline]
     fn sections(&self) -> &Sections<'_> {
         self.storage.sections()
+    }
+
+    fn record(&self) -> Option<&ArchivedRecord> {
+        self.sections().records.first()
     }
 
     /// Corners of the box of a node of the tree, and its triangles: the first, and the one after

@@ -8,9 +8,9 @@ use walkdir::WalkDir;
 
 use crate::jobs::pack_names::is_name_of;
 use crate::jobs::{Job, slashed};
-use crate::open::open_pack;
+use crate::open::open_baked;
 use crate::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from};
-use crate::packs::{PackPlace, is_pack};
+use crate::packs::{PackPlace, is_baked};
 use crate::project::{Found, Project};
 use crate::runner::rows::{Row, Status};
 
@@ -58,14 +58,14 @@ pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec
     }
     let beside = |pack: &Path| by_folder.get(folder_of(pack)).map_or(&[][..], Vec::as_slice);
     let entries = WalkDir::new(out).sort_by_file_name().into_iter().flatten();
-    let packs = entries.filter(|entry| entry.file_type().is_file() && is_pack(entry.path()));
+    let packs = entries.filter(|entry| entry.file_type().is_file() && is_baked(entry.path()));
     let others = packs.filter(|entry| !outputs.contains(entry.path()));
     others.filter_map(|entry| judge(entry.path(), out, inputs, beside(entry.path()), project)).collect()
 }
 
 /// `beside` are the jobs whose packs lie in the folder of `pack`.
 fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: &Path) -> Option<Orphan> {
-    let recorded = open_pack(pack).ok()?.source_path().to_owned();
+    let recorded = open_baked(pack).ok()?.source_path().to_owned();
     let recorded_place = resolve_recorded(&recorded, folder_of(pack))?;
     let name = recorded_place.file_name()?;
     let below = pack.strip_prefix(out).ok()?.parent().unwrap_or(Path::new(""));

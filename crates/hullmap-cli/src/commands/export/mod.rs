@@ -1,4 +1,4 @@
-//! `bake export`: exports hulls as meshes that other programs read.
+//! `bake export`: exports hulls and triangle meshes as meshes that other programs read.
 //!
 //! 1. Select the hulls of each pack and, for an engine, name them by its rules (`names`).
 //! 2. Each file is written in memory (`mesh_file`, JSON, `robot`).
@@ -9,6 +9,7 @@
 
 mod robot;
 mod scene;
+mod triangles;
 pub mod usd;
 
 use std::collections::HashMap;
@@ -23,11 +24,11 @@ use crate::geometry::rank_name;
 use crate::mesh_file::body::{Body, DENSITY, Inertial};
 use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use crate::mesh_file::{glb, obj, place, stl};
-use crate::open::open_pack;
+use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, through_link};
-use crate::packs::{PackPlace, find_packs, is_pack};
+use crate::packs::{PackPlace, find_packs, is_baked};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::table::{grouped, rounded};
@@ -128,7 +129,10 @@ impl Export<'_> {
 
     fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let (args, path) = (self.args, place.path.as_path());
-        let pack = open_pack(path)?;
+        let pack = match open_baked(path)? {
+            BakedFile::Pack(pack) => pack,
+            BakedFile::TriangleMesh(mesh) => return self.write(&self.triangles(path, &mesh)?, target, out),
+        };
         let (indices, mut bodies) = selected(args, path, &pack)?;
         leave_out(args, path, self.format, &mut bodies)?;
         if bodies.len() > 1 && self.format == Format::Stl && !self.is_folder {
@@ -150,6 +154,11 @@ impl Export<'_> {
             let mass = self.mass(place, &pack, &indices);
             files(args, path, &pack, self.format, self.is_folder, bodies, mass.as_ref())?
         };
+        self.write(&files, target, out)
+    }
+
+    /// Writes the files of a pack, to standard output without a target.
+    fn write(&self, files: &[ExportedFile], target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let Some(target) = target else {
             let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
             return end(Exit::Done, written.map_err(Failure::from));
@@ -159,8 +168,8 @@ impl Export<'_> {
         } else {
             vec![target.to_owned()]
         };
-        self.write_all(&targets, &files)?;
-        let lines = targets.iter().zip(&files).try_for_each(|(target, file)| out.line(summary(target, file)));
+        self.write_all(&targets, files)?;
+        let lines = targets.iter().zip(files).try_for_each(|(target, file)| out.line(summary(target, file)));
         end(Exit::Done, lines.map_err(Failure::from))
     }
 }
@@ -296,7 +305,7 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     if target.is_dir() || target.file_name().is_none() {
         return usage(format!("--out {shown}: is a folder; name the file to write, or add --parts"));
     }
-    if is_pack(target) {
+    if is_baked(target) {
         return usage(format!("--out {shown}: has the extension of packs; name another file"));
     }
     Ok(())
@@ -517,11 +526,15 @@ fn summary(target: &Path, file: &ExportedFile) -> String {
     let Some([hulls, vertices, triangles]) = file.counts.map(|counts| counts.map(|count| count as u64)) else {
         return format!("{}: {bytes} bytes", target.display());
     };
-    let noun = if hulls == 1 { "hull" } else { "hulls" };
+    let hulls = match hulls {
+        // Of a triangle mesh.
+        0 => String::new(),
+        1 => "1 hull, ".to_owned(),
+        _ => format!("{} hulls, ", grouped(hulls)),
+    };
     format!(
-        "{}: {} {noun}, {} vertices, {} triangles, {bytes} bytes",
+        "{}: {hulls}{} vertices, {} triangles, {bytes} bytes",
         target.display(),
-        grouped(hulls),
         grouped(vertices),
         grouped(triangles)
     )

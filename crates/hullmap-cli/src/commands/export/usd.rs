@@ -18,7 +18,7 @@ use crate::mesh_file::usda::{UsdGroup, UsdLayer, UsdMass, identifier, write};
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, sweep};
-use crate::packs::{PackPlace, find_packs, is_pack};
+use crate::packs::{PackPlace, find_packs, is_baked};
 use crate::terminal::{self, Output};
 
 /// Extension of USD files in text form.
@@ -75,7 +75,7 @@ fn check_flags(args: &ExportArgs) -> Result<&str, Failure> {
     }
     if let Some(target) = &args.out {
         let shown = target.display();
-        if target.is_dir() || target.file_name().is_none() || is_pack(target) {
+        if target.is_dir() || target.file_name().is_none() || is_baked(target) {
             return usage(format!("--out {shown}: a USD layer is one file; name a file such as chair_physics.usda"));
         }
         if !has_extension(target) {

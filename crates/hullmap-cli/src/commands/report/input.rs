@@ -6,60 +6,100 @@ use std::time::Instant;
 use hullmap::Pack;
 use hullmap_bake::advice::{self, Remark};
 use hullmap_report::input::{self as report, Remarks, Verification, VerifiedHull};
-use hullmap_report::{Analysis, Input, analyse};
+use hullmap_report::mesh::MeshReport;
+use hullmap_report::{Analysis, Card, Input, analyse, mesh_page, pack_page};
 
+use super::mesh::analyse_mesh;
 use super::remarks::remarks;
+use super::sought::{Sought, seek_source, source_name};
 use crate::args::ReportArgs;
 use crate::estimates::PartsEstimates;
 use crate::geometry::polygons;
-use crate::open::open_pack;
+use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
-use crate::outcome::{Exit, Failure};
+use crate::outcome::Failure;
 use crate::packs::PackPlace;
-use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
+use crate::source::{Folders, Source};
 use crate::source_mesh::display_mesh;
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
+
+/// Everything that the page of a file shows.
+pub enum Analysed {
+    /// Of a pack.
+    Pack(Box<Analysis>),
+    /// Of a triangle mesh.
+    Mesh(Box<MeshReport>),
+}
+
+impl Analysed {
+    /// The page. `index` is the link from it to the page of its folder.
+    pub fn page(&self, index: Option<&str>) -> String {
+        match self {
+            Self::Pack(pack) => pack_page(pack, index),
+            Self::Mesh(mesh) => mesh_page(mesh, index),
+        }
+    }
+
+    /// The card on the page of a folder; `link` leads to the page.
+    pub fn card(&self, name: String, link: String) -> Card {
+        match self {
+            Self::Pack(pack) => Card::new(name, pack, link),
+            Self::Mesh(mesh) => Card::of_mesh(name, mesh, link),
+        }
+    }
+
+    /// The file.
+    pub fn file(&self) -> &str {
+        match self {
+            Self::Pack(pack) => &pack.file,
+            Self::Mesh(mesh) => &mesh.file,
+        }
+    }
+
+    /// Why it is rejected.
+    pub fn faults(&self) -> &[String] {
+        match self {
+            Self::Pack(pack) => &pack.remarks.faults,
+            Self::Mesh(mesh) => &mesh.remarks.faults,
+        }
+    }
+}
 
 /// Maximum number of warnings about one pack.
 const MAX_WARNINGS: usize = 100;
 
-/// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it. `folders`
-/// remembers the folders that were read for other packs. Fails if the pack cannot be read or is
-/// invalid, or `--source` leads to no file. Faults of a pack that opens are part of the analysis.
-pub fn analyse_pack(
+/// Opens, verifies and analyses a file; `given` is the path that `--source` gives for it. `folders`
+/// remembers the folders that were read for other files. Fails if the file cannot be read or is
+/// invalid, or `--source` leads to no file. Faults of a file that opens are part of the analysis.
+pub fn analyse_file(
     place: &PackPlace,
     given: Option<&Path>,
     args: &ReportArgs,
     folders: &Folders,
-) -> Result<Analysis, Failure> {
+) -> Result<Analysed, Failure> {
     let start = Instant::now();
-    let pack = open_pack(&place.path)?;
+    let opened = open_baked(&place.path)?;
     let open_time = start.elapsed();
-    let mut faults = Vec::new();
-    let mut absent = "the source cannot be used, so".to_owned();
-    let source = match find_source(place, Recorded::from_pack(&pack), given, &args.limits.limits(), folders) {
-        Ok(SourceSearch::Found(source)) => Some(*source),
-        Ok(SourceSearch::Absent(why)) => {
-            absent = why.map_or_else(|| "the source was not found, so".to_owned(), |why| format!("{why};"));
-            None
+    let pack = match &opened {
+        BakedFile::Pack(pack) => pack,
+        BakedFile::TriangleMesh(mesh) => {
+            let report = analyse_mesh(place, &opened, mesh, given, args, folders)?;
+            return Ok(Analysed::Mesh(Box::new(report)));
         }
-        Err(failure) if failure.exit == Exit::Rejected => {
-            faults.push(failure.message);
-            None
-        }
-        Err(failure) => return Err(failure),
     };
-    let mut remarks = remarks(&pack, source.as_ref());
+    let mut faults = Vec::new();
+    let Sought { source, absent } = seek_source(place, &opened, given, args, folders, &mut faults)?;
+    let mut remarks = remarks(pack, source.as_ref());
     if source.is_none() {
         let warning = format!(
             "{absent} the hull is shown alone and was compared with itself only; name the source with --source"
         );
         remarks.warnings.insert(0, warning);
     }
-    let verification = verify(&pack, source.as_ref(), args, &mut faults, &mut remarks);
+    let verification = verify(pack, source.as_ref(), args, &mut faults, &mut remarks);
     remarks.faults = faults;
     let source = source.map(|source| report::Source {
-        name: source_name(&source, &pack),
+        name: source_name(&source, pack.source_path()),
         point_count: source.point_sets.iter().map(|set| set.positions.len()).sum(),
         meshes: source
             .point_sets
@@ -68,22 +108,12 @@ pub fn analyse_pack(
             .map(|(set, faces)| display_mesh(&set.positions, faces))
             .collect(),
     });
-    let input =
-        Input { path: &place.path, pack: &pack, open_time, source, verification, remarks, polygons, up: args.up };
+    let input = Input { path: &place.path, pack, open_time, source, verification, remarks, polygons, up: args.up };
     let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
     if let Some(options) = BuildOptions::from_recorded(pack.options()) {
         analysis.options = options.in_words();
     }
-    Ok(analysis)
-}
-
-/// The source's name on the page. An absolute path would name folders of this machine, so the
-/// recorded path is shown instead.
-fn source_name(source: &Source, pack: &Pack) -> String {
-    if source.path.is_absolute() && !pack.source_path().is_empty() {
-        return pack.source_path().to_owned();
-    }
-    source.path.display().to_string()
+    Ok(Analysed::Pack(Box::new(analysis)))
 }
 
 /// Verifies the pack as `bake verify` does. Failures are added to `faults`, and what engines cannot

@@ -1,4 +1,4 @@
-//! `bake report`: packs on HTML pages.
+//! `bake report`: packs and triangle meshes on HTML pages.
 //!
 //! 1. [`input`] opens a pack, finds its source, verifies it and collects remarks.
 //! 2. The crate `hullmap-report` turns that into a page; a folder of packs gets a page of cards
@@ -7,23 +7,26 @@
 //!    always lead somewhere.
 
 mod input;
+mod mesh;
 mod remarks;
 mod shards;
+mod sought;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use hullmap_report::{Analysis, Card, folder_page, pack_page};
+use hullmap_format::header::FileKind;
+use hullmap_report::{Card, folder_page};
 
 use crate::args::ReportArgs;
 use crate::jobs::slashed;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside};
-use crate::packs::{PackPlace, find_packs};
+use crate::packs::{PackPlace, find_packs, kind_by_name};
 use crate::source::{Folders, given_sources};
 use crate::table::grouped;
 use crate::terminal::{self, Output};
-use input::analyse_pack;
+use input::{Analysed, analyse_file};
 use shards::ShardCards;
 
 /// Runs the command. Fails if the input cannot be read or holds no pack, a single pack does not
@@ -50,8 +53,8 @@ pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     let mut exit = Exit::Done;
     for (place, given) in places.iter().zip(sources) {
-        let pack = analyse_pack(place, given, args, &Folders::default())?;
-        let page = pack_page(&pack, None);
+        let pack = analyse_file(place, given, args, &Folders::default())?;
+        let page = pack.page(None);
         write_page(&args.out, &page)?;
         print_faults(&pack);
         exit = exit.max(exit_of(&pack));
@@ -77,7 +80,7 @@ fn report_folder(
         if args.shard.is_some_and(|shard| !shard.holds(&name)) {
             continue;
         }
-        match analyse_pack(place, *given, args, &folders) {
+        match analyse_file(place, *given, args, &folders) {
             Ok(pack) => {
                 let (link, page) = page_in_folder(&pack, below, &args.out);
                 let target = folder_of(&args.out).join(&link);
@@ -89,7 +92,7 @@ fn report_folder(
                 bytes += page.len();
                 print_faults(&pack);
                 exit = exit.max(exit_of(&pack));
-                cards.push(Card::new(name, &pack, slashed(&link)));
+                cards.push(pack.card(name, slashed(&link)));
             }
             Err(failure) => {
                 terminal::error(&failure);
@@ -121,9 +124,14 @@ fn merge(args: &ReportArgs, places: &[PackPlace], out: &mut Output) -> Result<Ex
     end(exit, print_written(&args.out, cards.len(), page.len(), out))
 }
 
-/// Name of a pack's card: its path below the folder, without extension.
+/// Name of a pack's card: its path below the folder, without extension. A triangle mesh keeps it,
+/// to differ from a pack.
 fn name_of(args: &ReportArgs, place: &PackPlace) -> String {
-    slashed(&place.path.strip_prefix(&args.input).unwrap_or(&place.path).with_extension(""))
+    let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
+    match kind_by_name(below) {
+        Some(FileKind::TriangleMesh) => slashed(below),
+        _ => slashed(&below.with_extension("")),
+    }
 }
 
 fn print_written(file: &Path, count: usize, bytes: usize, out: &mut Output) -> Result<(), Failure> {
@@ -135,12 +143,12 @@ fn print_written(file: &Path, count: usize, bytes: usize, out: &mut Output) -> R
 
 /// The page of the pack at `below` the input folder, and its path relative to the folder of the
 /// page at `index`.
-fn page_in_folder(pack: &Analysis, below: &Path, index: &Path) -> (PathBuf, String) {
+fn page_in_folder(pack: &Analysed, below: &Path, index: &Path) -> (PathBuf, String) {
     let mut file = below.as_os_str().to_owned();
     file.push(".html");
     let up = "../".repeat(below.components().count());
     let index_link = up + &index.file_name().unwrap_or_default().to_string_lossy();
-    (PathBuf::from(pages_folder(index)).join(file), pack_page(pack, Some(&index_link)))
+    (PathBuf::from(pages_folder(index)).join(file), pack.page(Some(&index_link)))
 }
 
 /// The folder of the packs' pages, beside `page`: `report.html` has `report.pages`.
@@ -150,14 +158,14 @@ fn pages_folder(page: &Path) -> OsString {
     name
 }
 
-fn exit_of(pack: &Analysis) -> Exit {
-    if pack.remarks.faults.is_empty() { Exit::Done } else { Exit::Rejected }
+fn exit_of(pack: &Analysed) -> Exit {
+    if pack.faults().is_empty() { Exit::Done } else { Exit::Rejected }
 }
 
 /// Prints a pack's faults to standard error.
-fn print_faults(pack: &Analysis) {
-    for fault in &pack.remarks.faults {
-        let file = if fault.starts_with(&pack.file) { String::new() } else { format!("{}: ", pack.file) };
+fn print_faults(pack: &Analysed) {
+    for fault in pack.faults() {
+        let file = if fault.starts_with(pack.file()) { String::new() } else { format!("{}: ", pack.file()) };
         terminal::error(format_args!("{file}{fault}"));
     }
 }

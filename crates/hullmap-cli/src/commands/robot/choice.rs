@@ -7,7 +7,7 @@ use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Submesh, Unreso
 
 use super::files::starts_with;
 use super::target::Target;
-use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs};
+use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
 use crate::config::{Chosen, Configs};
 use crate::jobs::Job;
 use crate::jobs::pack_names::PackName;
@@ -176,9 +176,8 @@ impl Chooser<'_> {
         for key in DECIDED_BY_ROBOTS {
             let Some(at) = position(key).filter(|at| layer.value_at(*at).is_some()) else { continue };
             let file = config.as_deref().unwrap_or(Path::new("--config")).display();
-            let warning = format!(
-                "{file}: {key} has no effect on robots, whose descriptions state it; use a rule for other meshes"
-            );
+            let reason = reason_of_robots(key);
+            let warning = format!("{file}: {key} has no effect on robots, {reason}; use a rule for other meshes");
             if !choices.warnings.contains(&warning) {
                 choices.warnings.push(warning);
             }

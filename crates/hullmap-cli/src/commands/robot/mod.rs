@@ -30,7 +30,7 @@ use std::time::Instant;
 
 use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, SRDF_FIRST_LINE, escaped, relative};
 
-use crate::args::{DECIDED_BY_ROBOTS, RobotArgs};
+use crate::args::{DECIDED_BY_ROBOTS, RobotArgs, reason_of_robots};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::interrupt;
@@ -123,7 +123,8 @@ fn millis(start: Instant) -> f64 {
 
 fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
     if let Some(key) = DECIDED_BY_ROBOTS.iter().find(|key| args.options.get(key).is_some()) {
-        let message = format!("--{} has no effect on robots, whose descriptions state it; remove it", flag(key));
+        let (flag, reason) = (flag(key), reason_of_robots(key));
+        let message = format!("--{flag} has no effect on robots, {reason}; remove it");
         return Err(Failure::usage(message));
     }
     let is_single = args.inputs.len() == 1;

@@ -1,4 +1,6 @@
-//! `bake verify`: checks packs against the meshes they were baked from.
+//! `bake verify`: checks packs and triangle meshes against the meshes they were baked from.
+
+mod meshes;
 
 use std::path::Path;
 
@@ -8,15 +10,16 @@ use hullmap_bake::number::{percent, short};
 use crate::args::verify::VerifyArgs;
 use crate::budget::{Figures, budget};
 use crate::geometry::{polygons, positions};
-use crate::open::open_pack;
+use crate::open::{BakedFile, open_baked};
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
-use crate::source::{Folders, Recorded, SourceSearch, find_source, given_sources};
+use crate::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
 use crate::verification::pack::{
     BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS, verify_hulls,
 };
+use crate::verification::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
 
 /// Maximum number of warnings that are printed about one pack. JSON has all of them.
 const MAX_WARNINGS: usize = 8;
@@ -28,17 +31,23 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
         terminal::note(format_args!("the limits of {} are those of {}", budget.name, budget.source));
     }
     let mut exit = Exit::Done;
-    let mut results = Vec::new();
+    let (mut results, mut meshes) = (Vec::new(), Vec::new());
     let places = find_packs(&args.inputs)?;
     let sources = given_sources(args.source.as_deref(), &places)?;
     let folders = Folders::default();
     for (place, given) in places.iter().zip(sources) {
-        match verify_pack(place, given, args, &folders) {
-            Ok(mut hulls) => {
+        match verify_file(place, given, args, &folders) {
+            Ok(Verified::Hulls(mut hulls)) => {
                 if hulls.iter().any(|result| !result.pass) {
                     exit = exit.max(Exit::Rejected);
                 }
                 results.append(&mut hulls);
+            }
+            Ok(Verified::Mesh(mesh)) => {
+                if !mesh.pass {
+                    exit = exit.max(Exit::Rejected);
+                }
+                meshes.push(*mesh);
             }
             Err(failure) => {
                 exit = exit.max(failure.exit);
@@ -50,48 +59,95 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
             for result in results.drain(..) {
                 out.json(&result)?;
             }
+            for mesh in meshes.drain(..) {
+                out.json(&mesh)?;
+            }
             out.flush()?;
         }
     }
-    if args.json { Ok(exit) } else { end(exit, write_text(&results, args.hulls, out)) }
+    if args.json {
+        return Ok(exit);
+    }
+    let has_hulls = !results.is_empty() || meshes.is_empty();
+    let mut written = if has_hulls { write_text(&results, args.hulls, out) } else { Ok(()) };
+    if !meshes.is_empty() && written.is_ok() {
+        let gap = if has_hulls { out.line("").map_err(Failure::from) } else { Ok(()) };
+        written = gap.and_then(|()| meshes::write_text(&meshes, out));
+    }
+    end(exit, written)
 }
 
-fn verify_pack(
+/// Result of the verification of a file.
+enum Verified {
+    Hulls(Vec<HullVerification>),
+    Mesh(Box<MeshVerification>),
+}
+
+fn verify_file(
     place: &PackPlace,
     given: Option<&Path>,
     args: &VerifyArgs,
     folders: &Folders,
-) -> Result<Vec<HullVerification>, Failure> {
-    let pack = open_pack(&place.path)?;
-    let search = find_source(place, Recorded::from_pack(&pack), given, &args.limits.limits(), folders)?;
+) -> Result<Verified, Failure> {
+    let opened = open_baked(&place.path)?;
     let file = place.path.display().to_string();
-    let (reference, source) = match &search {
-        SourceSearch::Found(source) => (Reference::Source(&source.point_sets), Some(&source.path)),
+    let source = source_of(place, &opened, given, args, folders)?;
+    let shown = source.as_ref().map(|source| source.path.display().to_string());
+    match &opened {
+        BakedFile::Pack(pack) => {
+            let reference = source.as_ref().map(|source| Reference::Source(&source.point_sets));
+            let mut results =
+                verify_hulls(pack, reference.unwrap_or(Reference::StoredHull), args.directions, args.seed)
+                    .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
+            for result in &mut results {
+                result.file.clone_from(&file);
+                result.source.clone_from(&shown);
+            }
+            if let Some(name) = &args.budget {
+                judge_budget(name, pack, &mut results);
+            }
+            Ok(Verified::Hulls(results))
+        }
+        BakedFile::TriangleMesh(mesh) => {
+            let triangles = match &source {
+                Some(source) => SourceTriangles::new(&source.point_sets, &source.faces, &source.materials).map(Some),
+                None => Ok(None),
+            };
+            let triangles = triangles.map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
+            let result = verify_mesh(mesh, triangles.as_ref(), args.directions, args.seed);
+            Ok(Verified::Mesh(Box::new(MeshVerification { file, source: shown, ..result })))
+        }
+    }
+}
+
+/// The source of a file; `None` if there is none, with a note. Fails as [`find_source`] does, or if
+/// there is none and `--require-source` is given.
+fn source_of(
+    place: &PackPlace,
+    opened: &BakedFile,
+    given: Option<&Path>,
+    args: &VerifyArgs,
+    folders: &Folders,
+) -> Result<Option<Source>, Failure> {
+    let file = place.path.display();
+    match find_source(place, Recorded::from_file(opened), given, &args.limits.limits(), folders)? {
+        SourceSearch::Found(source) => Ok(Some(*source)),
         SourceSearch::Absent(why) if args.require_source => {
-            let recorded = pack.source_path();
-            let why = why
-                .clone()
-                .unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
-            return Err(Failure::rejected(format!("{file}: {why}; name the source with --source")));
+            let recorded = opened.source_path();
+            let why =
+                why.unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
+            Err(Failure::rejected(format!("{file}: {why}; name the source with --source")))
         }
         SourceSearch::Absent(why) => {
             let why = why.as_deref().unwrap_or("no source found");
-            terminal::note(format_args!(
-                "{file}: {why}; compared with the stored hull only (name the source with --source)"
-            ));
-            (Reference::StoredHull, None)
+            let stored = match opened {
+                BakedFile::Pack(_) => "the stored hull",
+                BakedFile::TriangleMesh(_) => "the stored triangles",
+            };
+            terminal::note(format_args!("{file}: {why}; compared with {stored} only (name the source with --source)"));
+            Ok(None)
         }
-    };
-    let mut results = verify_hulls(&pack, reference, args.directions, args.seed)
-        .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
-    for result in &mut results {
-        result.file.clone_from(&file);
-        result.source = source.map(|path| path.display().to_string());
     }
-    if let Some(name) = &args.budget {
-        judge_budget(name, &pack, &mut results);
-    }
-    Ok(results)
 }
 
 /// Fails the hulls that are not within the budget of an engine. Results are in the order of the

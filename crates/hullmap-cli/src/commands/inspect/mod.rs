@@ -1,4 +1,6 @@
-//! `bake inspect`: describes the hulls in packs.
+//! `bake inspect`: describes the hulls in packs, and triangle meshes.
+
+mod mesh;
 
 use hullmap::{Hull, IndexKind, Pack, SolidKind};
 use hullmap_bake::number::{percent, short};
@@ -9,7 +11,7 @@ use crate::args::InspectArgs;
 use crate::estimates::MirrorPlane;
 use crate::geometry::{polygons, positions, rank_name};
 use crate::mesh_file::body::BodyPrimitive;
-use crate::open::{kept_warnings, open_pack};
+use crate::open::{BakedFile, kept_warnings, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
@@ -96,21 +98,25 @@ struct IndexDescription {
 pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
-        let report = match open_pack(&place.path) {
-            Ok(pack) => report(place.path.display().to_string(), &pack, args.vertices),
+        let file = match open_baked(&place.path) {
+            Ok(file) => file,
             Err(failure) => {
                 exit = exit.max(failure.exit);
                 terminal::error(failure);
                 continue;
             }
         };
-        if args.json {
-            out.json(&report)?;
-        } else {
-            if index > 0 {
-                out.line("")?;
+        if index > 0 && !args.json {
+            out.line("")?;
+        }
+        let path = place.path.display().to_string();
+        match (&file, args.json) {
+            (BakedFile::Pack(pack), true) => out.json(&report(path, pack, args.vertices))?,
+            (BakedFile::Pack(pack), false) => write_text(&report(path, pack, args.vertices), out)?,
+            (BakedFile::TriangleMesh(mesh), is_json) => {
+                let described = mesh::describe(path, mesh, file.kept_warnings(), args.vertices);
+                if is_json { out.json(&described)? } else { mesh::write_text(&described, out)? }
             }
-            write_text(&report, out)?;
         }
     }
     Ok(exit)

@@ -1,0 +1,125 @@
+//! T-junctions: vertices that lie on a border edge of a triangle, between its ends.
+//!
+//! There the surface looks closed, but the triangles on both sides are no neighbours: a crack may
+//! open by rounding, and a contact normal at the edge is that of a border.
+//!
+//! # Steps
+//! 1. Build a tree of boxes over the border edges. Conforming edges have neighbours, so both sides
+//!    of a T-junction are border edges.
+//! 2. For each end of a border edge, visit the boxes that contain it, and compare it with the edges
+//!    in them.
+//!
+//! # Complexity
+//! O(n log n) for n border edges: a vertex visits at most [`VISITS_A_LEVEL`] boxes for each level
+//! of a balanced tree. Only where hundreds of border edges cross in one place, vertices need more.
+//! Then the count is a lower bound, and the result says so.
+
+use std::cell::Cell;
+
+use glam::DVec3;
+use hullmap_format::triangle_mesh::class::EdgeClass;
+use rayon::prelude::*;
+
+use crate::fit::triangle_tree::{Bounds, TriangleTree};
+
+/// Maximum distance of a vertex from an edge on which it counts as lying, relative to the diagonal
+/// of the mesh. Editors place such vertices by computations in f32, whose errors are a few times
+/// 6e-8 of the coordinates.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// Maximum number of boxes that a vertex visits, for each level of a balanced tree.
+const VISITS_A_LEVEL: usize = 64;
+
+/// The T-junctions of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TJunctions {
+    /// Number of vertices.
+    pub count: usize,
+    /// Whether these are all; otherwise there may be more.
+    pub is_complete: bool,
+}
+
+/// A border edge.
+struct Edge {
+    from: DVec3,
+    to: DVec3,
+    /// Corners of its triangle.
+    corners: [u32; 3],
+}
+
+/// Counts the T-junctions of a mesh. The arguments are those sections of its file.
+///
+/// The result is the same for any number of threads.
+///
+/// # Panics
+/// If a corner is not a vertex.
+///
+/// # Examples
+/// ```
+/// use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh};
+///
+/// // One large triangle below the x axis, and two small ones above it, which meet at the origin.
+/// let positions = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let corners = [[0, 2, 1], [0, 3, 4], [3, 1, 4]];
+/// let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] })?;
+/// assert_eq!(baked.t_junctions().count, 1);
+/// # Ok::<(), hullmap_bake::BakeError>(())
+/// ```
+pub fn t_junctions(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edge_classes: &[u16]) -> TJunctions {
+    let at = |corner: u32| DVec3::from_array(vertices[corner as usize].map(f64::from));
+    let (mut edges, mut is_end) = (Vec::new(), vec![false; vertices.len()]);
+    for (corners, classes) in triangles.iter().zip(edge_classes) {
+        for edge in (0..3).filter(|edge| EdgeClass::of(*classes, *edge) == Some(EdgeClass::Border)) {
+            let ends = [corners[edge], corners[(edge + 1) % 3]];
+            edges.push(Edge { from: at(ends[0]), to: at(ends[1]), corners: *corners });
+            ends.iter().for_each(|end| is_end[*end as usize] = true);
+        }
+    }
+    let bounds = Bounds::around(&[low(vertices), high(vertices)]);
+    let tolerance = TOLERANCE * (bounds.high - bounds.low).length();
+    let margin = DVec3::splat(tolerance);
+    let around = |edge: &Edge| {
+        let box_of_edge = Bounds::around(&[edge.from, edge.to]);
+        Bounds { low: box_of_edge.low - margin, high: box_of_edge.high + margin }
+    };
+    let tree = TriangleTree::of_boxes(edges.iter().map(around));
+    let limit = VISITS_A_LEVEL * (edges.len().checked_ilog2().unwrap_or_default() as usize + 1);
+    let ends: Vec<u32> = (0_u32..).zip(&is_end).filter(|(_, is_end)| **is_end).map(|(vertex, _)| vertex).collect();
+    let judge = |vertex: &u32| {
+        let (p, visits) = (at(*vertex), Cell::new(0));
+        let accepts = |bounds: &Bounds| {
+            visits.set(visits.get() + 1);
+            visits.get() <= limit && bounds.contains(p)
+        };
+        let found = tree.visit(accepts, |edge| {
+            let edge = &edges[edge as usize];
+            let is_own = edge.corners.contains(vertex);
+            if !is_own && is_between(p, edge, tolerance) {
+                std::ops::ControlFlow::Break(())
+            } else {
+                std::ops::ControlFlow::Continue(())
+            }
+        });
+        (usize::from(found.is_break()), found.is_break() || visits.get() <= limit)
+    };
+    let sum = |a: (usize, bool), b: (usize, bool)| (a.0 + b.0, a.1 && b.1);
+    let (count, is_complete) = ends.par_iter().map(judge).reduce(|| (0, true), sum);
+    TJunctions { count, is_complete }
+}
+
+/// Whether a point lies on an edge, and not at its ends.
+fn is_between(p: DVec3, edge: &Edge, tolerance: f64) -> bool {
+    let (along, to_p) = (edge.to - edge.from, p - edge.from);
+    let length = along.length();
+    let place = to_p.dot(along) / length;
+    // NaN, of an edge without length, takes the failing branch.
+    place > tolerance && length - place > tolerance && (to_p - along * (place / length)).length() <= tolerance
+}
+
+fn low(vertices: &[[f32; 3]]) -> DVec3 {
+    vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).reduce(DVec3::min).unwrap_or_default()
+}
+
+fn high(vertices: &[[f32; 3]]) -> DVec3 {
+    vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).reduce(DVec3::max).unwrap_or_default()
+}

@@ -1,0 +1,198 @@
+//! Triangle meshes: the bits of the crate for Rust, against every kind of shape.
+#![allow(unsafe_code)]
+
+use super::*;
+use crate::exports::triangle_mesh::*;
+use crate::handles::TriangleMesh;
+use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+
+/// A rough floor of squares, as the bytes of a file. Triangle t of the source has the material t.
+fn mesh_file(cells: usize) -> Vec<u8> {
+    let mut rng = SplitMix64::new(39);
+    let side = cells + 1;
+    let at = |i: usize| i as f32 - cells as f32 / 2.0;
+    let positions: Vec<[f32; 3]> =
+        (0..side * side).map(|i| [at(i % side), at(i / side), rng.between(-0.3, 0.3) as f32]).collect();
+    let corner = |x: usize, y: usize| (y * side + x) as u32;
+    let squares = (0..cells * cells).map(|i| (i % cells, i / cells));
+    let corners: Vec<[u32; 3]> = squares
+        .flat_map(|(x, y)| {
+            let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let materials: Vec<u16> = (0..corners.len() as u16).collect();
+    let triangles = Triangles { positions: &positions, corners: &corners, materials: &materials };
+    write_triangle_mesh(bake_triangle_mesh(&triangles).unwrap(), &Default::default()).unwrap()
+}
+
+fn open_mesh(file: &[u8]) -> Owned<TriangleMesh> {
+    // SAFETY: the pointers are valid.
+    Owned::new(hullmap_triangle_mesh_free, |out| unsafe {
+        hullmap_triangle_mesh_from_memory(file.as_ptr(), file.len(), out)
+    })
+}
+
+#[test]
+fn triangles_are_those_of_the_file() {
+    let file = mesh_file(4);
+    let (mesh, twin) = (open_mesh(&file), hullmap::TriangleMesh::from_bytes(&file).unwrap());
+    // SAFETY: the pointers are valid.
+    unsafe {
+        assert_eq!(hullmap_triangle_mesh_triangle_count(mesh.0), 32);
+        assert_eq!(hullmap_triangle_mesh_vertex_count(mesh.0), 25);
+        assert_eq!((hullmap_triangle_mesh_triangle_count(null()), hullmap_triangle_mesh_vertex_count(null())), (0, 0));
+        let mut found = std::mem::zeroed::<types::MeshTriangle>();
+        for index in 0..32 {
+            assert_eq!(hullmap_triangle_mesh_triangle(mesh.0, index, &raw mut found), Code::Ok);
+            assert_eq!(found.corners.map(bits), twin.triangle(index).unwrap().corners().map(|p| bits(vector(p))));
+            assert_eq!((found.vertices, found.material), (twin.corners(index).unwrap(), found.source_triangle));
+            for edge in 0..3 {
+                let beyond = twin.neighbours(index).unwrap()[edge];
+                assert_eq!(found.neighbours[edge], beyond.unwrap_or(u32::MAX));
+                assert_eq!(found.edge_classes[edge] == types::EdgeClass::Border as u32, beyond.is_none());
+            }
+        }
+        assert_eq!(hullmap_triangle_mesh_triangle(mesh.0, 32, &raw mut found), Code::NotFound);
+        assert!(message().contains("triangle 32 is out of range: the mesh has 32"), "{}", message());
+    }
+}
+
+#[test]
+fn wrong_files_are_errors() {
+    let (file, pack) = (mesh_file(2), file());
+    let mut handle = null_mut::<TriangleMesh>();
+    // SAFETY: the pointers are valid, or NULL.
+    unsafe {
+        let memory = |bytes: &[u8], out| hullmap_triangle_mesh_from_memory(bytes.as_ptr(), bytes.len(), out);
+        for cut in (0..file.len()).step_by(17) {
+            assert_eq!(memory(&file[..cut], &raw mut handle), Code::InvalidPack);
+            assert!(handle.is_null());
+        }
+        assert_eq!(memory(&pack, &raw mut handle), Code::InvalidPack);
+        assert!(message().contains("not a hullmap triangle mesh"), "{}", message());
+        assert_eq!(hullmap_triangle_mesh_from_memory(null(), 5, &raw mut handle), Code::Null);
+        assert_eq!(hullmap_triangle_mesh_open(c"no/such/file".as_ptr(), &raw mut handle), Code::Io);
+        let mut shape = null_mut::<Shape>();
+        assert_eq!(hullmap_shape_triangle_mesh(null(), &raw mut shape), Code::Null);
+        hullmap_triangle_mesh_free(null_mut());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("level.hullmesh");
+    std::fs::write(&path, &file).unwrap();
+    let path = std::ffi::CString::new(path.to_str().unwrap()).unwrap();
+    // SAFETY: the pointers are valid.
+    let opened =
+        Owned::new(hullmap_triangle_mesh_free, |out| unsafe { hullmap_triangle_mesh_open(path.as_ptr(), out) });
+    // SAFETY: the pointer is valid.
+    assert_eq!(unsafe { hullmap_triangle_mesh_triangle_count(opened.0) }, 8);
+}
+
+/// The mesh as A, and as B, against every shape. The mesh's handle is freed before its shape is
+/// used.
+#[test]
+fn queries_have_the_same_bits() {
+    let (file, pack_file, pack) = (mesh_file(4), file(), open());
+    let (twin, twin_pack) =
+        (hullmap::TriangleMesh::from_bytes(&file).unwrap(), hullmap::Pack::from_bytes(&pack_file).unwrap());
+    let ground = {
+        let mesh = open_mesh(&file);
+        // SAFETY: the pointers are valid.
+        Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_triangle_mesh(mesh.0, out) })
+    };
+    let (settings, mut rng) = (hullmap::Settings::default(), SplitMix64::new(40));
+    let mut hits = [0; 2];
+    for (shape, other) in all_shapes(&pack).iter().zip(&all_twins(&twin_pack)) {
+        for _ in 0..20 {
+            let mut next = || rng.between(-1.0, 1.0);
+            let (at, turn) = (DVec3::new(next(), next(), 0.7 * next()), [next(), next(), next(), next()]);
+            let pose = types::Pose {
+                translation: vector(at),
+                rotation: types::Quat { x: turn[0], y: turn[1], z: turn[2], w: turn[3] },
+            };
+            let twin_pose = hullmap::Pose::new(at, DQuat::from_array(turn)).unwrap();
+            let mut found = types::Distance::new(
+                hullmap::distance(
+                    &hull_of(&twin_pack),
+                    &hull_of(&twin_pack),
+                    twin_pose,
+                    &settings,
+                    &mut Default::default(),
+                ),
+                [9, 9],
+            );
+            let memory = &mut hullmap::CompoundCache::default();
+            // SAFETY: the pointers are valid.
+            let query = |a: &Owned<Shape>, b: &Owned<Shape>, out: *mut types::Distance| unsafe {
+                hullmap_distance(a.0, b.0, &raw const pose, null(), null_mut(), out)
+            };
+            let expected = match other {
+                Twin::Convex(other) => Some(compound::distance(&twin, &**other, twin_pose, &settings, memory)),
+                Twin::Compound(other) => Some(compound::distance(&twin, &**other, twin_pose, &settings, memory)),
+                Twin::HalfSpace(plane) => {
+                    // A half-space is always the first.
+                    assert_eq!(query(&ground, shape, &raw mut found), Code::Unsupported);
+                    assert_eq!(query(shape, &ground, &raw mut found), Code::Ok);
+                    let expected = compound::half_space::distance(plane, &twin, twin_pose);
+                    assert_eq!(found.distance.to_bits(), expected.answer.distance.to_bits());
+                    None
+                }
+            };
+            let Some(expected) = expected else { continue };
+            assert_eq!(query(&ground, shape, &raw mut found), Code::Ok, "{}", message());
+            assert_eq!([found.hull_a, found.hull_b].map(|hull| hull as usize), expected.hulls);
+            assert_eq!(found.distance.to_bits(), expected.answer.distance.to_bits());
+            hits[usize::from(found.distance == 0.0)] += 1;
+            assert_eq!(query(shape, &ground, &raw mut found), Code::Ok, "{}", message());
+        }
+    }
+    println!("separated and overlapping: {hits:?}");
+    assert!(hits.iter().all(|count| *count > 20), "{hits:?}");
+}
+
+fn hull_of(pack: &hullmap::Pack) -> hullmap::Hull<'_> {
+    pack.hull(0).unwrap()
+}
+
+#[test]
+fn a_level_carries_a_box_and_has_no_support_points() {
+    let mesh = open_mesh(&mesh_file(4));
+    // SAFETY: the pointers are valid.
+    let ground = Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_triangle_mesh(mesh.0, out) });
+    let half = types::Vec3 { x: 0.5, y: 0.5, z: 0.5 };
+    // SAFETY: the pointers are valid.
+    let die = Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_cuboid(half, out) });
+    let at = |z: f64| types::Pose {
+        translation: types::Vec3 { x: 0.2, y: 0.1, z },
+        rotation: types::Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
+    };
+    let mut hit = types::RayHit::new(
+        hullmap::ray(
+            &hullmap::shapes::Sphere::new(1.0).unwrap(),
+            &hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap(),
+            &hullmap::CastSettings::default(),
+        ),
+        9,
+    );
+    let mut bounds = types::Bounds::default();
+    // SAFETY: the pointers are valid.
+    unsafe {
+        let (from, down) = (types::Vec3 { x: 0.2, y: 0.1, z: 3.0 }, types::Vec3 { x: 0.0, y: 0.0, z: -1.0 });
+        assert_eq!(hullmap_ray(ground.0, from, down, null(), &raw mut hit), Code::Ok);
+        assert!(hit.hit && (2.6..3.4).contains(&hit.t) && hit.hull < 32, "{hit:?}");
+        let above = at(1.0);
+        assert_eq!(hullmap_bounds(ground.0, &raw const above, &raw mut bounds), Code::Ok);
+        assert!((bounds.min.x + 1.8).abs() < 1e-6 && (bounds.max.y - 2.1).abs() < 1e-6, "{bounds:?}");
+        let points = manifold();
+        let mut shown = std::mem::zeroed::<types::ManifoldPoints>();
+        let pose = at(0.6);
+        let code = hullmap_manifold_update(points.0, ground.0, die.0, &raw const pose, null(), &raw mut shown);
+        assert_eq!(code, Code::Ok, "{}", message());
+        // The rough floor touches the box with a few of its peaks.
+        assert!(shown.touching > 0 && shown.pairs >= shown.touching, "{shown:?}");
+        assert!(shown.count >= shown.touching as usize, "{shown:?}");
+        let mut support = types::Support::default();
+        assert_eq!(hullmap_support(ground.0, &raw const half, 1, &raw mut support), Code::Unsupported);
+        assert!(message().contains("a triangle mesh has no support point"), "{}", message());
+    }
+}

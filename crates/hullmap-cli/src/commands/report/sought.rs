@@ -1,0 +1,52 @@
+//! The source of a file, for its page.
+
+use std::path::Path;
+
+use crate::args::ReportArgs;
+use crate::open::BakedFile;
+use crate::outcome::{Exit, Failure};
+use crate::packs::PackPlace;
+use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
+
+/// Result of the search for a source.
+pub struct Sought {
+    /// The source, if it was found.
+    pub source: Option<Source>,
+    /// Why not, as the start of a sentence.
+    pub absent: String,
+}
+
+/// Searches the source of a file. `folders` remembers the folders that were read for other files. A
+/// source that does not match is a fault. Fails if `--source` leads to no file.
+pub fn seek_source(
+    place: &PackPlace,
+    opened: &BakedFile,
+    given: Option<&Path>,
+    args: &ReportArgs,
+    folders: &Folders,
+    faults: &mut Vec<String>,
+) -> Result<Sought, Failure> {
+    let mut absent = "the source cannot be used, so".to_owned();
+    let source = match find_source(place, Recorded::from_file(opened), given, &args.limits.limits(), folders) {
+        Ok(SourceSearch::Found(source)) => Some(*source),
+        Ok(SourceSearch::Absent(why)) => {
+            absent = why.map_or_else(|| "the source was not found, so".to_owned(), |why| format!("{why};"));
+            None
+        }
+        Err(failure) if failure.exit == Exit::Rejected => {
+            faults.push(failure.message);
+            None
+        }
+        Err(failure) => return Err(failure),
+    };
+    Ok(Sought { source, absent })
+}
+
+/// The source's name on the page. An absolute path would name folders of this machine, so the
+/// recorded path is shown instead.
+pub fn source_name(source: &Source, recorded: &str) -> String {
+    if source.path.is_absolute() && !recorded.is_empty() {
+        return recorded.to_owned();
+    }
+    source.path.display().to_string()
+}
