@@ -123,7 +123,7 @@ impl<'a> Field<'a> {
         for axis in 0..3 {
             let stride = [1, self.size[0], self.size[0] * self.size[1]][axis];
             let length = self.size[axis];
-            for start in (0..self.steps.len()).filter(|at| at / stride % length == 0) {
+            for start in (0..self.steps.len()).filter(|at| (at / stride).is_multiple_of(length)) {
                 let line: Vec<u8> = (0..length).map(|k| self.steps[start + k * stride]).collect();
                 for k in 0..length {
                     let mut least = line[k];
