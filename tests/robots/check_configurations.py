@@ -66,23 +66,38 @@ class Geometry:
         results = self.data.collisionResults
         return {links for links, result in zip(self.pairs, results) if result.isCollision()}
 
+    def placed(self, link):
+        """The shapes of a link and their poses, after `colliding`."""
+        found = (index for index, own in enumerate(self.links) if own == link)
+        return [(self.own.geometryObjects[index].geometry, self.data.oMg[index]) for index in found]
+
     def distance(self, links):
-        """Between two links, after `colliding`; and whether a corner of one is in the box of the other."""
-        least, is_within = np.inf, False
-        for pair in (pair for pair in self.own.collisionPairs if self.of_links(pair) == links):
-            items = [self.own.geometryObjects[index].geometry for index in (pair.first, pair.second)]
-            poses = [self.data.oMg[index] for index in (pair.first, pair.second)]
-            transforms = [coal.Transform3s(pose.rotation, pose.translation) for pose in poses]
-            result = coal.DistanceResult()
-            coal.distance(items[0], transforms[0], items[1], transforms[1], coal.DistanceRequest(), result)
-            least = min(least, result.min_distance)
-            for own, other in ((0, 1), (1, 0)):
-                point = poses[other].actInv(poses[own].act(np.array(items[own].vertices(0)))) \
-                    if isinstance(items[own], coal.BVHModelBase) else poses[other].actInv(poses[own].translation)
-                items[other].computeLocalAABB()
-                box = items[other].aabb_local
-                is_within |= bool(np.all(point >= box.min_) and np.all(point <= box.max_))
-        return least, is_within
+        """Between two links, after `colliding`."""
+        least = np.inf
+        for a, pose_a in self.placed(links[0]):
+            for b, pose_b in self.placed(links[1]):
+                result = coal.DistanceResult()
+                coal.distance(a, transform(pose_a), b, transform(pose_b), coal.DistanceRequest(), result)
+                least = min(least, result.min_distance)
+        return least
+
+
+def transform(pose):
+    return coal.Transform3s(pose.rotation, pose.translation)
+
+
+def is_enclosed(meshes, parts, links):
+    """Whether a corner of a mesh of one link is inside a part of the other."""
+    point = coal.Sphere(1e-9)
+    for own, other in (links, links[::-1]):
+        for mesh, pose in meshes.placed(own):
+            corner = pose.act(np.array(mesh.vertices(0))) if isinstance(mesh, coal.BVHModelBase) else pose.translation
+            at = coal.Transform3s(np.eye(3), corner)
+            for part, place in parts.placed(other):
+                result = coal.CollisionResult()
+                if coal.collide(point, at, part, transform(place), coal.CollisionRequest(), result):
+                    return True
+    return False
 
 
 def check(program, file, count, out):
@@ -105,14 +120,14 @@ def check(program, file, count, out):
         of_meshes, of_parts = (own.colliding(model, data, q) for own in (meshes, parts))
         met += len(of_meshes)
         for links in of_meshes - of_parts:
-            if parts.distance(links)[0] > ROUNDING:
+            if parts.distance(links) > ROUNDING:
                 return False, f"configuration {index}: the meshes of {links} collide, and their parts do not"
             grazing += 1
         for links in of_parts - of_meshes:
-            distance, is_within = meshes.distance(links)
+            distance = meshes.distance(links)
             if distance <= sum(protrusion.get(link, 0.0) for link in links) + ROUNDING:
                 near += 1
-            elif is_within:
+            elif is_enclosed(meshes, parts, links):
                 enclosed += 1
             else:
                 return False, f"configuration {index}: the parts of {links} collide, {distance} m before the meshes"

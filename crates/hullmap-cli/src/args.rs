@@ -63,7 +63,6 @@ pub enum Command {
                       bake build chair.glb --out baked --decompose --max-error 1%  (parts)\n  \
                       bake build assets --out baked --verify --prune               (files)\n  \
                       bake build assets --out baked --index compact                (index)\n  \
-                      bake build dem.asc --out baked --height-field                (terrain)\n  \
                       bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
                       bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
     Build(Box<BuildArgs>),

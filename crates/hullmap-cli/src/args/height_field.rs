@@ -8,34 +8,34 @@ use crate::options::table::Section;
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = Section::Shape.heading())]
 pub struct HeightFieldArgs {
-    /// Bake each INPUT as a height field: a greyscale PNG, an ESRI ASCII grid, or raw f32 numbers
+    /// Bake grids of heights: greyscale PNG, ESRI ASCII, raw f32
     #[arg(long = "height-field")]
     pub is_set: bool,
-    /// Distance of neighbouring vertices along x, and along y [default: what the file states]
+    /// Distance of neighbouring vertices [default: the file's]
     #[arg(long, value_name = "X[,Y]", value_parser = spacing, requires = "is_set", hide_short_help = true)]
     pub spacing: Option<[f64; 2]>,
-    /// Height of white above black in an image; otherwise a factor [default: 1 for numbers]
+    /// Height of white above black; for numbers a factor, or 1
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub height_scale: Option<f64>,
     /// Height of a sample of 0
     #[arg(long, value_name = "O", value_parser = finite, default_value_t = 0.0, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub height_offset: f64,
-    /// x and y of the first vertex [default: what the file states, or the middle is at 0 0]
+    /// First vertex [default: the file's, or middle at 0 0]
     #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub origin: Option<[f64; 2]>,
-    /// Sample without ground; NaN always is, and what an ESRI grid states
+    /// Sample that means no ground, besides NaN
     #[arg(long, value_name = "V", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub hole: Option<f64>,
-    /// Greyscale PNG beside each INPUT whose black pixels are holes, of vertices or of cells
+    /// PNG beside each INPUT in which black pixels are holes
     #[arg(long, value_name = "NAME", value_parser = name, requires = "is_set", hide_short_help = true)]
     pub hole_image: Option<String>,
-    /// Number of rows of raw numbers, which begin with the least y
+    /// Number of rows of raw numbers, the least y first
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires = "columns", hide_short_help = true)]
     pub rows: Option<u32>,
     /// Number of columns of raw numbers
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires_all = ["is_set", "rows"], hide_short_help = true)]
     pub columns: Option<u32>,
-    /// Diagonal that divides each cell: from the least x and y, or from the greatest x and least y
+    /// Diagonal that divides each cell
     #[arg(long, value_name = "rising|falling", value_parser = diagonal, default_value = "rising", requires = "is_set", hide_short_help = true)]
     pub diagonal: Diagonal,
 }

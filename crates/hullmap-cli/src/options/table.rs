@@ -215,7 +215,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: SwitchOr(&["cover"]),
         default: DefaultValue::Value("false"),
         value_name: "METHOD",
-        help: "Decompose concave meshes into convex parts; cover, the only method, may be left out",
+        help: "Decompose concave meshes into convex parts",
         section: Section::Parts,
         ..OPTION
     },
@@ -224,7 +224,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Maximum number of vertices, 4 or more. Without --decompose, the hull then encloses the exact one; default none, the exact hull. With --decompose, each part has at most N; default 64",
+        help: "Maximum number of vertices, 4 or more. Without --decompose: of an enclosing hull; default none, the exact hull. With --decompose: of each part; default 64",
         section: Section::Shape,
         group: Group::Limit,
         ..OPTION
@@ -375,7 +375,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Write a static triangle mesh (.hullmesh) that keeps all triangles, for a level or a terrain, instead of a pack of hulls",
+        help: "Write a static mesh of all triangles (.hullmesh), for a level that does not move, instead of hulls",
         section: Section::Shape,
         is_of_triangles: true,
         ..OPTION
