@@ -206,7 +206,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Move the origin to the centre of the bounds, for meshes far from the origin",
+        help: "Move the origin to the centre of the bounds, for far meshes",
         section: Section::Shape,
         ..OPTION
     },
