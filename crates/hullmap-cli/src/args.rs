@@ -186,8 +186,8 @@ pub struct BuildArgs {
     /// Bake every mesh, even if its pack is fresh
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
-    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. No hull
-    /// is computed: `bake verify` finds packs that contradict their source
+    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. A forged pack
+    /// can be fresh, since no hull is computed; `bake verify` rejects it
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
