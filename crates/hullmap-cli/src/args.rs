@@ -187,7 +187,7 @@ pub struct BuildArgs {
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
     /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. A forged pack
-    /// can be fresh, since no hull is computed; `bake verify` rejects it
+    /// can be fresh; `bake verify` rejects it
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
