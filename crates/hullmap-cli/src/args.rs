@@ -332,7 +332,8 @@ pub struct KeyArgs {
     /// The meshes.
     #[command(flatten)]
     pub meshes: MeshArgs,
-    /// Folder in which the packs would be: paths in packs are relative to it [default: beside the meshes]
+    /// Folder in which the packs would be: paths in packs are relative to it [default: beside the
+    /// meshes]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON object per mesh, with everything that goes into its key

@@ -1,8 +1,8 @@
 //! The table of all options that shape a bake: key, accepted values, default, help.
 //!
 //! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
-//! come from this table. An option that is recorded changes the hulls. Flags that apply to a whole run (`--jobs`,
-//! `--verify`, …) are in `args.rs`.
+//! come from this table. An option that is recorded changes the hulls. Flags that apply to a whole
+//! run (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::removed::instead_of_value;
 use super::value::Syntax::{self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, Switch, SwitchOr, Words};
