@@ -1,6 +1,6 @@
 //! ESRI ASCII grids: a header of keys with numbers, then the samples, the top row first.
 
-use super::{HeightOptions, Heights, flipped, sample_count};
+use super::grid::{HeightOptions, Heights, flipped, sample_count};
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::tokens::{Tokens, text};
 

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, Limits};
 
-use super::{HeightOptions, Heights, flipped, sample_count};
+use super::grid::{HeightOptions, Heights, flipped, sample_count};
 use crate::fault::{Fault, LineFault};
 
 /// Greatest ratio of the bytes of an image to those of its compressed form: a little above that of

@@ -10,6 +10,7 @@
 //! middles of its cells, which become vertices here.
 
 mod esri;
+mod grid;
 mod image;
 mod raw;
 #[cfg(test)]
@@ -17,52 +18,11 @@ mod tests;
 
 use std::path::Path;
 
+pub use grid::{HeightOptions, Heights};
+
 use crate::fault::{Fault, ImportError, LineFault};
 use crate::limits::Limits;
 use crate::read::{ReadError, SourceFile, read_alone};
-
-/// Maximum number of samples: a height field has at most 2²⁷ cells.
-const MAX_SAMPLES: usize = 1 << 28;
-
-/// How samples become heights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeightOptions {
-    /// Height of a sample of 1 above one of 0: of an image, of white above black.
-    pub scale: f64,
-    /// Height of a sample of 0.
-    pub offset: f64,
-    /// Sample without ground: of an image, a whole number from 0 to 65535 (or 255). In grids of
-    /// numbers NaN always is.
-    pub hole: Option<f64>,
-    /// Numbers of columns and rows of a file of raw numbers, which does not state them.
-    pub raw: Option<[usize; 2]>,
-}
-
-impl HeightOptions {
-    /// Samples are heights.
-    pub const DEFAULT: Self = Self { scale: 1.0, offset: 0.0, hole: None, raw: None };
-
-    fn height(&self, sample: f64) -> f32 {
-        (self.offset + self.scale * sample) as f32
-    }
-}
-
-/// Heights on a grid.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Heights {
-    /// Number of samples along x.
-    pub columns: usize,
-    /// Number of samples along y.
-    pub rows: usize,
-    /// Heights, row by row, the row with the least y first; NaN without ground.
-    pub heights: Vec<f32>,
-    /// x and y of the first sample, if the file states them.
-    pub origin: Option<[f64; 2]>,
-    /// Distance of samples along x and y, if the file states it.
-    pub spacing: Option<[f64; 2]>,
-    /// Whether the file is an image, whose samples count from 0 to 1.
-    pub is_image: bool,
-}
 
 /// Reads a file of heights, of any format.
 ///
@@ -141,19 +101,4 @@ fn finite(heights: Heights) -> Result<Heights, LineFault> {
         }
         None => Ok(heights),
     }
-}
-
-/// Number of samples, if it is not too large.
-fn sample_count(columns: usize, rows: usize) -> Result<usize, LineFault> {
-    columns.checked_mul(rows).filter(|count| (1..=MAX_SAMPLES).contains(count)).ok_or_else(|| {
-        let text = format!(
-            "{columns} × {rows} samples (expected at least 1, and at most {MAX_SAMPLES}); use a part of the grid"
-        );
-        Fault::format(text).of_file()
-    })
-}
-
-/// Rows in the opposite order.
-fn flipped<T: Copy>(samples: &[T], columns: usize) -> Vec<T> {
-    samples.chunks(columns.max(1)).rev().flatten().copied().collect()
 }

@@ -1,6 +1,6 @@
 //! Files of raw numbers: little-endian f32, row by row, the row with the least y first.
 
-use super::{HeightOptions, Heights, sample_count};
+use super::grid::{HeightOptions, Heights, sample_count};
 use crate::fault::{Fault, LineFault};
 
 /// Heights of a file without a header.

@@ -1,8 +1,7 @@
 //! The ground of a height field below a point.
 
 use glam::{DVec2, DVec3};
-
-use super::{Diagonal, HeightField};
+use hullmap_format::height_field::layout::{Diagonal, Layout};
 
 /// Height and normal of a height field at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,22 +15,13 @@ pub struct Ground {
     pub triangle: usize,
 }
 
-/// The ground at a point of the plane.
-pub(super) fn at(field: &HeightField, point: DVec2) -> Option<Ground> {
-    let layout = field.layout();
+/// The columns and the rows of the cells that contain a point of the plane; `None` beyond the
+/// field.
+pub(super) fn cells(layout: &Layout, point: DVec2) -> Option<[[usize; 2]; 2]> {
     let ([x0, y0], [dx, dy], [across, along]) = (layout.origin, layout.spacing, layout.cells());
     let columns = cells_at((point.x - x0) / dx, point.x, across, |column| layout.x(column))?;
     let rows = cells_at((point.y - y0) / dy, point.y, along, |row| layout.y(row))?;
-    // A point on the edge of a cell is also one of the cell beyond, which may have ground where the
-    // first one is a hole.
-    for row in rows {
-        for column in columns {
-            if let Some(found) = in_cell(field, column, row, point) {
-                return Some(found);
-            }
-        }
-    }
-    None
+    Some([columns, rows])
 }
 
 /// The lowest and the highest cell along an axis that contain a coordinate; `None` if no cell does.
@@ -54,23 +44,15 @@ fn cells_at(guess: f64, coordinate: f64, count: usize, at: impl Fn(usize) -> f64
     Some([low, cell])
 }
 
-/// The ground of a cell, which contains the point.
-fn in_cell(field: &HeightField, column: usize, row: usize, point: DVec2) -> Option<Ground> {
-    if field.is_hole(column, row) {
-        return None;
-    }
-    let layout = field.layout();
-    let corner = |dx: usize, dy: usize| field.vertex(column + dx, row + dy);
-    let (near, far) = (corner(0, 0)?, corner(1, 1)?);
-    let (right, top) = (corner(1, 0)?.z, corner(0, 1)?.z);
+/// Height of a cell at a point in it, and whether that is in its second triangle. The cell's
+/// vertices are those with the least x and y, the least y, the least x, and neither.
+pub(super) fn in_cell([near, right, top, far]: [DVec3; 4], diagonal: Diagonal, point: DVec2) -> (f64, bool) {
     // The position in the cell, from 0 to 1.
     let DVec2 { x: u, y: v } = (point - near.truncate()) / (far - near).truncate();
-    let (is_second, height) = match layout.diagonal {
-        Diagonal::Rising if v <= u => (false, near.z + u * (right - near.z) + v * (far.z - right)),
-        Diagonal::Rising => (true, near.z + v * (top - near.z) + u * (far.z - top)),
-        Diagonal::Falling if u + v <= 1.0 => (false, near.z + u * (right - near.z) + v * (top - near.z)),
-        Diagonal::Falling => (true, far.z + (1.0 - u) * (top - far.z) + (1.0 - v) * (right - far.z)),
-    };
-    let triangle = 2 * layout.cell(column, row) + usize::from(is_second);
-    Some(Ground { height, normal: field.normal(triangle)?, triangle })
+    match diagonal {
+        Diagonal::Rising if v <= u => (near.z + u * (right.z - near.z) + v * (far.z - right.z), false),
+        Diagonal::Rising => (near.z + v * (top.z - near.z) + u * (far.z - top.z), true),
+        Diagonal::Falling if u + v <= 1.0 => (near.z + u * (right.z - near.z) + v * (top.z - near.z), false),
+        Diagonal::Falling => (far.z + (1.0 - u) * (top.z - far.z) + (1.0 - v) * (right.z - far.z), true),
+    }
 }

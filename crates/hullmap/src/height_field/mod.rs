@@ -74,8 +74,8 @@ use storage::Storage;
 
 /// A static height field, opened. See the [module](self).
 ///
-/// Cell (column, row) has the index row · (columns − 1) + column, and the triangles with twice that
-/// index and the next one. Holes have no triangles, but count in the indices.
+/// Cell (column, row) has the index i = row · (columns − 1) + column, and the triangles 2 i and
+/// 2 i + 1. A hole has no triangles, but their indices are reserved.
 ///
 /// # Examples
 /// ```
@@ -243,8 +243,9 @@ impl HeightField {
         [at(0, 0, low), at(across, along, high)]
     }
 
-    /// The ground below or above a point of the plane z = 0; `None` in a hole and beyond the field.
-    /// A point between several triangles counts as one of the triangle with the lowest index.
+    /// Height, normal and triangle of the ground at (x, y), in the frame of the field; `None` in a
+    /// hole and beyond the field. On a shared edge or vertex, the triangle is the one with the
+    /// lowest index.
     ///
     /// # Complexity
     /// O(1).
@@ -252,7 +253,23 @@ impl HeightField {
     /// # Examples
     /// See the [module](self).
     pub fn height_at(&self, x: f64, y: f64) -> Option<Ground> {
-        ground::at(self, DVec2::new(x, y))
+        let point = DVec2::new(x, y);
+        let [columns, rows] = ground::cells(&self.layout, point)?;
+        // A point on the edge of a cell is also one of the cell beyond, which may have ground where
+        // the first one is a hole.
+        let cells = rows.into_iter().flat_map(|row| columns.map(|column| (column, row)));
+        cells.into_iter().find_map(|(column, row)| self.ground_in_cell(column, row, point))
+    }
+
+    fn ground_in_cell(&self, column: usize, row: usize, point: DVec2) -> Option<Ground> {
+        if self.is_hole(column, row) {
+            return None;
+        }
+        let corner = |dx: usize, dy: usize| self.vertex(column + dx, row + dy);
+        let corners = [corner(0, 0)?, corner(1, 0)?, corner(0, 1)?, corner(1, 1)?];
+        let (height, is_second) = ground::in_cell(corners, self.layout.diagonal, point);
+        let triangle = 2 * self.layout.cell(column, row) + usize::from(is_second);
+        Some(Ground { height, normal: self.normal(triangle)?, triangle })
     }
 
     /// Path of the source relative to the file's folder; empty if no path was recorded.

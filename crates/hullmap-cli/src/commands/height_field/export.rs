@@ -5,7 +5,7 @@ use std::path::Path;
 
 use hullmap::HeightField;
 
-use super::open;
+use super::open::open;
 use crate::args::export::{ExportArgs, Format};
 use crate::mesh_file::place;
 use crate::outcome::{Exit, Failure};

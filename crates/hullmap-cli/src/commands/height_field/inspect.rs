@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use hullmap::{EdgeClass, HeightField};
 use serde::Serialize;
 
-use super::open;
+use super::open::open;
 use crate::args::InspectArgs;
 use crate::outcome::{Exit, Failure};
 use crate::table::grouped;

@@ -5,6 +5,7 @@ mod bake;
 mod build;
 mod export;
 mod inspect;
+mod open;
 mod options;
 mod report;
 mod source;
@@ -12,9 +13,7 @@ mod verify;
 
 use std::path::{Path, PathBuf};
 
-use hullmap::{HeightField, OpenError};
 use hullmap_format::height_field::EXTENSION;
-use hullmap_import::open_regular;
 
 use crate::args::Command;
 use crate::outcome::{Exit, Failure};
@@ -50,20 +49,4 @@ pub fn run(command: &Command, out: &mut Output) -> Option<Result<Exit, Failure>>
 /// Whether the name is that of a height field.
 fn is_field(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == EXTENSION) && !path.is_dir()
-}
-
-/// Opens a height field. The error is [`Failure::usage`] if the file cannot be read, and
-/// [`Failure::rejected`] if it is not valid. Both name the file.
-fn open(path: &Path) -> Result<HeightField, Failure> {
-    // `HeightField::open` would wait for a pipe.
-    if path.exists()
-        && !path.is_file()
-        && let Err(error) = open_regular(path)
-    {
-        return Err(Failure::usage(format!("{}: cannot read: {error}; name a height field", path.display())));
-    }
-    HeightField::open(path).map_err(|error| match &error {
-        OpenError::Io { .. } => Failure::usage(error.to_string()),
-        OpenError::Invalid { .. } => Failure::rejected(error.to_string()),
-    })
 }

@@ -2,7 +2,8 @@
 
 use hullmap_report::field_page;
 
-use super::{inspect, open};
+use super::inspect;
+use super::open::open;
 use crate::args::ReportArgs;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, make_folder, put_in_place, write_beside};

@@ -17,7 +17,7 @@ use hullmap_random::SplitMix64;
 use serde::Serialize;
 
 use super::bake::{FieldSource, layout};
-use super::open;
+use super::open::open;
 use super::options::FieldOptions;
 use super::source;
 use crate::args::verify::VerifyArgs;
