@@ -9,7 +9,7 @@ use super::parts::{Parts, Tree};
 use crate::hull::Hull;
 
 /// A triangle mesh, or another sheet, whose triangles collide on their fronts alone. A cheap copy:
-/// it borrows the mesh. Parts that are no pieces of a sheet collide as ever.
+/// it borrows the mesh. Hulls and shapes are not affected.
 ///
 /// Which side is the front follows from the order of the corners: from there, they are
 /// counter-clockwise. Physics engines call this back-face culling.
@@ -19,11 +19,11 @@ use crate::hull::Hull;
 /// the triangle's plane, or in it.
 /// - `intersects`, `contact`, `contacts` and manifolds ignore a triangle that a body is behind. So
 ///   a body that has come through a floor by more than half falls on, and is not pushed up.
-/// - If the interior point is in front, but the shortest way out is backwards through the face, the
-///   contact is the one with the half-space behind the triangle's plane: the body is pushed out to
-///   the front, by the depth of its lowest point. The interval is that of this depth.
-/// - Rays and casts ignore triangles that they do not move against: the computed dot product of
-///   velocity and front must be negative. A cast also ignores triangles that the body is behind at
+/// - If the interior point is in front, but the shortest way out leads through the back of the
+///   triangle, the contact is the one with the half-space behind the triangle's plane: the body is
+///   pushed out to the front, by the depth of its lowest point, and the interval bounds this depth.
+/// - Rays and casts ignore triangles whose front they do not move towards: the computed dot product
+///   of velocity and normal must be negative. A cast also ignores triangles that the body is behind at
 ///   its start.
 /// - `distance`, `signed_distance`, `clear` and `cast_motion` count both sides.
 ///

@@ -14,7 +14,8 @@
 //!
 //! # What an answer means
 //! The same as for a [triangle mesh](crate::triangle_mesh): the surface is thin, and collides on
-//! both sides.
+//! both sides. [`OneSided`](crate::compound::OneSided) makes it collide from above only,
+//! [`Joined`](crate::compound::Joined) joins neighbouring fields.
 //!
 //! # Examples
 //! ```
@@ -160,7 +161,7 @@ impl HeightField {
     }
 
     /// The vertex at this column and row, in the frame of the field; `None` beyond the grid. A
-    /// vertex of holes alone has the height 0.
+    /// vertex whose cells are all holes has the height 0.
     pub fn vertex(&self, column: usize, row: usize) -> Option<DVec3> {
         let layout = &self.layout;
         (column < layout.columns && row < layout.rows).then(|| self.point(column, row))
@@ -176,7 +177,7 @@ impl HeightField {
         Triangle::new(self.corners(index)?).ok()
     }
 
-    /// Upward unit normal of a triangle; `None` in a hole, and beyond the last triangle.
+    /// Upward unit normal of a triangle, in the frame of the field; `None` in a hole, and beyond the last triangle.
     pub fn normal(&self, triangle: usize) -> Option<DVec3> {
         let [a, b, c] = self.corners(triangle)?;
         unit((b - a).cross(c - a))
@@ -235,7 +236,8 @@ impl HeightField {
         self.has_ground(triangle).then(|| materials.get(triangle / 2).copied().map_or(0, u16_le::to_native))
     }
 
-    /// Minimum and maximum coordinates of the triangles, and of the holes between them.
+    /// Corners of the box around the field, in its own frame: x and y of the whole grid, z of the
+    /// cells that are not holes.
     pub fn bounds(&self) -> [DVec3; 2] {
         let [across, along] = self.layout.cells();
         let [low, high] = self.heights.map(f64::from);

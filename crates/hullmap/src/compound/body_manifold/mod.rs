@@ -9,7 +9,8 @@
 //! 2. Share the eight points among the groups in turn.
 //! 3. Of each group, take the deepest point, and the corners of the convex hull of all its points,
 //!    without those that add little area ([`spread`]).
-//! 4. The points of the last frame stay if they have the deepest point and span nearly as much.
+//! 4. Keep the points of the last frame instead, with the deepest point, if they span at least 90 %
+//!    of the area of the best choice.
 //! 5. Chosen points that were chosen in the last frame keep what the caller stored in them.
 //!
 //! # Reference
@@ -61,8 +62,8 @@ impl BodyPoint {
 /// memory of one ordered pair (A, B), beside that of the manifolds.
 ///
 /// A point is one of those in the manifolds, unchanged. The deepest of all points is chosen, or
-/// another one if it is less deep by at most a ten-thousandth of the smaller body's size. If all
-/// normals are within five degrees, the chosen points span at least 60 % of the area that all
+/// another one that is less deep by at most 1e-4 of half the diagonal of the smaller body's box. If
+/// all normals are within five degrees of the deepest point's, the chosen points span at least 60 % of the area that all
 /// points span, in projection along the normal. Otherwise the points are shared by groups of
 /// normals, each of which has at least its deepest point.
 ///
