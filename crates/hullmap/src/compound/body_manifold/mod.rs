@@ -63,9 +63,9 @@ impl BodyPoint {
 ///
 /// A point is one of those in the manifolds, unchanged. The deepest of all points is chosen, or
 /// another one that is less deep by at most 1e-4 of half the diagonal of the smaller body's box. If
-/// all normals are within five degrees of the deepest point's, the chosen points span at least 60 % of the area that all
-/// points span, in projection along the normal. Otherwise the points are shared by groups of
-/// normals, each of which has at least its deepest point.
+/// all normals are within five degrees of the deepest point's, the chosen points span at least 60 %
+/// of the area that all points span, in projection along the normal. Otherwise the points are
+/// shared by groups of normals, each of which has at least its deepest point.
 ///
 /// A point that was chosen before keeps its impulse and user data, and its age grows: one of the
 /// same parts and features, or one at the same place. So a body that slides from triangle to
