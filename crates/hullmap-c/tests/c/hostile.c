@@ -81,7 +81,7 @@ static void opening(const char *path) {
     FAILS(HULLMAP_RESULT_IO, "; check the path", hullmap_pack_open("missing.hullmap", HULLMAP_OPEN_MAP, &pack));
 }
 
-static void meshes(void) {
+static void meshes(const char *path) {
     HullmapTriangleMesh *mesh;
     FAILS(HULLMAP_RESULT_NULL, "path", hullmap_triangle_mesh_open(NULL, &mesh));
     FAILS(HULLMAP_RESULT_NULL, "mesh", hullmap_triangle_mesh_open(path, NULL));
@@ -495,7 +495,7 @@ int main(int count, char **arguments) {
     EXPECT(hullmap_abi_version() == HULLMAP_ABI_VERSION);
     read_file(arguments[1]);
     opening(arguments[1]);
-    meshes();
+    meshes(argv[1]);
     memory();
     unchecked();
     HullmapPack *pack;

@@ -177,8 +177,8 @@ impl HeightField {
         Triangle::new(self.corners(index)?).ok()
     }
 
-    /// Upward unit normal of a triangle, in the frame of the field; `None` in a hole, and beyond the
-    /// last triangle.
+    /// Upward unit normal of a triangle, in the frame of the field; `None` in a hole, and beyond
+    /// the last triangle.
     pub fn normal(&self, triangle: usize) -> Option<DVec3> {
         let [a, b, c] = self.corners(triangle)?;
         unit((b - a).cross(c - a))
