@@ -495,7 +495,7 @@ int main(int count, char **arguments) {
     EXPECT(hullmap_abi_version() == HULLMAP_ABI_VERSION);
     read_file(arguments[1]);
     opening(arguments[1]);
-    meshes(argv[1]);
+    meshes(arguments[1]);
     memory();
     unchecked();
     HullmapPack *pack;
