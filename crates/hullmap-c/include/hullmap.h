@@ -4,8 +4,8 @@
 //
 // A pack is a .hullmap file with one or more hulls, made by the command `bake`; a triangle mesh is a
 // .hullmesh file, a static level or terrain. A shape is a hull, a whole pack as a compound, a
-// triangle mesh, or a primitive. Queries take one shape or an ordered pair (A, B). What is said of
-// compounds below holds for triangle meshes, with triangles in place of hulls.
+// triangle mesh, or a primitive. Queries take one shape or an ordered pair (A, B). Statements about
+// compounds below hold for triangle meshes, too, with triangles in place of hulls.
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
 // Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
