@@ -8,6 +8,7 @@
 //! | [`mesh_mass`](mod@mesh_mass) | its volume, centre and second moments |
 //! | [`closing`] | cones that close the holes of a mesh |
 //! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
+//! | [`peaks`] | local maxima of the distance from the solid |
 //! | [`coverage`] | proof of coverage: how far the surface lies outside all parts, at most |
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | `looseness` | estimates: overlap of the parts, mean protrusion, distance from the hull |
@@ -29,6 +30,7 @@ pub mod coverage;
 mod fits;
 mod looseness;
 pub mod mesh_mass;
+pub mod peaks;
 pub mod planes;
 pub mod polytope;
 pub mod protrusion;

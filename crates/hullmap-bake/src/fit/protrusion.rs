@@ -18,7 +18,8 @@
 //!   at a corner. The distance from the solid is at most that.
 //! - The winding number is constant between the triangles.
 //! - Where a point inside is farther from the solid than all points of the part's surface, the
-//!   distance has a local maximum inside. Boxes that are proven to contain none are left out.
+//!   distance has a local maximum inside. Boxes that are proven to contain none are left out
+//!   ([`peaks`](super::peaks)).
 //!
 //! # Complexity
 //! One nearest-triangle search per cell. The number of cells is bounded by the [`Accuracy`].
@@ -26,16 +27,14 @@
 use glam::DVec3;
 
 use super::{
-    branch::{Accuracy, LOOK, Maximum, Measured, maximum},
+    branch::{Accuracy, Maximum, Measured, maximum},
+    peaks::{self, Peaks},
     planes::{self, HalfSpace},
     sides::{Polygon, are_sides_inside},
-    solid::{Near, Solid},
+    solid::Solid,
     triangle::{self, Triangle},
 };
-use crate::{
-    deadline::{Deadline, is_over},
-    hull::Hull,
-};
+use crate::hull::Hull;
 
 /// How far a part protrudes from a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,9 +86,6 @@ const MAX_PIECES: usize = 4096;
 /// Number of failures less successes, in one search, after which facets are no longer cut into
 /// pieces. Where many shells cross within a facet of any size, each attempt fails.
 const MAX_FAILURES: usize = 2048;
-
-/// Number of planes that are tried between a box and what is near.
-const TURNS: usize = 4;
 
 /// Number of steps in which a point deep inside a box is sought.
 const DEEP_STEPS: usize = 16;
@@ -368,8 +364,8 @@ fn peak_boxes(peaks: Option<&Peaks>, [low, high]: [DVec3; 2], enough: f64) -> Ve
     match peaks {
         // Where the distance has no local maximum above `enough`, none is greater than at the
         // surface.
-        Some(peaks) if peaks.above <= enough => {
-            peaks.boxes.iter().filter(|[l, h]| (*l - high).max(low - *h).max_element() <= 0.0).copied().collect()
+        Some(peaks) if peaks.above() <= enough => {
+            peaks.boxes().iter().filter(|[l, h]| (*l - high).max(low - *h).max_element() <= 0.0).copied().collect()
         }
         _ => vec![[low, high]],
     }
@@ -448,7 +444,7 @@ impl CavitySearch<'_> {
         cell.hint = Some(near.triangle);
         cell.within = near.distance + radius;
         let mut bound = from_surface.min(near.distance + radius);
-        if bound > self.enough && has_no_peak(self.solid, centre, half, &near) {
+        if bound > self.enough && peaks::is_none_in_box(self.solid, centre, half, &near, self.enough) {
             return is_inside;
         }
         let mut reached = if centre_depth >= 0.0 { near.distance } else { 0.0 };
@@ -496,92 +492,6 @@ impl CavitySearch<'_> {
         let polygons: Vec<Polygon> = polygons.take(MAX_TESTED).collect();
         polygons.is_empty() && self.is_deep_part_inside(cell) || are_sides_inside(self.solid.surface(), &polygons)
     }
-}
-
-/// The local maxima of the distance from a solid, in its cavities, holes and grooves.
-#[derive(Clone, Debug)]
-pub struct Peaks {
-    /// Lower local maxima are left out.
-    above: f64,
-    /// All other local maxima are in these boxes.
-    boxes: Vec<[DVec3; 2]>,
-}
-
-impl Peaks {
-    /// The local maxima greater than `above`, which is positive; `None` if they are not found by
-    /// `measurements`, or before the deadline.
-    ///
-    /// # Complexity
-    /// One nearest-triangle search per measurement.
-    pub fn new(solid: &Solid, above: f64, measurements: usize, deadline: Option<Deadline>) -> Option<Self> {
-        let area: f64 = solid.triangles().iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() * 0.5).sum();
-        // Written so that NaN gives up.
-        if !(PEAK_BOXES * area <= above * above * measurements as f64) {
-            return None;
-        }
-        let [low, high] = solid.bounds();
-        let mut boxes = Vec::new();
-        let mut stack = vec![((low + high) * 0.5, (high - low) * 0.5, f64::INFINITY, None)];
-        for count in 0..measurements {
-            if count % LOOK == 0 && is_over(deadline) {
-                return None;
-            }
-            let Some((centre, half, within, hint)) = stack.pop() else { return Some(Self { above, boxes }) };
-            let radius = half.length();
-            let near = solid.near_beside(centre, within, hint.as_ref())?;
-            // The maximum may be higher than it is measured.
-            if near.distance + radius <= above * (1.0 - 1e-9)
-                || near.gap > radius && solid.is_inside(centre)
-                || has_no_peak(solid, centre, half, &near)
-            {
-                continue;
-            }
-            if radius <= SMALLEST_PEAK * above {
-                boxes.push([centre - half, centre + half]);
-                continue;
-            }
-            let axis = (0..3).fold(0, |longest, axis| if half[axis] > half[longest] { axis } else { longest });
-            let mut smaller = half;
-            smaller[axis] *= 0.5;
-            for side in [-1.0, 1.0] {
-                let mut middle = centre;
-                middle[axis] += side * smaller[axis];
-                stack.push((middle, smaller, near.distance + smaller[axis], Some(near.triangle)));
-            }
-        }
-        None
-    }
-}
-
-/// Approximate number of boxes next to a square of the surface whose sides are the least distance.
-const PEAK_BOXES: f64 = 18.0;
-
-/// Radius of the boxes in which peaks are sought, relative to their least distance.
-const SMALLEST_PEAK: f64 = 0.25;
-
-/// Whether the distance from the solid has no local maximum in a box around `centre`.
-///
-/// At a local maximum, no plane separates a point from all points of the solid that are nearest to
-/// it: away from the plane, the distance would grow. Those of any point of the box are within the
-/// distance of its centre plus twice its radius. A plane that has the box on one side and all such
-/// triangles on the other rules out all points of the box. It is sought like the plane of a
-/// perceptron: each triangle in the way turns it.
-fn has_no_peak(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool {
-    let slack = solid.tolerance();
-    let radius = near.distance + 2.0 * half.length() + slack;
-    let mut away = centre - triangle::nearest(&near.triangle, centre);
-    for _ in 0..TURNS {
-        let Some(normal) = away.try_normalize() else { return false };
-        let plane = HalfSpace { normal, offset: normal.dot(centre) - normal.abs().dot(half) - slack };
-        match solid.triangle_above(&plane, centre, radius) {
-            None => return true,
-            Some(triangle) => {
-                let Some(push) = (centre - triangle::nearest(&triangle, centre)).try_normalize() else { return false };
-                away = normal + push;
-            }
-        }
-    }
-    false
 }
 
 /// The part of a cell that is deeper than some depth inside all planes.

@@ -20,7 +20,7 @@
 //! - Jacobson thresholds a fractional winding number. Closing the holes first makes it an integer,
 //!   which can be certified and is constant between the triangles.
 
-use std::{collections::HashMap, ops::ControlFlow};
+use std::{cell::Cell, collections::HashMap, ops::ControlFlow};
 
 use glam::DVec3;
 pub use hullmap_format::SolidKind;
@@ -202,6 +202,40 @@ impl Solid {
             if is_found(&corners) { ControlFlow::Break(corners) } else { ControlFlow::Continue(()) }
         };
         self.surface.tree.visit(is_near, take).break_value()
+    }
+
+    /// The least and the greatest height along `normal` of all triangles within `radius` of a
+    /// point; `None` if they are more than `most` apart, or if there are no such triangles. Parts
+    /// of triangles beyond the radius may count.
+    pub fn heights_near(&self, normal: DVec3, p: DVec3, radius: f64, most: f64) -> Option<[f64; 2]> {
+        let heights = Cell::new([f64::INFINITY, f64::NEG_INFINITY]);
+        let is_known = |low: f64, high: f64| {
+            let [least, greatest] = heights.get();
+            low >= least && high <= greatest
+        };
+        let is_high = normal.cmpge(DVec3::ZERO);
+        let matters = |&Bounds { low, high }: &Bounds| {
+            // Written so that NaN is near.
+            !((low - p).max(p - high).max(DVec3::ZERO).length_squared() > radius * radius)
+                && !is_known(
+                    normal.dot(DVec3::select(is_high, low, high)),
+                    normal.dot(DVec3::select(is_high, high, low)),
+                )
+        };
+        let take = |index| {
+            let corners = &self.surface.triangles[index as usize];
+            let [low, high] = triangle::heights_in_ball(corners, normal, p, radius);
+            if is_known(low, high) || triangle::nearest(corners, p).distance(p) > radius {
+                return ControlFlow::Continue(());
+            }
+            let [least, greatest] = heights.get();
+            let [least, greatest] = [least.min(low), greatest.max(high)];
+            heights.set([least, greatest]);
+            // Written so that NaN breaks.
+            if greatest - least <= most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
+        let is_too_far_apart = self.surface.tree.visit(matters, take).is_break();
+        Some(heights.get()).filter(|[least, greatest]| !is_too_far_apart && least <= greatest)
     }
 
     /// Maximum error of distances: vertices that were moved together, needles, and rounding.

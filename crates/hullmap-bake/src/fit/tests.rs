@@ -1,12 +1,12 @@
 //! Compares bounds with samplers and slow twins that share no code with them.
 
 use glam::DVec3;
-use shapes::rng::SplitMix64;
+use shapes::{concave, rng::SplitMix64};
 
 use super::planes::HalfSpace;
-use super::protrusion::{Peaks, protrusion_beside};
 use super::sides::{Polygon, are_sides_inside};
 use super::*;
+use super::{peaks::Peaks, protrusion::protrusion_beside};
 use crate::{
     PointSet,
     hull::{self, Hull},
@@ -144,6 +144,54 @@ fn local_maxima_change_no_decision() {
         }
     }
     assert!(decided.iter().all(|count| *count > 60), "{decided:?}");
+}
+
+/// Climbs from random points to local maxima, each by steps that are halved where none leads
+/// farther away.
+#[test]
+fn every_local_maximum_is_in_a_box() {
+    let shape = |found: &shapes::mesh::Mesh| mesh(&found.vertices, &found.fans());
+    let seed = 12;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let mut open = shape(&concave::mug(24));
+    open.triangles.drain(..30);
+    let (mut found, mut boxes) = (0, 0);
+    for (mesh, above) in [
+        (shape(&concave::mug(24)), 0.1),
+        (shape(&concave::pipe(16)), 0.1),
+        (shape(&concave::bowl(16, 5)), 0.05),
+        (open, 0.1),
+    ] {
+        let solid = Solid::new(&mesh);
+        let above = above * solid.diagonal();
+        let peaks = Peaks::new(&solid, above, 1_000_000, None).expect("the maxima are found");
+        boxes += peaks.boxes().len();
+        let [low, high] = solid.bounds();
+        for _ in 0..30 {
+            let mut p = low + (high - low) * DVec3::from_array(std::array::from_fn(|_| rng.unit()));
+            let mut distance = solid.distance(p);
+            let mut step = 0.02 * solid.diagonal();
+            while step > 1e-9 * solid.diagonal() && distance < solid.diagonal() {
+                let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+                let directions = (0..24).map(|_| DVec3::from_array(rng.direction())).chain(axes);
+                let next = directions.map(|direction| p + direction * step);
+                let farthest = next.map(|q| (solid.distance(q), q)).max_by(|a, b| a.0.total_cmp(&b.0));
+                match farthest {
+                    Some(next) if next.0 > distance => (distance, p) = next,
+                    _ => step *= 0.5,
+                }
+            }
+            // Others lead out of the solid's bounds.
+            if distance > above && distance < solid.diagonal() {
+                let slack = 1e-6 * solid.diagonal();
+                let holds = |[l, h]: &[DVec3; 2]| (*l - p).max(p - *h).max_element() <= slack;
+                assert!(peaks.boxes().iter().any(holds), "{distance} at {p}");
+                found += 1;
+            }
+        }
+    }
+    assert!(found > 20 && boxes > 0, "{found} local maxima, {boxes} boxes");
 }
 
 #[test]

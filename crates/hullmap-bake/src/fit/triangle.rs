@@ -9,6 +9,12 @@
 
 use glam::DVec3;
 
+/// Sine of the angle between a triangle's edges below which its normal is not trusted.
+const SLIVER: f64 = 1e-6;
+
+/// Maximum error of the normal of any other triangle.
+const NORMAL_ERROR: f64 = 1e-9;
+
 /// Corners of a triangle.
 pub type Triangle = [DVec3; 3];
 
@@ -137,6 +143,27 @@ fn nearest_on_segment([a, b]: [DVec3; 2], p: DVec3) -> DVec3 {
     }
 }
 
+/// The least and the greatest height along `normal` of the part of a triangle that is within
+/// `radius` of a point, and maybe of more of the triangle.
+pub fn heights_in_ball(corners: &Triangle, normal: DVec3, p: DVec3, radius: f64) -> [f64; 2] {
+    let [a, b, c] = *corners;
+    let [x, y, z] = corners.map(|corner| normal.dot(corner));
+    let [low, high] = [x.min(y).min(z), x.max(y).max(z)];
+    let area = (b - a).cross(c - a);
+    // The normal of a sliver is rounding error.
+    let Some(own) = area.try_normalize().filter(|_| area.length() > SLIVER * (b - a).length() * (c - a).length())
+    else {
+        return [low, high];
+    };
+    // The ball cuts a disc out of the triangle's plane.
+    let slack = NORMAL_ERROR * (p.distance(a) + radius);
+    let from_plane = own.dot(p - a);
+    let in_plane = ((radius + slack).powi(2) - (from_plane.abs() - slack).max(0.0).powi(2)).max(0.0).sqrt();
+    let middle = normal.dot(p - own * from_plane);
+    let half = in_plane * (normal.cross(own).length() + NORMAL_ERROR) + slack;
+    [low.max(middle - half), high.min(middle + half)]
+}
+
 /// The mean of the corners.
 pub fn centroid([a, b, c]: &Triangle) -> DVec3 {
     (*a + *b + *c) / 3.0
@@ -161,6 +188,30 @@ mod tests {
     use shapes::rng::SplitMix64;
 
     use super::*;
+
+    #[test]
+    fn heights_in_a_ball_contain_those_of_samples() {
+        let mut rng = SplitMix64::new(6);
+        let (mut inside, mut cut) = (0, 0);
+        for round in 0..200_000 {
+            let mut point = || DVec3::from_array(std::array::from_fn(|_| 2.0 * rng.unit() - 1.0));
+            let (a, b, aside, weights, p) = (point(), point(), point(), point().abs(), point());
+            let triangle = [a, b, a.midpoint(b) + 10_f64.powi(-(round % 12)) * aside];
+            let Some(normal) = point().try_normalize() else { continue };
+            let [x, y, z] = weights.to_array().map(|weight| weight / weights.element_sum());
+            let sample = triangle[0] * x + triangle[1] * y + triangle[2] * z;
+            let p = sample + 10_f64.powi(-(round % 4)) * p;
+            // The sample is on the sphere, or inside.
+            let radius = sample.distance(p) * (1.0 + f64::from(round % 2));
+            let [low, high] = heights_in_ball(&triangle, normal, p, radius);
+            let height = normal.dot(sample);
+            assert!(low <= height + 1e-12 && height <= high + 1e-12, "round {round}: {height} of {low} to {high}");
+            let heights = triangle.map(|corner| normal.dot(corner));
+            inside += 1;
+            cut += i32::from(heights.iter().any(|height| *height < low - 1e-3 || *height > high + 1e-3));
+        }
+        assert!(cut > inside / 4, "{cut} of {inside}");
+    }
 
     /// Triangles of all proportions. The truth is a point of the triangle, at a known height above
     /// it where the normal is certain.

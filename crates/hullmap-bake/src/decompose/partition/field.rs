@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use crate::deadline::Deadline;
-use crate::fit::{protrusion::Peaks, solid::Solid, triangle};
+use crate::fit::{peaks::Peaks, solid::Solid, triangle};
 
 /// Number of voxels along the longest side of the box.
 const VOXELS: usize = 48;
