@@ -13,6 +13,8 @@
 //! | [`regret`] | error of the answers, in f64 |
 //! | [`matrix`], [`report`], [`csv`] | the tables |
 //! | [`solver`] | contact, intersects and distance beside parry3d |
+//! | [`box3d`] | Box3D's narrow phase on a mesh |
+//! | [`peer_program`] | an engine in a C program of its own |
 //! | [`scene`] | scenes of many different hulls |
 //! | [`comparison`] | chart and tables of benches/README.md, from a committed result |
 //! | [`collision`], [`fit`], [`chart`] | the paper's figures |
@@ -21,6 +23,7 @@
 //! A new index kind is one line in [`rivals::INDICES`].
 #![deny(unsafe_code)]
 
+pub mod box3d;
 pub mod chart;
 pub mod clock;
 pub mod collision;
@@ -34,6 +37,7 @@ pub mod matrix;
 pub mod measure;
 pub mod opening;
 pub mod output;
+pub mod peer_program;
 pub mod query;
 pub mod regret;
 pub mod report;

@@ -1,9 +1,12 @@
 //! Prints the time of queries of a triangle mesh beside parry3d's `TriMesh`: manifolds of bodies
-//! that lie on a rough ground of 100,352 triangles, new and kept, and rays from above.
+//! that lie on a rough ground of 100,352 triangles, new and kept, and rays from above. Box3D's
+//! manifolds are measured, too, if its source is given.
 //!
 //! Ours and theirs alternate, so that a busy machine slows both down.
 
 use std::hint::black_box;
+use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
@@ -11,6 +14,7 @@ use glam::{DQuat, DVec3};
 use hullmap::compound::BodyManifold;
 use hullmap::{CastSettings, CompoundManifolds, ManifoldSettings, Pack, Pose, Prediction, Ray, TriangleMesh, compound};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_bench::box3d::{self, Box3d, Scene};
 use hullmap_testkit::packs::tree_pack;
 use parry3d::math;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, RayCast};
@@ -32,6 +36,9 @@ struct Arguments {
     /// Measure our manifolds of bodies with this number of vertices, for a profiler
     #[arg(long, value_name = "VERTICES")]
     profile: Option<usize>,
+    /// Folder with the source of Box3D, which is compiled with `cc` and measured, too
+    #[arg(long, value_name = "FOLDER")]
+    box3d: Option<PathBuf>,
 }
 
 /// Squares along each side of the ground: 100,352 triangles of 1 m.
@@ -42,6 +49,8 @@ const PREDICTION: f64 = 0.02;
 
 struct Ground {
     mesh: TriangleMesh,
+    positions: Vec<[f32; 3]>,
+    corners: Vec<[u32; 3]>,
     parry: TriMesh,
     heights: Vec<f64>,
 }
@@ -65,8 +74,14 @@ impl Ground {
         let baked = bake_triangle_mesh(&triangles).expect("the ground can be baked");
         let file = write_triangle_mesh(baked, &Default::default()).expect("it is small enough");
         let points = positions.iter().map(|p| math::Vector::from_array(*p)).collect();
-        let parry = TriMesh::with_flags(points, corners, TriMeshFlags::FIX_INTERNAL_EDGES).expect("parry takes it");
-        Self { mesh: TriangleMesh::from_bytes(&file).expect("the file is valid"), parry, heights }
+        let parry = TriMesh::with_flags(points, corners.clone(), TriMeshFlags::FIX_INTERNAL_EDGES);
+        Self {
+            mesh: TriangleMesh::from_bytes(&file).expect("the file is valid"),
+            positions,
+            corners,
+            parry: parry.expect("parry takes it"),
+            heights,
+        }
     }
 
     /// Height of the ground's highest corner near a place.
@@ -130,29 +145,49 @@ fn for_parry(pose: &Pose) -> math::Pose {
     math::Pose::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat())
 }
 
-fn main() {
-    let Arguments { rounds, bodies, profile } = Arguments::parse();
+fn main() -> ExitCode {
+    let Arguments { rounds, bodies, profile, box3d } = Arguments::parse();
+    let engine = match box3d.map(|folder| Box3d::compile(&folder)).transpose() {
+        Ok(engine) => engine,
+        Err(error) => {
+            eprintln!("mesh-table: Box3D: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
     let ground = Ground::new();
     if let Some(vertices) = profile {
-        let found = manifolds(&ground, vertices, bodies, rounds);
+        let found = manifolds(&ground, vertices, bodies, rounds, None);
         println!("{found:?}");
-        return;
+        return ExitCode::SUCCESS;
     }
     println!(
         "µs a body or a ray, {} triangles, {bodies} bodies, median of {rounds} rounds\n",
         ground.mesh.triangle_count()
     );
     let columns = ["triangles", "new, not corrected", "new", "kept, not corrected", "kept", "eight points"];
-    println!("| vertices | {} | parry new | parry kept |", columns.join(" | "));
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("| vertices | {} | parry new | parry kept | Box3D new | Box3D kept | its points |", columns.join(" | "));
+    println!("|{}", "---|".repeat(12));
     for vertices in [32, 128, 512] {
-        let Times { ours: [plain, corrected], reduced, parry, touching } = manifolds(&ground, vertices, bodies, rounds);
+        let found = manifolds(&ground, vertices, bodies, rounds, engine.as_ref());
+        let Times { ours: [plain, corrected], reduced, parry, touching, box3d } = found;
+        // It does not take every hull.
+        let box3d = box3d
+            .map_or(["–".to_owned(), "–".to_owned(), "–".to_owned()], |box3d::Times { us, points }| {
+                [us[0], us[1], points].map(|number| format!("{number:.1}"))
+            });
         println!(
-            "| {vertices} | {touching:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {reduced:.1} | {:.1} | {:.1} |",
-            plain[0], corrected[0], plain[1], corrected[1], parry[0], parry[1]
+            "| {vertices} | {touching:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {reduced:.1} | {:.1} | {:.1} | {} |",
+            plain[0],
+            corrected[0],
+            plain[1],
+            corrected[1],
+            parry[0],
+            parry[1],
+            box3d.join(" | ")
         );
     }
     rays(&ground, bodies, rounds);
+    ExitCode::SUCCESS
 }
 
 /// Times of manifolds, new and kept.
@@ -163,19 +198,26 @@ struct Times {
     /// Of the choice of eight points.
     reduced: f64,
     parry: [f64; 2],
+    /// If it is measured, and takes the hull.
+    box3d: Option<box3d::Times>,
     /// Mean number of triangles that touch.
     touching: f64,
 }
 
-fn manifolds(ground: &Ground, vertices: usize, count: usize, rounds: usize) -> Times {
+fn manifolds(ground: &Ground, vertices: usize, count: usize, rounds: usize, engine: Option<&Box3d>) -> Times {
     let body = Body::new(vertices);
     let hull = body.pack.hull(0).expect("one hull");
     let poses = body.poses(ground, count);
     let settings = ManifoldSettings { prediction: Prediction::Length(PREDICTION), ..ManifoldSettings::default() };
     let theirs = poses.each_ref().map(|poses| poses.iter().map(for_parry).collect::<Vec<_>>());
+    let own: Vec<glam::Vec3> = hull.vertices().collect();
+    let scene = Scene { positions: &ground.positions, triangles: &ground.corners, hull: &own, poses: &poses };
+    let mut session = engine.and_then(|engine| engine.start(&scene).ok());
+    let mut box3d = Vec::new();
     let mut times: [Vec<f64>; 7] = Default::default();
     let mut touching = 0;
     for _ in 0..rounds {
+        box3d.extend(session.as_mut().and_then(|session| session.round().ok()));
         for (plain, welds) in [(0, false), (1, true)] {
             let mut kept = vec![CompoundManifolds::new(8); count];
             kept.iter_mut().for_each(|manifolds| manifolds.set_welding(welds));
@@ -206,6 +248,10 @@ fn manifolds(ground: &Ground, vertices: usize, count: usize, rounds: usize) -> T
         ours: [[plain_new, plain_kept], [new, kept]],
         reduced,
         parry: [parry_new, parry_kept],
+        box3d: box3d.first().map(|first: &box3d::Times| {
+            let us = [0, 1].map(|step| median(box3d.iter().map(|times| times.us[step]).collect()));
+            box3d::Times { us, points: first.points }
+        }),
         touching: touching as f64 / count as f64,
     }
 }

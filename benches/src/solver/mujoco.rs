@@ -4,11 +4,10 @@
 //! and headers come from the package `mujoco` of PyPI, so the workspace does not need MuJoCo.
 
 use std::{
-    fmt::Write as _,
-    fs,
-    io::{self, BufRead, BufReader, Lines, Write},
+    fmt::Write,
+    fs, io,
     path::{Path, PathBuf},
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+    process::Command,
 };
 
 use glam::DVec3;
@@ -16,6 +15,7 @@ use hullmap::Hull;
 use tempfile::TempDir;
 
 use super::pairs::Placed;
+use crate::peer_program::{PeerProgram, compile};
 
 /// Maximum number of steps of GJK, and of EPA. MuJoCo's default is 35, with which EPA does not end
 /// on hulls of many vertices.
@@ -48,18 +48,14 @@ impl MuJoCo {
         let library = library(package).map_err(|e| format!("{}: {e}", package.display()))?;
         let folder = tempfile::tempdir().map_err(|e| format!("temporary folder: {e}"))?;
         let program = folder.path().join("mujoco");
-        let compiled = Command::new("cc")
-            .args(["-O2", "-o"])
+        let mut cc = Command::new("cc");
+        cc.args(["-O2", "-o"])
             .arg(&program)
             .arg(format!("-I{}", package.join("include").display()))
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/mujoco.c"))
             .arg(&library)
-            .arg(format!("-Wl,-rpath,{}", package.display()))
-            .output()
-            .map_err(|e| format!("cc: {e}"))?;
-        if !compiled.status.success() {
-            return Err(format!("cc: {}", String::from_utf8_lossy(&compiled.stderr).trim()));
-        }
+            .arg(format!("-Wl,-rpath,{}", package.display()));
+        compile(&mut cc)?;
         Ok(Self { folder, program, version: version.to_owned() })
     }
 
@@ -89,10 +85,8 @@ impl MuJoCo {
         let mut command = Command::new(&self.program);
         // MuJoCo writes its log into the current folder.
         command.arg(model_file).arg(pose_file).current_dir(self.folder.path());
-        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-        let pipes = child.stdin.take().zip(child.stdout.take());
-        let (requests, answers) = pipes.ok_or_else(|| io::Error::other("the program has no pipes"))?;
-        let mut session = Session { child, requests, answers: BufReader::new(answers).lines(), contacts: Vec::new() };
+        let program = PeerProgram::start(&mut command)?;
+        let mut session = Session { program, contacts: Vec::new() };
         for _ in poses {
             let depth = session.number()?;
             let normal = DVec3::new(session.number()?, session.number()?, session.number()?);
@@ -114,9 +108,7 @@ fn library(package: &Path) -> io::Result<PathBuf> {
 /// A running program.
 #[derive(Debug)]
 pub struct Session {
-    child: Child,
-    requests: ChildStdin,
-    answers: Lines<BufReader<ChildStdout>>,
+    program: PeerProgram,
     /// Depth and normal of each pose, from A to B; `None` without a contact.
     pub contacts: Vec<Option<(f64, DVec3)>>,
 }
@@ -125,21 +117,13 @@ impl Session {
     /// Processor time in nanoseconds per query, over the poses `first`, `first + step`, … below
     /// `end`, which were answered once just before. Fails if the program has ended.
     pub fn time_ns(&mut self, first: usize, end: usize, step: usize) -> io::Result<f64> {
-        writeln!(self.requests, "{first} {end} {step}")?;
+        self.program.ask(&format!("{first} {end} {step}"))?;
         self.number()
     }
 
     fn number(&mut self) -> io::Result<f64> {
-        let line = self.answers.next().ok_or_else(|| io::Error::other("MuJoCo's program has ended"))??;
+        let line = self.program.answer()?;
         line.trim().parse().map_err(|_| io::Error::other(format!("MuJoCo's program: {line:?} is not a number")))
-    }
-}
-
-impl Drop for Session {
-    fn drop(&mut self) {
-        // The program may have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }
 
