@@ -18,6 +18,9 @@ const ROUNDING_UNITS: f64 = 64.0;
 /// Relative rounding error of a length along a path: of a sum, an inverse and a product.
 const TRAVEL_ERROR: f64 = 4.0 * f64::EPSILON;
 
+/// Factor by which a length exceeds another one, whatever its rounding error.
+const BEYOND: f64 = 1.0 + 1e-9;
+
 /// A BVH node: its box, in the frame of its compound, and its child.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
@@ -38,6 +41,7 @@ pub(super) enum Child {
 }
 
 impl Node {
+    #[inline]
     fn new(low: DVec3, high: DVec3, child: Child) -> Self {
         // Exact in f64 up to rounding in the last digit.
         Self { center: (low + high) * 0.5, half: (high - low) * 0.5, child }
@@ -52,6 +56,7 @@ impl Node {
     }
 
     /// A node of the tree of a triangle mesh.
+    #[inline]
     fn of_mesh(mesh: &TriangleMesh, index: u32) -> Option<Self> {
         let ([low, high], [start, end]) = mesh.node(index)?;
         let child = if end - start == 1 { Child::Hull(start) } else { Child::Nodes(tree::first_child(index)) };
@@ -152,6 +157,7 @@ impl<'n> Nodes<'n> {
     }
 
     /// Node `index`; `None` if the index is out of range.
+    #[inline]
     pub(super) fn get(&self, index: u32) -> Option<Node> {
         match self.tree {
             Tree::Pack(nodes) => nodes.get(index as usize).map(Node::archived),
@@ -195,6 +201,31 @@ pub(super) struct Placement<'q> {
     rounding_error: f64,
 }
 
+/// A box of B, placed in A's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlacedBox {
+    /// Half the lengths of its sides.
+    half: DVec3,
+    /// Its centre, in A's frame.
+    center: DVec3,
+    /// Half the lengths of the sides of the box around it along A's axes.
+    around: DVec3,
+}
+
+impl PlacedBox {
+    /// Whether the box is a point.
+    pub(super) fn is_point(&self) -> bool {
+        !(self.half.length_squared() > 0.0)
+    }
+
+    /// Squared distance between the centres of two boxes, which orders pairs with equal lower
+    /// bounds.
+    #[inline]
+    pub(super) fn center_distance_sq(&self, a: &Node) -> f64 {
+        self.center.distance_squared(a.center)
+    }
+}
+
 impl<'q> Placement<'q> {
     pub(super) fn new(a: Nodes<'q>, b: Nodes<'q>, b_in_a: Pose) -> Self {
         let rotation = b_in_a.rotation_matrix();
@@ -207,43 +238,45 @@ impl<'q> Placement<'q> {
         Self { a, b, b_in_a, rotation, abs_rotation, rounding_error }
     }
 
+    /// A box of B in A's frame.
+    pub(super) fn placed(&self, b: &Node) -> PlacedBox {
+        let center = self.b_in_a.transform_point(b.center);
+        PlacedBox { half: b.half, center, around: self.abs_rotation * b.half }
+    }
+
     /// Lower bound on the distance between two boxes, reduced by the rounding error; 0 if they may
     /// overlap.
     ///
     /// Computes the distance from A's box to the bounding box of B's along A's axes, and the same
-    /// with A and B exchanged, and returns the larger one.
-    pub(super) fn distance_lower_bound(&self, a: &Node, b: &Node) -> f64 {
-        let between = self.b_in_a.transform_point(b.center) - a.center;
-        let in_a = between.abs() - a.half - self.abs_rotation * b.half;
-        let in_b = (self.rotation.transpose() * between).abs() - b.half - self.abs_rotation.transpose() * a.half;
-        let length = |gap: DVec3| gap.max(DVec3::ZERO).length();
-        (length(in_a).max(length(in_b)) - self.rounding_error).max(0.0)
+    /// with A and B exchanged, and returns the larger one; the first if that exceeds `reach`.
+    #[inline]
+    pub(super) fn distance_lower_bound(&self, a: &Node, b: &PlacedBox, reach: f64) -> f64 {
+        let square = |gap: DVec3| gap.max(DVec3::ZERO).length_squared();
+        let between = b.center - a.center;
+        let in_a = square(between.abs() - a.half - b.around);
+        let enough = (reach + self.rounding_error) * BEYOND;
+        let in_b = if in_a > enough * enough {
+            0.0
+        } else {
+            square((self.rotation.transpose() * between).abs() - b.half - self.abs_rotation.transpose() * a.half)
+        };
+        (in_a.max(in_b).sqrt() - self.rounding_error).max(0.0)
     }
 
     /// Lower bound on the length that B's box moves along a unit vector until it meets A's:
     /// infinite if it never does. `inverse` has the inverses of the vector's components.
     ///
     /// The box around B's box along A's axes moves through A's box, grown by half of that box.
-    pub(super) fn travel_lower_bound(&self, a: &Node, b: &Node, inverse: DVec3) -> f64 {
-        let between = self.b_in_a.transform_point(b.center) - a.center;
-        let reach = a.half + self.abs_rotation * b.half + DVec3::splat(self.rounding_error);
-        let [p, q] = [(-between - reach) * inverse, (reach - between) * inverse].map(|v| v.to_array());
-        let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
-        // Along an axis without motion both are infinite, of the same sign outside. A NaN is passed
-        // over by `min` and `max`.
-        for (p, q) in p.into_iter().zip(q) {
-            (enter, leave) = (enter.max(p.min(q)), leave.min(p.max(q)));
-        }
+    pub(super) fn travel_lower_bound(&self, a: &Node, b: &PlacedBox, inverse: DVec3) -> f64 {
+        let between = b.center - a.center;
+        let reach = a.half + b.around + DVec3::splat(self.rounding_error);
+        let [p, q] = [(-between - reach) * inverse, (reach - between) * inverse];
+        // Along an axis without motion both are infinite, of the same sign outside.
+        let (enter, leave) = (p.min(q).max_element().max(0.0), p.max(q).min_element());
         if enter * (1.0 - TRAVEL_ERROR) > leave * (1.0 + TRAVEL_ERROR) {
             f64::INFINITY
         } else {
             enter * (1.0 - TRAVEL_ERROR)
         }
-    }
-
-    /// Squared distance between the centres of two boxes, which orders pairs with equal lower
-    /// bounds.
-    pub(super) fn center_distance_sq(&self, a: &Node, b: &Node) -> f64 {
-        (self.b_in_a.transform_point(b.center)).distance_squared(a.center)
     }
 }

@@ -156,11 +156,17 @@ struct MovingBoxes<'q, T> {
 }
 
 impl<T: Bodies> BoxPairs for MovingBoxes<'_, T> {
+    type Placed = Node;
+
     fn nodes(&self) -> [Nodes<'_>; 2] {
         self.bodies.nodes()
     }
 
-    fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2] {
+    fn placed(&self, b: &Node) -> Node {
+        *b
+    }
+
+    fn bound(&mut self, a: &Node, b: &Node, outer: f64, _: f64) -> [f64; 2] {
         if self.goal.budget == 0 || self.is_single || outer > self.until {
             return [outer, 0.0];
         }

@@ -10,7 +10,7 @@
 //! # Reference
 //! Branch and bound, as for [`distance`](super::distance()).
 
-use super::bvh::{Node, Nodes, Placement};
+use super::bvh::{Node, Nodes, PlacedBox, Placement};
 use super::parts::Parts;
 use super::sheet::Pair;
 use super::traversal::{BoxPairs, Traversal};
@@ -147,16 +147,23 @@ struct Swept<'q> {
 }
 
 impl BoxPairs for Swept<'_> {
+    type Placed = PlacedBox;
+
     fn nodes(&self) -> [Nodes<'_>; 2] {
         self.placement.nodes()
     }
 
-    fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2] {
-        let Some(inverse) = self.inverse else { return self.placement.bound(a, b, outer) };
+    fn placed(&self, b: &Node) -> PlacedBox {
+        self.placement.placed(b)
+    }
+
+    #[inline]
+    fn bound(&mut self, a: &Node, b: &PlacedBox, outer: f64, reach: f64) -> [f64; 2] {
+        let Some(inverse) = self.inverse else { return self.placement.bound(a, b, outer, reach) };
         let travel = self.placement.travel_lower_bound(a, b, inverse);
         // The box of a point has no axes of its own.
-        let apart = if b.size_sq() > 0.0 { self.placement.distance_lower_bound(a, b) } else { 0.0 };
-        [apart.max(travel), self.placement.center_distance_sq(a, b)]
+        let apart = if b.is_point() { 0.0 } else { self.placement.distance_lower_bound(a, b, f64::INFINITY) };
+        [apart.max(travel), b.center_distance_sq(a)]
     }
 }
 

@@ -6,35 +6,51 @@
 
 use hullmap_format::bvh::MAX_LEVELS;
 
-use super::bvh::{Child, Node, Nodes, Placement};
+use super::bvh::{Child, Node, Nodes, PlacedBox, Placement};
 
 const MAX_STACK: usize = 2 * MAX_LEVELS as usize + 1;
 
 /// Two BVHs, and a lower bound for the pairs of hulls below two of their boxes.
 pub(super) trait BoxPairs {
+    /// What is known of a box of B, whatever box of A it is compared with.
+    type Placed: Copy;
+
     /// The BVHs of A and of B.
     fn nodes(&self) -> [Nodes<'_>; 2];
 
+    /// A box of B.
+    fn placed(&self, b: &Node) -> Self::Placed;
+
     /// The lower bound of a pair of boxes, and a number that orders pairs with equal bounds.
-    /// `outer` is the bound of the pair of boxes that this pair is inside of.
-    fn bound(&mut self, a: &Node, b: &Node, outer: f64) -> [f64; 2];
+    /// `outer` is the bound of the pair of boxes that this pair is inside of. A bound above `reach`
+    /// need not be tight.
+    fn bound(&mut self, a: &Node, b: &Self::Placed, outer: f64, reach: f64) -> [f64; 2];
 }
 
 /// The bound is the distance of the boxes; the distance of their centres orders equal ones.
 impl BoxPairs for Placement<'_> {
+    type Placed = PlacedBox;
+
     fn nodes(&self) -> [Nodes<'_>; 2] {
         [self.a, self.b]
     }
 
-    fn bound(&mut self, a: &Node, b: &Node, _: f64) -> [f64; 2] {
-        [self.distance_lower_bound(a, b), self.center_distance_sq(a, b)]
+    fn placed(&self, b: &Node) -> PlacedBox {
+        Self::placed(self, b)
+    }
+
+    #[inline]
+    fn bound(&mut self, a: &Node, b: &PlacedBox, _: f64, reach: f64) -> [f64; 2] {
+        [self.distance_lower_bound(a, b, reach), b.center_distance_sq(a)]
     }
 }
 
 /// Iterates over the pairs of hulls below boxes whose bound is at most some number: for a
 /// [`Placement`], whose boxes are within a distance of each other.
-pub(super) struct Traversal<P> {
+pub(super) struct Traversal<P: BoxPairs> {
     pairs: P,
+    /// The last box of B, by its index.
+    placed: Option<(u32, Node, P::Placed)>,
     stack: [(u32, u32, f64); MAX_STACK],
     len: usize,
     boxes: u32,
@@ -47,8 +63,9 @@ pub(super) struct Traversal<P> {
 impl<P: BoxPairs> Traversal<P> {
     pub(super) fn new(pairs: P) -> Self {
         let max_boxes = pairs.nodes().map(|nodes| nodes.count() as u64).into_iter().product();
-        let mut this = Self { pairs, stack: [(0, 0, 0.0); MAX_STACK], len: 0, boxes: 0, lower_bound: 0.0, max_boxes };
-        if let Some((_, _, lower_bound, _)) = this.pair(0, 0, 0.0) {
+        let stack = [(0, 0, 0.0); MAX_STACK];
+        let mut this = Self { pairs, placed: None, stack, len: 0, boxes: 0, lower_bound: 0.0, max_boxes };
+        if let Some((_, _, lower_bound, _)) = this.pair(0, 0, 0.0, f64::INFINITY) {
             this.push((0, 0, lower_bound));
         }
         this
@@ -85,10 +102,11 @@ impl<P: BoxPairs> Traversal<P> {
         while let Some(top) = self.len.checked_sub(1) {
             let (node_a, node_b, lower_bound) = *self.stack.get(top)?;
             self.len = top;
-            let [nodes_a, nodes_b] = self.pairs.nodes();
-            let (a, b) = (nodes_a.get(node_a)?, nodes_b.get(node_b)?);
+            let a = self.pairs.nodes()[0].get(node_a)?;
+            self.place(node_b)?;
+            let Some((_, b, _)) = &self.placed else { return None };
             // Written so that a NaN would not skip the pair.
-            let reach = reach(&a, &b);
+            let reach = reach(&a, b);
             if lower_bound > reach {
                 continue;
             }
@@ -113,7 +131,9 @@ impl<P: BoxPairs> Traversal<P> {
                 }
                 _ => return None,
             };
-            let [Some(first), Some(second)] = pairs.map(|(a, b)| self.pair(a, b, lower_bound)) else { return None };
+            let [first, second] = pairs;
+            let first = self.pair(first.0, first.1, lower_bound, reach)?;
+            let second = self.pair(second.0, second.1, lower_bound, reach)?;
             let is_nearer = (first.2, first.3) <= (second.2, second.3);
             for (node_a, node_b, lower_bound, _) in if is_nearer { [second, first] } else { [first, second] } {
                 // Boxes with an infinite bound never meet, whatever the reach is.
@@ -138,18 +158,29 @@ impl<P: BoxPairs> Traversal<P> {
     ///
     /// `None` if a node is missing, or if all pairs of nodes have been compared: the traversal of
     /// trees visits each pair once, so a longer one is in a cycle.
-    fn pair(&mut self, a: u32, b: u32, outer: f64) -> Option<(u32, u32, f64, f64)> {
+    #[inline]
+    fn pair(&mut self, a: u32, b: u32, outer: f64, reach: f64) -> Option<(u32, u32, f64, f64)> {
         if u64::from(self.boxes) >= self.max_boxes {
             return None;
         }
-        let [nodes_a, nodes_b] = self.pairs.nodes();
-        let (node_a, node_b) = (nodes_a.get(a)?, nodes_b.get(b)?);
+        self.place(b)?;
+        let (node_a, Some((_, node_b, placed))) = (self.pairs.nodes()[0].get(a)?, &self.placed) else { return None };
         self.boxes += 1;
         let [lower_bound, order] = if node_a.child == Child::Nothing || node_b.child == Child::Nothing {
             [f64::INFINITY; 2]
         } else {
-            self.pairs.bound(&node_a, &node_b, outer)
+            self.pairs.bound(&node_a, placed, outer, reach)
         };
         Some((a, b, lower_bound, order))
+    }
+
+    /// Makes a box of B the last one; `None` if it is missing.
+    #[inline]
+    fn place(&mut self, index: u32) -> Option<()> {
+        if self.placed.as_ref().is_none_or(|(known, _, _)| *known != index) {
+            let node = self.pairs.nodes()[1].get(index)?;
+            self.placed = Some((index, node, self.pairs.placed(&node)));
+        }
+        Some(())
     }
 }

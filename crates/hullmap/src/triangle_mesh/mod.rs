@@ -308,6 +308,12 @@ impl TriangleMesh {
             let corners = self.grid.corners(stored.map(u16_le::to_native));
             return Some((corners.map(DVec3::from_array), [start, end]));
         }
+        Some((self.corner_bounds(start, end)?, [start, end]))
+    }
+
+    /// The box around few triangles.
+    fn corner_bounds(&self, start: usize, end: usize) -> Option<[DVec3; 2]> {
+        let sections = self.sections();
         let mut bounds: Option<[DVec3; 2]> = None;
         for triangle in start..end.min(start.saturating_add(4)) {
             for corner in sections.corners(triangle)? {
@@ -315,7 +321,7 @@ impl TriangleMesh {
                 bounds = Some(bounds.map_or([corner; 2], |[low, high]| [low.min(corner), high.max(corner)]));
             }
         }
-        Some((bounds?, [start, end]))
+        bounds
     }
 
     /// Upper bound of the node numbers.
