@@ -91,12 +91,18 @@ impl Grid {
         [at(x, y, z), at(x1, y1, z1)]
     }
 
+    /// The low and the high numbers of a box that holds another one, as far as that is within the
+    /// bounds.
+    pub fn around(&self, low: [f64; 3], high: [f64; 3]) -> [[u16; 3]; 2] {
+        let Self { x, y, z } = self;
+        let ([x0, y0, z0], [x1, y1, z1]) = (low, high);
+        [[x.below(x0), y.below(y0), z.below(z0)], [x.above(x1), y.above(y1), z.above(z1)]]
+    }
+
     /// The box of a vertex: its low and its high numbers.
     pub fn of_vertex(&self, vertex: [f32; 3]) -> [u16; 6] {
-        let [x, y, z] = vertex.map(f64::from);
-        let Self { x: along_x, y: along_y, z: along_z } = self;
-        let [below, above] = [Scale::below, Scale::above].map(|to| [to(along_x, x), to(along_y, y), to(along_z, z)]);
-        let ([x, y, z], [x1, y1, z1]) = (below, above);
+        let vertex = vertex.map(f64::from);
+        let [[x, y, z], [x1, y1, z1]] = self.around(vertex, vertex);
         [x, y, z, x1, y1, z1]
     }
 }

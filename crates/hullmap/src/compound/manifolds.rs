@@ -5,6 +5,7 @@
 //!
 //! # Steps
 //! 1. Traverse the BVHs for the pairs of parts whose boxes are within the prediction of each other.
+//!    For a single part on a mesh, the mesh finds the triangles in the box around the part.
 //! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
 //!    empty manifold, and gets an entry if it has points.
 //! 3. Normals at edges between the parts of a compound are corrected ([`seams`](super::seams)).
@@ -193,35 +194,58 @@ impl CompoundManifolds {
         let mut frame = self.start();
         let union_b = seams::of(b);
         let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
+        let bodies = Bodies { a, b, b_in_a, in_a, in_b, settings };
         let nodes = [a.nodes(), b.nodes()];
         self.reach = 0.5 * nodes[0].diagonal().min(nodes[1].diagonal());
+        let placement = Placement::new(nodes[0], nodes[1], b_in_a);
+        if nodes[1].count() == 1
+            && let Some(bounds) = placement.bounds_of_b(settings.prediction.length(nodes[1].diagonal()))
+            && let Some((_, boxes)) = a.any_in_box(bounds, &mut |part| {
+                self.meet(&mut frame, &bodies, [part, 0], 0.0);
+                false
+            })
+        {
+            frame.counts.boxes = boxes;
+            return self.finish(frame);
+        }
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
-        let mut traversal = Traversal::new(Placement::new(nodes[0], nodes[1], b_in_a));
+        let mut traversal = Traversal::new(placement);
         while let Some(pair) = traversal.next_within(reach) {
-            let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
-            let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
-            // NaN takes the branch that queries.
-            if traversal.lower_bound() > prediction || parts.is_behind() || parts.is_apart(prediction) {
-                continue;
-            }
-            if in_a.is_none() && in_b.is_none() {
-                self.visit(&mut frame, pair, |manifold, cache| parts.update(manifold, settings, cache));
-                continue;
-            }
-            let side_a =
-                Side { shape: &parts.a, union: in_a.map(|(union, first, place)| (union, first + pair[0], place)) };
-            let side_b = Side { shape: &parts.b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
-            self.visit(&mut frame, pair, |manifold, cache| {
-                let before = manifold.clone();
-                let contact = parts.update(manifold, settings, cache);
-                seams::weld(manifold, &before, &side_a, &side_b, b_in_a, settings);
-                contact
-            });
+            self.meet(&mut frame, &bodies, pair, traversal.lower_bound());
         }
         frame.counts.boxes = traversal.boxes();
         self.finish(frame)
+    }
+
+    /// Updates the manifold of two parts whose distance is at least `lower_bound`.
+    fn meet<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &mut self,
+        frame: &mut Frame,
+        bodies: &Bodies<'_, A, B>,
+        pair: [usize; 2],
+        lower_bound: f64,
+    ) {
+        let Bodies { a, b, b_in_a, in_a, in_b, settings } = *bodies;
+        let Some(parts) = Pair::new(a, b, pair, b_in_a) else { return };
+        let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
+        // NaN takes the branch that queries.
+        if lower_bound > prediction || parts.is_behind() || parts.is_apart(prediction) {
+            return;
+        }
+        if in_a.is_none() && in_b.is_none() {
+            self.visit(frame, pair, |manifold, cache| parts.update(manifold, settings, cache));
+            return;
+        }
+        let side_a = Side { shape: &parts.a, union: in_a.map(|(union, first, place)| (union, first + pair[0], place)) };
+        let side_b = Side { shape: &parts.b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
+        self.visit(frame, pair, |manifold, cache| {
+            let before = manifold.clone();
+            let contact = parts.update(manifold, settings, cache);
+            seams::weld(manifold, &before, &side_a, &side_b, b_in_a, settings);
+            contact
+        });
     }
 
     /// [`update`](Self::update) for a half-space as A, which has one part.
@@ -397,4 +421,16 @@ struct Frame {
     /// Number of entries in use before it.
     old: usize,
     counts: ManifoldCounts,
+}
+
+/// What an update is of.
+struct Bodies<'u, A: ?Sized, B: ?Sized> {
+    a: &'u A,
+    b: &'u B,
+    b_in_a: Pose,
+    /// The union that A is in, the index of its first part there, and its pose.
+    in_a: Option<(&'u dyn Union, usize, Pose)>,
+    /// The union of B's parts.
+    in_b: Option<&'u dyn Union>,
+    settings: &'u ManifoldSettings,
 }

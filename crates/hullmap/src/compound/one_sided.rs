@@ -106,4 +106,8 @@ impl<M: Parts + ?Sized> Tree for OneSided<'_, M> {
     fn nodes(&self) -> Nodes<'_> {
         self.0.nodes()
     }
+
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+        self.0.any_in_box(bounds, visit)
+    }
 }

@@ -71,6 +71,14 @@ pub trait Tree {
 
     /// The BVH of the parts.
     fn nodes(&self) -> Nodes<'_>;
+
+    /// Visits all parts whose boxes overlap a box, given by two corners, and maybe others near it,
+    /// until a visit says `true`. Returns whether one did, and the number of boxes compared; `None`
+    /// if the parts have no faster way than their BVH.
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+        let _ = (bounds, visit);
+        None
+    }
 }
 
 impl Tree for Compound<'_> {
@@ -120,6 +128,10 @@ impl Tree for TriangleMesh {
 
     fn nodes(&self) -> Nodes<'_> {
         Nodes::of_mesh(self)
+    }
+
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+        Some(TriangleMesh::any_in_box(self, bounds, visit))
     }
 }
 

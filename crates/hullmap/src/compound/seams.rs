@@ -214,10 +214,22 @@ pub fn of<P: Parts + ?Sized>(parts: &P) -> impl Union + '_ {
     OfParts(parts)
 }
 
+/// Allowance for the rounding error of a box, relative to its coordinates.
+const BOX_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 struct OfParts<'p, P: ?Sized>(&'p P);
 
 impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
     fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
+        let mut visit = |index: usize| {
+            let part = self.0.part(index);
+            part.is_some_and(|part| test(Neighbour { index, shape: &part, place: Pose::IDENTITY }))
+        };
+        // More than the rounding error of the corners.
+        let side = DVec3::splat(reach) + BOX_ROUNDING * (point.abs() + DVec3::splat(reach));
+        if let Some((found, _)) = self.0.any_in_box([point - side, point + side], &mut visit) {
+            return found;
+        }
         let nodes = self.0.nodes();
         let mut stack = [0_u32; MAX_LEVELS as usize + 1];
         let (mut len, mut visited) = (1_usize, 0_usize);
@@ -235,13 +247,8 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
             }
             match node.child {
                 Child::Nothing => {}
-                Child::Hull(index) => {
-                    if let Some(part) = self.0.part(index)
-                        && test(Neighbour { index, shape: &part, place: Pose::IDENTITY })
-                    {
-                        return true;
-                    }
-                }
+                Child::Hull(index) if visit(index) => return true,
+                Child::Hull(_) => {}
                 Child::Nodes(first) => {
                     for child in [first, first.saturating_add(1)] {
                         if let Some(slot) = stack.get_mut(len) {

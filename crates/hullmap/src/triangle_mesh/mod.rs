@@ -36,6 +36,7 @@
 //! # }
 //! ```
 
+mod in_box;
 #[cfg(feature = "mmap")]
 mod map;
 mod storage;
