@@ -2,6 +2,7 @@
 //!
 //! - [`pit`]: bodies that fall into a pit. Does the pile come to rest?
 //! - [`rest`]: one body falls on a floor. Does it come to rest, and is it lost?
+//! - [`sheets`], [`slab`], [`slab_sheet`]: triangle meshes, height fields and slabs of these scenes.
 //! - [`slide`]: one body slides or rolls over a slab that is cut into parts. Does it stumble?
 //! - [`stack`]: upright prisms, one or ten of them, that must stand.
 //! - [`steps`]: the time of a step with many bodies.
@@ -12,6 +13,9 @@ pub mod floor;
 pub mod model;
 pub mod pit;
 pub mod rest;
+pub mod sheets;
+pub mod slab;
+pub mod slab_sheet;
 pub mod slide;
 pub mod stack;
 pub mod steps;

@@ -15,7 +15,7 @@ use super::super::parry::query::ContactManifold;
 use super::BakedHull;
 
 /// Cosine of the angle up to which normals count as one, as in Rapier.
-const SAME_NORMAL: f64 = 0.996;
+pub(super) const SAME_NORMAL: f64 = 0.996;
 
 /// A contact point, in the frame of the body.
 #[derive(Clone, Copy)]
@@ -69,6 +69,16 @@ pub(super) fn thinned(points: &[PatchPoint], before: &[DVec3], body: Supported, 
         }
     }
     stays
+}
+
+/// Which points stay of a ball: the deepest one for each normal.
+pub(super) fn deepest(points: &[PatchPoint]) -> Vec<bool> {
+    let is_deeper = |(i, other): (usize, &PatchPoint), (j, point): (usize, &PatchPoint)| {
+        let comes_first = other.depth > point.depth || other.depth == point.depth && i < j;
+        comes_first && other.normal.dot(point.normal) >= SAME_NORMAL
+    };
+    let stays = |found| !points.iter().enumerate().any(|other| is_deeper(other, found));
+    points.iter().enumerate().map(stays).collect()
 }
 
 /// A body that has several manifolds.

@@ -6,14 +6,21 @@
 //!    joined, so normals at their common edges are those of one surface.
 //! 3. Correct normals at internal edges of a body that is a compound.
 //! 4. Choose at most eight points for each tile and piece ([`BodyManifold`]), and of these at most
-//!    four for each normal, as Rapier would.
-//! 5. Write a manifold of parry's for each triangle and piece. A point that hullmap kept retains
-//!    the data that the engine stored in it.
+//!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, the
+//!    others are where triangles end, and stop it as it rolls.
+//! 5. Write a manifold of parry's for each piece and face of the surface, with the number of the
+//!    triangle that is deepest. A point that hullmap kept retains the data that the engine stored
+//!    in it.
+//!
+//! # What did not work
+//! A manifold for each triangle: Rapier merges those with nearly the same normal, and finds the
+//! impulses of the last step by the places of points on the ground. Bodies that slide or roll lose
+//! them in every step.
 
 use hullmap::compound::seams::{self, Side, Union};
 use hullmap::compound::{BodyManifold, BodyPoint, Joined, Tile};
 use hullmap::glam::DVec3;
-use hullmap::{CompoundManifolds, Manifold, ManifoldSettings};
+use hullmap::{CompoundManifolds, EdgeClass, Manifold, ManifoldSettings};
 
 use super::super::convert::{double, real, wide};
 use super::super::parry::bounding_volume::BoundingVolume as _;
@@ -24,7 +31,7 @@ use super::super::surface::{Sheet, SurfaceTile, TileUnion, on_sheet};
 use super::compound_union::CompoundUnion;
 use super::manifold::{hardly_moved, packed, settings};
 use super::pair::Placement;
-use super::patches::{PatchPoint, Supported, places, thinned};
+use super::patches::{PatchPoint, SAME_NORMAL, Supported, deepest, places, thinned};
 use super::surface_pair::{Part, SurfacePair};
 
 /// Number of triangles that a piece may touch on a tile before more memory is allocated: 40 KB.
@@ -37,6 +44,13 @@ const MOST: usize = 512;
 /// Part of the prediction up to which a body may move before its points are computed anew: more
 /// triangles may be in reach then.
 const HARDLY_MOVED: f64 = 0.25;
+
+/// Cosine of the angle (1e-3) up to which triangles are one face, as in hullmap's correction of
+/// normals: their points are in one manifold.
+const SAME_FACE: f64 = 1.0 - 5e-7;
+
+/// Width of a seam as a part of the prediction, as in hullmap's correction of normals.
+const SEAM: f64 = 0.005;
 
 /// Memory of a pair of a surface and a body from step to step, in a workspace of parry's.
 #[derive(Clone, Default)]
@@ -81,6 +95,7 @@ struct Point {
     on_surface: DVec3,
     on_body: DVec3,
     found: BodyPoint,
+    is_beside: bool,
 }
 
 impl SurfaceMemory {
@@ -99,19 +114,22 @@ impl SurfaceMemory {
         }
         self.last = Some(pair.placement.b_in_a);
         self.update_entries(pair, prediction);
-        let points = self.points(pair);
+        let points = self.points(pair, SEAM * double(prediction));
         let before = places(manifolds, !pair.placement.flipped);
-        let stays = if has_several(&points) {
-            let of_patch = |point: &Point| PatchPoint {
-                place: point.on_body,
-                normal: pair.placement.b_in_a.inverse_transform_vector(-point.normal),
-                depth: point.found.point.depth,
-            };
-            let patch: Vec<PatchPoint> = points.iter().map(of_patch).collect();
-            thinned(&patch, &before, supported(pair), prediction)
-        } else {
-            vec![true; points.len()]
+        let of_patch = |point: &Point| PatchPoint {
+            place: point.on_body,
+            normal: pair.placement.b_in_a.inverse_transform_vector(-point.normal),
+            depth: point.found.point.depth,
         };
+        let counted: Vec<&Point> = points.iter().filter(|point| !point.is_beside).collect();
+        let patch: Vec<PatchPoint> = counted.into_iter().map(of_patch).collect();
+        let stays = if pair.body.as_ball().is_some() {
+            deepest(&patch)
+        } else {
+            thinned(&patch, &before, supported(pair), prediction)
+        };
+        let mut stays = stays.into_iter();
+        let stays: Vec<bool> = points.iter().map(|point| !point.is_beside && stays.next() == Some(true)).collect();
         self.write(&points, &stays, &pair.placement, manifolds);
     }
 
@@ -178,7 +196,7 @@ impl SurfaceMemory {
     }
 
     /// The points of all entries, in their order.
-    fn points(&self, pair: &SurfacePair<'_>) -> Vec<Point> {
+    fn points(&self, pair: &SurfacePair<'_>, seam: f64) -> Vec<Point> {
         let mut points = Vec::new();
         for entry in &self.entries {
             let is_of = |part: &Part<'_>| entry.key == (part.tile.first(), part.piece.subshape);
@@ -186,10 +204,11 @@ impl SurfaceMemory {
             let place = part.tile.place();
             points.extend(entry.body.points().iter().map(|found| Point {
                 subshapes: part.subshapes(found.pair[0]),
-                normal: place.transform_vector(found.normal),
+                normal: snapped(place.transform_vector(found.normal), part.tile.normal(found.pair[0])),
                 on_surface: place.transform_point(found.point.point_a),
                 on_body: part.piece.place.transform_point(found.point.local_b),
                 found: *found,
+                is_beside: is_beside(found, part.tile, seam),
             }));
         }
         points
@@ -217,14 +236,19 @@ impl SurfaceMemory {
                 continue;
             }
             let [subshape1, subshape2] = in_order(placement, point.subshapes);
-            let is_same =
-                |manifold: &ContactManifold<M, C>| manifold.subshape1 == subshape1 && manifold.subshape2 == subshape2;
-            let index = manifolds.iter().position(&is_same).unwrap_or_else(|| {
-                let known = old.iter().position(&is_same).map(|index| old.swap_remove(index));
+            let [normal1, normal2] = placement.normals(point.normal);
+            let of_body = |manifold: &ContactManifold<M, C>| {
+                if placement.flipped { manifold.subshape1 == subshape1 } else { manifold.subshape2 == subshape2 }
+            };
+            let angle = |manifold: &ContactManifold<M, C>| double(manifold.local_n1.dot(normal1));
+            let is_same = |manifold: &ContactManifold<M, C>| of_body(manifold) && angle(manifold) >= SAME_FACE;
+            let index = manifolds.iter().position(is_same).unwrap_or_else(|| {
+                let was = |manifold: &ContactManifold<M, C>| of_body(manifold) && angle(manifold) >= SAME_NORMAL;
+                let known = old.iter().position(was).map(|index| old.swap_remove(index));
                 let mut manifold = known.unwrap_or_else(ContactManifold::new);
                 manifold.points.clear();
                 (manifold.subshape1, manifold.subshape2) = (subshape1, subshape2);
-                [manifold.local_n1, manifold.local_n2] = placement.normals(point.normal);
+                (manifold.local_n1, manifold.local_n2) = (normal1, normal2);
                 manifolds.push(manifold);
                 manifolds.len() - 1
             });
@@ -263,6 +287,37 @@ impl SurfaceMemory {
 /// What belongs to the surface and to the body, in parry's order.
 fn in_order<T>(placement: &Placement, [of_surface, of_body]: [T; 2]) -> [T; 2] {
     if placement.flipped { [of_body, of_surface] } else { [of_surface, of_body] }
+}
+
+/// The normal of the triangle in place of one that deviates little: Rapier counts both as one, and
+/// a body that rolls over many edges would be slowed down by small deviations.
+fn snapped(normal: DVec3, face: Option<DVec3>) -> DVec3 {
+    match face {
+        Some(face) if normal.dot(face) >= SAME_NORMAL => face,
+        Some(face) if normal.dot(face) <= -SAME_NORMAL => -face,
+        _ => normal,
+    }
+}
+
+/// Whether a point that does not touch yet is where a body is nearest to a triangle, but not to the
+/// surface: at a flat or concave edge, from the side. The triangle beyond the edge is nearer.
+/// `seam` is the width up to which gaps are ignored.
+fn is_beside(found: &BodyPoint, tile: &SurfaceTile, seam: f64) -> bool {
+    let triangle = found.pair[0];
+    let parts = (tile.triangle(triangle), tile.local_normal(triangle), tile.edge_classes(triangle));
+    let (Some(shape), Some(face), Some(classes)) = parts else { return false };
+    if found.point.depth >= 0.0 || found.normal.dot(face).abs() >= SAME_NORMAL {
+        return false;
+    }
+    let [a, b, c] = shape.corners();
+    let distance = |from: DVec3, to: DVec3| {
+        let (along, offset) = (to - from, found.point.point_a - from);
+        let share = (offset.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        offset.distance(along * share)
+    };
+    let edges = [distance(a, b), distance(b, c), distance(c, a)];
+    let mut near = edges.iter().zip(classes).filter(|(distance, _)| **distance <= seam).peekable();
+    near.peek().is_some() && near.all(|(_, class)| matches!(class, EdgeClass::Flat | EdgeClass::Concave))
 }
 
 /// A piece on a tile, which may meet others.
@@ -318,11 +373,6 @@ impl OnTile<'_> {
             seams::weld(manifold, before, &a, &b, *b_in_a, settings);
         }
     }
-}
-
-/// Whether points are on several pairs of a triangle and a piece.
-fn has_several(points: &[Point]) -> bool {
-    points.iter().any(|point| points.first().is_some_and(|first| first.subshapes != point.subshapes))
 }
 
 /// The body that the points support, in its own frame.

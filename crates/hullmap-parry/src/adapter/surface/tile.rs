@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 #[cfg(feature = "dispatcher")]
+use hullmap::EdgeClass;
+#[cfg(feature = "dispatcher")]
 use hullmap::compound::seams::{self, Neighbour, Union};
 use hullmap::glam::DVec3;
 use hullmap::shapes::Triangle;
@@ -161,7 +163,7 @@ impl SurfaceTile {
 
     /// Normal of the front of a triangle, in the frame of the shape; `None` in a hole, and without
     /// area.
-    pub(super) fn normal(&self, triangle: usize) -> Option<DVec3> {
+    pub(in super::super) fn normal(&self, triangle: usize) -> Option<DVec3> {
         Some(self.place.transform_vector(self.local_normal(triangle)?))
     }
 
@@ -172,10 +174,21 @@ impl SurfaceTile {
         if self.is_one_sided { self.local_normal(triangle) } else { None }
     }
 
-    fn local_normal(&self, triangle: usize) -> Option<DVec3> {
+    /// Normal of the front of a triangle in the frame of the tile; `None` in a hole, and without
+    /// area.
+    pub(in super::super) fn local_normal(&self, triangle: usize) -> Option<DVec3> {
         match &self.sheet {
             Sheet::Mesh(mesh) => mesh.normal(triangle),
             Sheet::Field(field) => field.normal(triangle),
+        }
+    }
+
+    /// Classes of the edges of a triangle, from corner i to the next one.
+    #[cfg(feature = "dispatcher")]
+    pub(in super::super) fn edge_classes(&self, triangle: usize) -> Option<[EdgeClass; 3]> {
+        match &self.sheet {
+            Sheet::Mesh(mesh) => mesh.edge_classes(triangle),
+            Sheet::Field(field) => field.edge_classes(triangle),
         }
     }
 
