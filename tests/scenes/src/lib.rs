@@ -1,6 +1,7 @@
 //! Scenes of Rapier with baked hulls, and the same scenes with parry's own convex polyhedra.
 //!
 //! - [`pit`]: bodies that fall into a pit. Does the pile come to rest?
+//! - [`relief`]: uneven ground for bodies that come to rest.
 //! - [`rest`]: one body falls on a floor. Does it come to rest, and is it lost?
 //! - [`sheets`], [`slab`], [`slab_sheet`]: triangle meshes, height fields and slabs of these scenes.
 //! - [`slide`]: one body slides or rolls over a slab that is cut into parts. Does it stumble?
@@ -12,6 +13,7 @@
 pub mod floor;
 pub mod model;
 pub mod pit;
+pub mod relief;
 pub mod rest;
 pub mod sheets;
 pub mod slab;

@@ -39,8 +39,16 @@ pub enum Form {
 
 impl Form {
     /// All forms, in the order of the table.
-    pub const ALL: [Self; 7] =
-        [Self::Hulls, Self::Mesh, Self::Field, Self::Meshes, Self::Fields, Self::MeshAndField, Self::FieldAndMesh];
+    pub const ALL: [Self; 8] = [
+        Self::Hulls,
+        Self::Mesh,
+        Self::Walls,
+        Self::Field,
+        Self::Meshes,
+        Self::Fields,
+        Self::MeshAndField,
+        Self::FieldAndMesh,
+    ];
 
     /// Name in a table.
     pub fn name(self) -> &'static str {

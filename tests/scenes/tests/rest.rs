@@ -89,6 +89,21 @@ fn on_a_compound() {
 }
 
 #[test]
+fn on_a_baked_mesh() {
+    most_come_to_rest(Floor::BakedMesh, 1.0);
+}
+
+#[test]
+fn on_a_height_field() {
+    most_come_to_rest(Floor::HeightField, 1.0);
+}
+
+#[test]
+fn on_a_rough_height_field() {
+    most_come_to_rest(Floor::Rough, 1.0);
+}
+
+#[test]
 fn small_bodies_on_a_cuboid() {
     most_come_to_rest(Floor::Cuboid, 0.1);
 }
