@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use hullmap::glam::DVec3;
+use hullmap::glam::{DMat4, DVec3, DVec4};
 use hullmap::height_field::Diagonal;
 use hullmap::{CastSettings, CompoundCache, Ray, Settings, compound};
 use hullmap_parry::{BakedSurface, Sheet, SurfaceTile};
@@ -54,7 +54,8 @@ impl Relief {
     }
 
     /// The relief of a scanned body around its axis z, laid out on a plane: a mesh of 3,200
-    /// triangles of 0.5 m. The distances from the centre within 40° of the axis become heights.
+    /// triangles of 0.5 m. The distances from the centre within 40° of the axis, less the paraboloid
+    /// that fits them best, become heights.
     /// Panics if the file cannot be read, or a ray from the centre misses the mesh.
     pub fn of_scan(path: &Path) -> Self {
         let (positions, corners) = triangles(path);
@@ -75,9 +76,11 @@ impl Relief {
         let mean = distances.iter().sum::<f64>() / distances.len() as f64;
         // The arc of 80° is as long as the ground.
         let scale = 2.0 * HALF / (80_f64.to_radians() * mean);
+        let over = |i: usize| [i % row, i / row].map(|i| 2.0 * HALF * (i as f64 / cells as f64 - 0.5));
+        let shape = paraboloid((0..row * row).map(|i| (over(i), distances[i] * scale)));
         let place = |i: usize| {
-            let [x, z] = [i % row, i / row].map(|i| 2.0 * HALF * (i as f64 / cells as f64 - 0.5));
-            [x as f32, ((distances[i] - mean) * scale) as f32, z as f32]
+            let [x, z] = over(i);
+            [x as f32, (distances[i] * scale - terms([x, z]).dot(shape)) as f32, z as f32]
         };
         let ground: Vec<[f32; 3]> = (0..row * row).map(place).collect();
         let corners: Vec<[u32; 3]> = (0..cells * cells)
@@ -117,6 +120,22 @@ impl Relief {
         }
         deepest as f32
     }
+}
+
+/// Terms of a paraboloid at a place.
+fn terms([x, z]: [f64; 2]) -> DVec4 {
+    DVec4::new(1.0, x, z, x * x + z * z)
+}
+
+/// The paraboloid that fits heights at places best, by least squares.
+fn paraboloid(heights: impl Iterator<Item = ([f64; 2], f64)>) -> DVec4 {
+    let (mut matrix, mut right) = (DMat4::ZERO, DVec4::ZERO);
+    for (place, height) in heights {
+        let terms = terms(place);
+        matrix += DMat4::from_cols(terms * terms.x, terms * terms.y, terms * terms.z, terms * terms.w);
+        right += terms * height;
+    }
+    matrix.inverse() * right
 }
 
 /// The terrain of the scenes, once it is loaded.
