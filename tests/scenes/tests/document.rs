@@ -23,11 +23,8 @@ fn the_programs_run_as_printed() {
     let printed: Vec<&str> =
         document.split("```rust\n").skip(1).filter_map(|rest| rest.split_once("```").map(|(code, _)| code)).collect();
     // Here, they are modules.
-    let sources = [
-        include_str!("document/rapier.rs"),
-        include_str!("document/level.rs"),
-        include_str!("document/saving.rs"),
-    ];
+    let sources =
+        [include_str!("document/rapier.rs"), include_str!("document/level.rs"), include_str!("document/saving.rs")];
     assert_eq!(printed, sources.map(|source| source.replace("pub fn", "fn")));
 
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("document");

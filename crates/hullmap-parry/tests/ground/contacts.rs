@@ -7,7 +7,8 @@ use parry3d::query::details::ContactManifoldsWorkspace;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Ball, Capsule, Compound, Cuboid, Shape, SharedShape};
 
-use crate::grounds::{field, hull, mesh};
+use crate::bodies::hull;
+use crate::grounds::{field, mesh};
 
 type Manifolds = Vec<ContactManifold<(), u32>>;
 

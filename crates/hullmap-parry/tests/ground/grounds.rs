@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use hullmap::glam::{DQuat, DVec3};
+use hullmap::glam::DVec3;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::{HeightField, TriangleMesh};
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
-use hullmap_parry::{BakedHull, BakedSurface};
+use hullmap_parry::BakedSurface;
 use hullmap_random::SplitMix64;
-use hullmap_testkit::packs;
 use parry3d::math::{Pose, Vector};
 
 /// A triangle mesh of these vertices, rounded to f32.
@@ -38,19 +37,6 @@ pub fn soup(count: usize, size: f64, rng: &mut SplitMix64) -> Arc<TriangleMesh> 
     }
     let corners: Vec<[u32; 3]> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     mesh(&positions, &corners)
-}
-
-pub fn rotation(rng: &mut SplitMix64) -> DQuat {
-    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
-}
-
-pub fn pose(rng: &mut SplitMix64, distance: f64) -> Pose {
-    let turn = rotation(rng);
-    Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn.as_quat())
-}
-
-pub fn wide_pose(pose: &Pose) -> hullmap::Pose {
-    hullmap::Pose::from_f32(pose.translation, pose.rotation).unwrap()
 }
 
 /// A surface, with its name and the corners of its triangles by subshape, in its frame.
@@ -82,14 +68,4 @@ pub fn grounds(seed: u64) -> Vec<Ground> {
         Ground::new("joined", joined),
         Ground::new("nested", nested),
     ]
-}
-
-pub fn hull(points: &[[f32; 3]]) -> BakedHull {
-    BakedHull::new(Arc::new(packs::tree_pack(points)).shared_hull(0).unwrap())
-}
-
-/// Vertices of a hull, in the frame that `pose` maps to.
-pub fn vertices(hull: &BakedHull, pose: &Pose) -> Vec<DVec3> {
-    let pose = wide_pose(pose);
-    hull.hull().vertices().map(|v| pose.transform_point(v.as_dvec3())).collect()
 }

@@ -1,4 +1,5 @@
-//! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull.
+//! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull or a
+//! surface.
 
 mod body;
 mod cast;
@@ -33,14 +34,24 @@ use pair::{HullPair, closest_points, on_pair, pair};
 use surface_pair::surface_pair;
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
-/// [`BakedHull`].
+/// [`BakedHull`] or a [`BakedSurface`](super::BakedSurface).
 ///
 /// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment or
 /// triangle, and against parry's rounded versions of these. parry splits compounds, triangle
 /// meshes, height fields and voxels into their parts, and hullmap solves the parts. All other pairs
 /// go to parry's [`DefaultQueryDispatcher`], and so do half-spaces, for which parry has a closed
 /// form. Contact manifolds with half-spaces are hullmap's.
-/// hullmap solves shape casts without rotation; parry solves those with rotation.
+///
+/// hullmap solves a surface against a hull, one of these primitives, or a compound of them. Against
+/// other shapes, parry splits the surface into its triangles.
+///
+/// Casts with rotation are hullmap's for these shapes, for compounds of them, and for half-spaces:
+/// [`cast_motion`](hullmap::cast_motion()). The time is the lower end of a proven interval, rounded
+/// down: until then, the shapes surely do not meet, and no body passes through another. Its status
+/// is `Converged` if they are then as near as the tolerance asks, 1e-6 of the sum of their radii;
+/// `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and `Failed`
+/// after rounding error: then it is open whether they meet. Shapes that meet at the start, and are
+/// not to stop there, are judged by parry's rule.
 ///
 /// In Rapier, set it once:
 ///

@@ -4,15 +4,16 @@
 //! 1. Search each pair of pieces, and the pieces on each tile of a surface, for the first meeting.
 //!    The time is the lower end of the proven interval.
 //! 2. A pair that meets at the start is a hit if the caller stops at penetrations. Otherwise,
-//!    parry's rule decides whether the shapes would pass through each other, and when. On a
-//!    surface, this is done for each triangle near the way.
+//!    parry's rule decides whether the shapes would pass through each other, and when. In any case,
+//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets
+//!    to the other side. On a surface, this is done for each triangle near the way.
 //!
 //! # Deviations
 //! parry advances along one direction until the separation there is zero, and ends at a miss if a
 //! bisection converges to the end: it misses grazing contacts, and those of shapes that turn far.
 
 use hullmap::glam::DVec3;
-use hullmap::shapes::HalfSpace;
+use hullmap::shapes::{HalfSpace, Sphere};
 use hullmap::{Cache, CompoundCache, MotionSettings, RigidMotion, Shape as Convex, Status, TimeOfImpact, compound};
 
 use super::super::convert::{double, narrow, narrow_pose, real, wide, wide_pose};
@@ -30,6 +31,9 @@ use super::nearby::{Ball, first_hit};
 /// A meeting that is less than this after the start counts as one at the start, as in parry. In the
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
+
+/// Radius of the core of a body, as a part of that of the largest ball inside.
+const CORE: f64 = 0.5;
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
 const SURFACE_QUERIES: u32 = 4_000;
@@ -148,6 +152,8 @@ struct Mover<'p> {
     /// parry's motion of the shape, and its pose in the body.
     motion_of_parry: NonlinearRigidMotion,
     pose: parry::math::Pose,
+    /// The same in f64.
+    place: hullmap::Pose,
     motion: RigidMotion,
     subshape: u32,
 }
@@ -171,6 +177,7 @@ impl<'m> Cast<'m> {
             of_parry: piece.of_parry,
             motion_of_parry: of_parry.prepend(piece.pose),
             pose: piece.pose,
+            place: piece.place,
             motion: windowed.of(piece.place)?,
             subshape: piece.subshape,
         })
@@ -248,8 +255,42 @@ impl<'m> Cast<'m> {
         !self.stop_at_penetration && found.hit && found.t_lower * (end - start) < AT_START
     }
 
-    /// parry's rule for shapes that meet at the start.
+    /// The first later hit of shapes that meet at the start: by parry's rule, or when the core of
+    /// one meets the other.
     fn beyond_start(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
+        let mut core = self.of_core(b, 1, a);
+        add(&mut core, self.of_core(a, 0, b).map(ShapeCastHit::swapped));
+        let rule = self.by_rule(a, b);
+        // Rapier ignores hits at the start. It would let the shapes pass.
+        let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
+        if !(is_at_start && core.is_some()) {
+            add(&mut core, rule);
+        }
+        core
+    }
+
+    /// When the core of `body`, on this side, meets `other`: a ball in its middle, half as large as
+    /// the largest one inside. `None` if there is no ball, or it meets the other at the start. The
+    /// hit has `other` as its first shape.
+    fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
+        let radius = CORE * body.shape.inner_radius();
+        // NaN takes the failing branch.
+        if !(radius > 0.0) {
+            return None;
+        }
+        let middle = hullmap::Pose::from_translation(body.shape.interior_point()).ok()?;
+        let motion = self.motions.get(side)?.of(body.place.compose(middle).ok()?)?;
+        let (core, settings) = (Sphere::new(radius).ok()?, MotionSettings::default());
+        let found = hullmap::cast_motion(other.shape, &other.motion, &core, &motion, &settings, &mut Cache::new());
+        if self.is_ignored(&found) {
+            return None;
+        }
+        let hit = self.hit_between([1 - side, side], &found)?;
+        Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
+    }
+
+    /// parry's rule for shapes that meet at the start.
+    fn by_rule(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [start, end] = self.window;
         let hit = default::cast_shapes_nonlinear_support_map_support_map(
             &HullDispatcher,
@@ -289,6 +330,7 @@ impl<'m> Cast<'m> {
                 of_parry: &of_parry,
                 motion_of_parry: self.of_parry[0].prepend(pose),
                 pose,
+                place: tile.place(),
                 motion: *motion,
                 subshape: tile.subshape(index),
             };
@@ -341,6 +383,11 @@ impl<'m> Cast<'m> {
         None
     }
 
+    /// The start of the window.
+    fn start(&self) -> f64 {
+        double(self.window[0])
+    }
+
     /// A time of parry's as a share of the window.
     fn share(&self, time: f64) -> f64 {
         let [start, end] = self.window.map(double);
@@ -349,12 +396,17 @@ impl<'m> Cast<'m> {
 
     /// parry's hit; `None` for a miss.
     fn hit(&self, found: &TimeOfImpact, [subshape1, subshape2]: [u32; 2]) -> Option<ShapeCastHit> {
+        Some(ShapeCastHit { subshape1, subshape2, ..self.hit_between([0, 1], found)? })
+    }
+
+    /// The same for bodies on these sides.
+    fn hit_between(&self, sides: [usize; 2], found: &TimeOfImpact) -> Option<ShapeCastHit> {
         if !found.hit {
             return None;
         }
         let [start, end] = self.window.map(double);
-        let place = |side: &Windowed| Some(side.of(hullmap::Pose::IDENTITY)?.at(found.t_lower));
-        let (a, b) = (place(&self.motions[0])?, place(&self.motions[1])?);
+        let place = |side: usize| Some(self.motions.get(side)?.of(hullmap::Pose::IDENTITY)?.at(found.t_lower));
+        let (a, b) = (place(sides[0])?, place(sides[1])?);
         let status = match found.status {
             Status::Overlapping => ShapeCastStatus::PenetratingOrWithinTargetDist,
             Status::IterationLimit => ShapeCastStatus::OutOfIterations,
@@ -368,8 +420,8 @@ impl<'m> Cast<'m> {
             normal1: narrow(a.inverse_transform_vector(found.normal)),
             normal2: narrow(b.inverse_transform_vector(-found.normal)),
             status,
-            subshape1,
-            subshape2,
+            subshape1: 0,
+            subshape2: 0,
         })
     }
 }
