@@ -86,8 +86,8 @@ fn distances_and_depths_keep_double_precision() {
     assert!(exact > 200, "{exact}");
 }
 
-/// Far from the origin, where f32 has steps of 6 cm: a field of one ramp, a ray, a distance, contact
-/// points, and a rod that turns onto it.
+/// Far from the origin, where f32 has steps of 6 cm: a field of one ramp, a ray, a distance,
+/// contact points, and a cube that turns as it falls onto it.
 #[test]
 fn surfaces_keep_double_precision() {
     let far = 1e6;

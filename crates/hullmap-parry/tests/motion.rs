@@ -192,8 +192,8 @@ fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
         };
         counts.hits += usize::from(!flipped);
         let (time, first) = (f64::from(hit.time_of_impact), truth.unwrap_or_else(|| panic!("{what}: no hit")));
-        // Not later than the first meeting: brute force proves it up to `first`, and samples follow.
-        // And as near as the tolerance and rounding to f32 allow.
+        // Not later than the first meeting: brute force proves it up to `first`, and samples
+        // follow. And as near as the tolerance and rounding to f32 allow.
         let samples = (0..20).map(|i| first + (time - first) * f64::from(i) / 20.0);
         let is_late = time > first && time > window[0] && samples.into_iter().any(|t| case.overlaps(t));
         assert!(!is_late, "{what}: {time} {first}");

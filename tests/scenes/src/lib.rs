@@ -3,7 +3,7 @@
 //! - [`pit`]: bodies that fall into a pit. Does the pile come to rest?
 //! - [`relief`]: uneven ground for bodies that come to rest.
 //! - [`rest`]: one body falls on a floor. Does it come to rest, and is it lost?
-//! - [`sheets`], [`slab`], [`slab_sheet`]: triangle meshes, height fields and slabs of these scenes.
+//! - [`sheets`], [`slab`], [`slab_sheet`]: triangle meshes, height fields and slabs.
 //! - [`slide`]: one body slides or rolls over a slab that is cut into parts. Does it stumble?
 //! - [`stack`]: upright prisms, one or ten of them, that must stand.
 //! - [`steps`]: the time of a step with many bodies.

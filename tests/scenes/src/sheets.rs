@@ -40,7 +40,7 @@ impl Heights {
         let [columns, rows] = cells.map(|count| count + 1);
         let layout = Layout { columns, rows, origin, spacing, diagonal };
         let place = |i: usize| (layout.x(i % columns), layout.y(i / columns));
-        let heights = (0..columns * rows).map(|i| place(i)).map(|(x, y)| height(x, y)).collect();
+        let heights = (0..columns * rows).map(place).map(|(x, y)| height(x, y)).collect();
         Self { layout, heights }
     }
 

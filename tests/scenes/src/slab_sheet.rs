@@ -165,7 +165,6 @@ fn field(cut: Cut, [start, end]: [f64; 2]) -> Heights {
 mod tests {
     use super::*;
     use hullmap::glam::DVec3;
-    use rapier3d::parry::query::RayCast as _;
 
     #[test]
     fn all_forms_cover_the_top_of_the_slab() {

@@ -1,5 +1,5 @@
-//! Fast bodies that spin do not pass thin walls: continuous collision detection of Rapier, in mode B
-//! by hullmap.
+//! Fast bodies that spin do not pass thin walls: continuous collision detection of Rapier, in mode
+//! B by hullmap.
 
 use hullmap::glam::DVec3;
 use hullmap_random::SplitMix64;

@@ -15,7 +15,7 @@ use super::primitive::Primitive;
 /// Relative allowance for rounding a point to parry's precision.
 const ROUNDING: f64 = 1e-6;
 
-/// A compound of parry's, as a union of hullmap's shapes. CompoundUnion that hullmap has no shape for are
+/// A compound of parry's, as a union of hullmap's shapes. Parts that hullmap has no shape for are
 /// left out.
 pub(super) struct CompoundUnion<'c>(&'c Compound);
 

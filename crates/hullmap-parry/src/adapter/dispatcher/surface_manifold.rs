@@ -2,8 +2,8 @@
 //!
 //! # Steps
 //! 1. If the body has hardly moved, keep the points (parry's coherence test).
-//! 2. Update hullmap's manifolds of each piece of the body on each tile near it. Tiles that meet are
-//!    joined, so normals at their common edges are those of one surface.
+//! 2. Update hullmap's manifolds of each piece of the body on each tile near it. Tiles that meet
+//!    are joined, so normals at their common edges are those of one surface.
 //! 3. Correct normals at internal edges of a body that is a compound.
 //! 4. Choose at most eight points for each tile and piece ([`BodyManifold`]), and of these at most
 //!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, the
