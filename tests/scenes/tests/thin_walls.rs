@@ -4,7 +4,7 @@
 use hullmap::glam::DVec3;
 use hullmap_random::SplitMix64;
 use hullmap_scenes::model::Model;
-use hullmap_scenes::rest::{STEP_SECONDS, rotations};
+use hullmap_scenes::rest::rotations;
 use hullmap_scenes::sheets;
 use hullmap_scenes::way::Way;
 use rapier3d::prelude::*;

@@ -256,7 +256,7 @@ impl QueryDispatcher for HullDispatcher {
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
         let window = [start_time, end_time];
-        if let Some(answer) = motion::cast([(shape1, motion1), (shape2, motion2)], window, stop_at_penetration) {
+        if let Some(answer) = motion::cast(self, [(shape1, motion1), (shape2, motion2)], window, stop_at_penetration) {
             return Ok(answer);
         }
         let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());

@@ -21,10 +21,9 @@ use super::super::parry;
 use super::super::parry::math::Real;
 use super::super::parry::query::details as default;
 use super::super::parry::query::details::NonlinearShapeCastMode;
-use super::super::parry::query::{NonlinearRigidMotion, ShapeCastHit, ShapeCastStatus};
+use super::super::parry::query::{NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
 use super::super::parry::shape::Shape;
 use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
-use super::HullDispatcher;
 use super::body::{Piece, pieces};
 use super::nearby::{Ball, first_hit};
 
@@ -65,37 +64,30 @@ impl<'s> Body<'s> {
 }
 
 /// The first meeting of two bodies in a window of parry's time. The outer `None` is for pairs that
-/// hullmap does not solve, and for invalid numbers, the inner one for a miss.
+/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule asks
+/// `dispatcher` for distances and contacts.
 pub(super) fn cast(
+    dispatcher: &dyn QueryDispatcher,
     [(shape1, motion1), (shape2, motion2)]: [(&dyn Shape, &NonlinearRigidMotion); 2],
     window: [Real; 2],
     stop_at_penetration: bool,
 ) -> Option<Option<ShapeCastHit>> {
+    let new = |motions| Cast::new(dispatcher, motions, window, stop_at_penetration);
+    let swapped = |found: Option<ShapeCastHit>| found.map(ShapeCastHit::swapped);
+    let (in_order, flipped) = ([motion1, motion2], [motion2, motion1]);
     match (Body::of(shape1)?, Body::of(shape2)?) {
-        (Body::Pieces(a), Body::Pieces(b)) => {
-            let cast = Cast::new([motion1, motion2], window, stop_at_penetration)?;
-            cast.of_pieces(&a, &b)
-        }
-        (Body::Surface(a), Body::Pieces(b)) => {
-            Cast::new([motion1, motion2], window, stop_at_penetration)?.of_surface(a, &b)
-        }
-        (Body::Plane(a), Body::Pieces(b)) => {
-            Cast::new([motion1, motion2], window, stop_at_penetration)?.of_plane(&a, &b)
-        }
-        (Body::Pieces(b), Body::Surface(a)) => {
-            let found = Cast::new([motion2, motion1], window, stop_at_penetration)?.of_surface(a, &b)?;
-            Some(found.map(ShapeCastHit::swapped))
-        }
-        (Body::Pieces(b), Body::Plane(a)) => {
-            let found = Cast::new([motion2, motion1], window, stop_at_penetration)?.of_plane(&a, &b)?;
-            Some(found.map(ShapeCastHit::swapped))
-        }
+        (Body::Pieces(a), Body::Pieces(b)) => new(in_order)?.of_pieces(&a, &b),
+        (Body::Surface(a), Body::Pieces(b)) => new(in_order)?.of_surface(a, &b),
+        (Body::Plane(a), Body::Pieces(b)) => new(in_order)?.of_plane(&a, &b),
+        (Body::Pieces(b), Body::Surface(a)) => new(flipped)?.of_surface(a, &b).map(swapped),
+        (Body::Pieces(b), Body::Plane(a)) => new(flipped)?.of_plane(&a, &b).map(swapped),
         _ => None,
     }
 }
 
 /// A cast of A and B.
 struct Cast<'m> {
+    dispatcher: &'m dyn QueryDispatcher,
     of_parry: [&'m NonlinearRigidMotion; 2],
     /// The same in the window, over the times 0 to 1.
     motions: [Windowed; 2],
@@ -159,7 +151,12 @@ struct Mover<'p> {
 }
 
 impl<'m> Cast<'m> {
-    fn new(of_parry: [&'m NonlinearRigidMotion; 2], window: [Real; 2], stop_at_penetration: bool) -> Option<Self> {
+    fn new(
+        dispatcher: &'m dyn QueryDispatcher,
+        of_parry: [&'m NonlinearRigidMotion; 2],
+        window: [Real; 2],
+        stop_at_penetration: bool,
+    ) -> Option<Self> {
         let times = window.map(double);
         // NaN takes the failing branch.
         if !(times[0] <= times[1]) {
@@ -167,7 +164,7 @@ impl<'m> Cast<'m> {
         }
         let [a, b] = of_parry;
         let motions = [Windowed::new(a, times)?, Windowed::new(b, times)?];
-        Some(Self { of_parry, motions, window, stop_at_penetration })
+        Some(Self { dispatcher, of_parry, motions, window, stop_at_penetration })
     }
 
     fn mover<'p>(&self, side: usize, piece: &'p Piece<'p>) -> Option<Mover<'p>> {
@@ -293,7 +290,7 @@ impl<'m> Cast<'m> {
     fn by_rule(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [start, end] = self.window;
         let hit = default::cast_shapes_nonlinear_support_map_support_map(
-            &HullDispatcher,
+            self.dispatcher,
             &a.motion_of_parry,
             a.of_parry.as_support_map()?,
             a.of_parry,
