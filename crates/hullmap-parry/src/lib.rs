@@ -26,17 +26,19 @@
 //! ```
 //!
 //! A pack of convex parts (`bake build --decompose`) becomes one shape for each object of its
-//! source with [`objects`].
+//! source with [`objects`]. [`BakedSurface`] is static ground that keeps its triangles: a triangle
+//! mesh, a height field, or several that meet.
 //!
-//! With the feature `dispatcher`, `HullDispatcher` solves pairs that have a baked hull with
-//! hullmap's solver and manifolds. In Rapier:
+//! With the feature `dispatcher`, `HullDispatcher` solves pairs that have a baked hull or a surface
+//! with hullmap's solver and manifolds, and casts of shapes that turn. In Rapier:
 //! `NarrowPhase::with_query_dispatcher(HullDispatcher)`.
 //!
 //! # What engines cannot do with custom shapes
 //!
-//! - Debug rendering draws nothing. Draw the mesh of [`BakedHull::to_trimesh`].
+//! - Debug rendering draws nothing. Draw the mesh of [`BakedHull::to_trimesh`] or
+//!   [`BakedSurface::to_trimesh`].
 //! - Serialising a shape or a collider fails: "TypedShape::Custom cannot be serialized". The
-//!   feature `serde` provides a workaround, `SavedShape`.
+//!   feature `serde` provides a workaround, `SavedShape`, for hulls and compounds of them.
 //! - `HullDispatcher` passes pairs with other custom shapes to parry's default dispatcher.
 //! - Rapier's character controller always uses parry's default dispatcher. Baked hulls work with
 //!   it.
@@ -52,7 +54,8 @@
 //!
 //! A shape has the frame and units of its hull, which are those of the source mesh. If the bake
 //! recentred the source, [`Hull::origin`](hullmap::Hull::origin) is the frame's origin in
-//! coordinates of the source.
+//! coordinates of the source. Surfaces have the frame and units of their files; heights of a field
+//! are along +z.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]

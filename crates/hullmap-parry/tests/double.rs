@@ -4,11 +4,15 @@
 use std::sync::Arc;
 
 use hullmap::glam::{DQuat, DVec3};
-use hullmap_parry::f64::{BakedHull, HullDispatcher};
+use hullmap::height_field::{Diagonal, Layout};
+use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+use hullmap_parry::f64::{BakedHull, BakedSurface, HullDispatcher};
 use hullmap_random::SplitMix64;
 use hullmap_testkit::{depth::signed_depth, gap::gap, packs, polytope::Polytope};
 use parry3d_f64::math::Pose;
-use parry3d_f64::query::{PointQuery, QueryDispatcher, Ray, RayCast};
+use parry3d_f64::query::{
+    ContactManifold, NonlinearRigidMotion, PersistentQueryDispatcher, PointQuery, QueryDispatcher, Ray, RayCast,
+};
 use parry3d_f64::shape::{Shape, SupportMap};
 use shapes::families;
 
@@ -80,4 +84,40 @@ fn distances_and_depths_keep_double_precision() {
     }
     assert!((75..225).contains(&hits), "{hits}");
     assert!(exact > 200, "{exact}");
+}
+
+/// Far from the origin, where f32 has steps of 6 cm: a field of one ramp, a ray, a distance,
+/// contact points, and a cube that turns as it falls onto it.
+#[test]
+fn surfaces_keep_double_precision() {
+    let far = 1e6;
+    let layout = Layout { columns: 3, rows: 2, origin: [far, far], spacing: [2.0, 4.0], diagonal: Diagonal::Rising };
+    let heights = [0.0, 1.0, 2.0, 0.0, 1.0, 2.0];
+    let grid = HeightGrid { layout, heights: &heights, holes: &[], materials: &[] };
+    let file = write_height_field(bake_height_field(&grid).unwrap(), &Default::default()).unwrap();
+    let ramp = BakedSurface::new(Arc::new(hullmap::HeightField::from_bytes(&file).unwrap()));
+    let (foot, normal) = (DVec3::new(far + 1.3, far + 2.1, 0.65), DVec3::new(-1.0, 0.0, 2.0).normalize());
+
+    let hit = ramp.cast_local_ray_and_get_normal(&Ray::new(foot + DVec3::Z, -DVec3::Z), 9.0, true).unwrap();
+    assert!((hit.time_of_impact - 1.0).abs() < 1e-9 && hit.normal.distance(normal) < 1e-9, "{hit:?}");
+    let projection = ramp.project_local_point(foot + normal * 0.25, true);
+    assert!(projection.point.distance(foot) < 1e-9, "{projection:?}");
+
+    let cube = baked(&families::cube_grid(8, 1));
+    let half = cube.compute_local_aabb().half_extents().x;
+    let turn = DQuat::from_rotation_arc(DVec3::Z, normal);
+    let above = |gap: f64| Pose::from_parts(foot + normal * (half + gap), turn);
+    let found = HullDispatcher.distance(&above(0.125), &ramp, &cube).unwrap().distance;
+    assert!((found - 0.125).abs() < 1e-6, "{found}");
+    let (mut manifolds, mut workspace) = (Vec::<ContactManifold<(), ()>>::new(), None);
+    HullDispatcher.contact_manifolds(&above(-1e-3), &ramp, &cube, 0.02, &mut manifolds, &mut workspace).unwrap();
+    let points: Vec<f64> = manifolds.iter().flat_map(|m| m.points.iter().map(|p| p.dist)).collect();
+    assert!(points.len() == 4 && points.iter().all(|dist| (dist + 1e-3).abs() < 1e-8), "{points:?}");
+    assert!(manifolds.iter().all(|m| m.local_n1.distance(normal) < 1e-9));
+
+    // It falls onto the ramp, and turns about the normal.
+    let motion = NonlinearRigidMotion::new(above(0.5), DVec3::ZERO, -normal, normal);
+    let still = NonlinearRigidMotion::constant_position(Pose::IDENTITY);
+    let hit = HullDispatcher.cast_shapes_nonlinear(&still, &ramp, &motion, &cube, 0.0, 2.0, true).unwrap().unwrap();
+    assert!(hit.time_of_impact <= 0.5 && hit.time_of_impact > 0.5 - 1e-5, "{}", hit.time_of_impact);
 }

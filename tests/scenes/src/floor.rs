@@ -1,12 +1,15 @@
-//! Floors of the scenes. The top of each is the plane y = 0.
+//! Floors of the scenes. The top of each is the plane y = 0, unless it is uneven.
 
 use std::sync::OnceLock;
 
+use hullmap::height_field::Diagonal;
 use hullmap_parry::BakedHull;
 use rapier3d::parry::shape::Compound;
 use rapier3d::prelude::*;
 
 use crate::model::{Model, prism};
+use crate::relief::{Relief, terrain};
+use crate::sheets::{self, Heights};
 use crate::way::Way;
 
 /// A kind of floor.
@@ -22,11 +25,30 @@ pub enum Floor {
     TriangleMesh,
     /// Nine discs of 500 sides, which overlap.
     Compound,
+    /// The mesh of 800 triangles as a baked surface. parry's own shapes are those of
+    /// [`TriangleMesh`](Self::TriangleMesh).
+    BakedMesh,
+    /// A flat height field of 800 triangles.
+    HeightField,
+    /// A rough height field of 3,200 triangles.
+    Rough,
+    /// The terrain that was loaded.
+    Terrain,
 }
 
 impl Floor {
     /// All floors, in the order of the table.
-    pub const ALL: [Self; 5] = [Self::Cuboid, Self::Hull, Self::HalfSpace, Self::TriangleMesh, Self::Compound];
+    pub const ALL: [Self; 9] = [
+        Self::Cuboid,
+        Self::Hull,
+        Self::HalfSpace,
+        Self::TriangleMesh,
+        Self::Compound,
+        Self::BakedMesh,
+        Self::HeightField,
+        Self::Rough,
+        Self::Terrain,
+    ];
 
     /// Name in a table.
     pub fn name(self) -> &'static str {
@@ -36,10 +58,37 @@ impl Floor {
             Self::HalfSpace => "half-space",
             Self::TriangleMesh => "triangle mesh",
             Self::Compound => "compound",
+            Self::BakedMesh => "baked mesh",
+            Self::HeightField => "height field",
+            Self::Rough => "rough field",
+            Self::Terrain => "terrain",
         }
     }
 
-    /// The floor's collider. Panics if parry refuses the triangle mesh.
+    /// The ground, if it is not the plane y = 0. Panics if the terrain was not loaded.
+    fn relief(self) -> Option<&'static Relief> {
+        match self {
+            Self::Rough => Some(Relief::rough()),
+            Self::Terrain => Some(terrain().expect("the terrain was loaded")),
+            _ => None,
+        }
+    }
+
+    /// Greatest height where bodies fall, and the least one.
+    pub fn heights(self) -> [f32; 2] {
+        self.relief().map_or([0.0; 2], |relief| [relief.top, relief.lowest])
+    }
+
+    /// Depth of the deepest point of a body below the floor; on a plane negative above it.
+    pub fn depth(self, model: &Model, pose: &Pose) -> f32 {
+        match self.relief() {
+            Some(relief) => relief.depth(model, pose),
+            None => model.depth_below_origin(pose.rotation) - pose.translation.y,
+        }
+    }
+
+    /// The floor's collider. Panics if parry refuses the triangle mesh, or the terrain was not
+    /// loaded.
     pub fn collider(self, way: Way) -> ColliderBuilder {
         let down = Vector::new(0.0, -0.5, 0.0);
         match self {
@@ -55,6 +104,23 @@ impl Floor {
                     |i: i32| (Pose::translation((i % 3 - 1) as f32 * 4.0, -0.5, (i / 3 - 1) as f32 * 4.0), disc(way));
                 ColliderBuilder::new(SharedShape::new(Compound::new((0..9).map(place).collect())))
             }
+            Self::BakedMesh => {
+                let (vertices, triangles) = grid(20, 1.0);
+                let positions: Vec<[f32; 3]> = vertices.iter().map(|v| v.to_array()).collect();
+                ColliderBuilder::new(sheets::shape(&sheets::mesh(&positions, &triangles), way))
+            }
+            Self::HeightField => {
+                let flat = Heights::new([20, 20], [-10.0; 2], [1.0; 2], Diagonal::Rising, |_, _| 0.0);
+                match way {
+                    Way::Parry => {
+                        let (pose, shape) = flat.of_parry();
+                        ColliderBuilder::new(shape).position(pose)
+                    }
+                    Way::Shapes | Way::Dispatcher => ColliderBuilder::new(flat.surface().into()),
+                }
+            }
+            Self::Rough => Relief::rough().collider(way),
+            Self::Terrain => terrain().expect("the terrain was loaded").collider(way),
         }
     }
 }

@@ -120,8 +120,20 @@ fn imported(path: &Path, options: &ImportOptions) -> (String, Vec<PointSet>) {
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
     let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
     let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
-    let imported = import(&file, name, path, &source, options, &limits).unwrap_or_else(|error| panic!("{error}"));
+    let mut imported = import(&file, name, path, &source, options, &limits).unwrap_or_else(|error| panic!("{error}"));
+    imported.give_triangles();
     (name.to_owned(), imported.point_sets)
+}
+
+/// Vertices and triangles of a mesh file. Panics if the file cannot be read or imported.
+pub fn triangles(path: &Path) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for set in imported(path, &ImportOptions::DEFAULT).1 {
+        let first = positions.len() as u32;
+        positions.extend(set.positions);
+        triangles.extend(set.triangles.iter().map(|t| t.map(|corner| first + corner)));
+    }
+    (positions, triangles)
 }
 
 /// The bodies whose parts are the objects of the OBJ files in a folder, with `size` as the longest

@@ -57,7 +57,8 @@ impl Outcome {
 pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way, seconds: f32) -> Outcome {
     let mut world = way.world();
     world.insert_collider(floor.collider(way), None);
-    let height = model.depth_below_origin(rotation) + 0.5 * size;
+    let [top, lowest] = floor.heights();
+    let height = top + model.depth_below_origin(rotation) + 0.5 * size;
     // Off the edges of the triangle mesh and of the compound's parts.
     let at = Vector::new(0.31, height, 0.17);
     let body = RigidBodyBuilder::dynamic().pose(Pose::from_parts(at, rotation));
@@ -70,7 +71,7 @@ pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way
     for step in 0..steps {
         world.step();
         let body = &world.bodies[body];
-        below = model.depth_below_origin(*body.rotation()) - body.translation().y;
+        below = floor.depth(model, body.position());
         deepest = deepest.max(below);
         let energy = body.kinetic_energy() / body.mass() - world.gravity.y * body.center_of_mass().y;
         lasting[step as usize % LASTING] = energy;
@@ -84,7 +85,7 @@ pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way
     }
     let body = &world.bodies[body];
     let speed = body.linvel().length() + body.angvel().length() * size;
-    let lost = !(body.translation().y > -0.5 * size && deepest < 0.5 * size);
+    let lost = !(body.translation().y > lowest - 0.5 * size && deepest < 0.5 * size);
     Outcome { asleep_after: slept_at, lost, deepest, final_depth: below, gained, speed }
 }
 

@@ -7,130 +7,15 @@ use hullmap::Pack;
 use hullmap::glam::{DVec3, Quat};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_parry::compound;
-use hullmap_random::SplitMix64;
 use hullmap_testkit::packs::{bytes, point_set};
 use rapier3d::parry::shape::Compound;
 use rapier3d::prelude::*;
 
 use crate::model::{Model, prism};
 use crate::rest::STEP_SECONDS;
+use crate::slab::{Cut, HALF, corners};
+use crate::slab_sheet::{Form, colliders};
 use crate::way::Way;
-
-/// Half of the side of the square slab, in metres.
-const HALF: f64 = 4.0;
-
-/// Thickness of the slab, in metres.
-const THICKNESS: f64 = 0.5;
-
-/// How the slab is cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cut {
-    /// One hull.
-    Whole,
-    /// 8 × 8 cuboids.
-    Grid,
-    /// 64 convex parts, cut by random planes that lean by up to 30°.
-    Random,
-    /// The grid, with gaps of 1 µm.
-    Gaps,
-    /// The grid, with tops that differ by up to 1 µm.
-    Steps,
-    /// The grid, with parts that extend into their neighbours by 0.2 m, as those of a cover do.
-    Overlap,
-}
-
-impl Cut {
-    /// All cuts, in the order of the table.
-    pub const CUTS: [Self; 5] = [Self::Grid, Self::Random, Self::Gaps, Self::Steps, Self::Overlap];
-
-    /// Name in a table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Whole => "whole",
-            Self::Grid => "grid",
-            Self::Random => "random",
-            Self::Gaps => "gaps",
-            Self::Steps => "steps",
-            Self::Overlap => "overlap",
-        }
-    }
-
-    /// Corners of the parts of the slab, whose top is the plane y = 0.
-    pub fn parts(self) -> Vec<Vec<DVec3>> {
-        let slab = [DVec3::new(-HALF, -THICKNESS, -HALF), DVec3::new(HALF, 0.0, HALF)];
-        let mut rng = SplitMix64::new(16);
-        match self {
-            Self::Whole => vec![corners(slab)],
-            Self::Grid => grid(|_| (0.0, 0.0)),
-            Self::Gaps => grid(|_| (-0.5e-6, 0.0)),
-            Self::Steps => grid(|_| (0.0, rng.between(-1e-6, 1e-6))),
-            Self::Overlap => grid(|_| (0.2, 0.0)),
-            Self::Random => {
-                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-                let sides = |axis: DVec3| [(axis, slab[1].dot(axis)), (-axis, -slab[0].dot(axis))];
-                let mut parts = vec![axes.into_iter().flat_map(sides).collect::<Vec<_>>()];
-                while parts.len() < 64 {
-                    // The largest part is cut through its centre.
-                    let size = |part: &Vec<(DVec3, f64)>| extent(&vertices(part));
-                    let largest = (0..parts.len()).max_by(|a, b| size(&parts[*a]).total_cmp(&size(&parts[*b])));
-                    let part = parts.swap_remove(largest.unwrap_or(0));
-                    let found = vertices(&part);
-                    let centre = found.iter().sum::<DVec3>() / found.len() as f64;
-                    let angle = rng.between(0.0, std::f64::consts::PI);
-                    let normal = DVec3::new(angle.cos(), rng.between(-0.577, 0.577), angle.sin()).normalize();
-                    for normal in [normal, -normal] {
-                        parts.push(part.iter().copied().chain([(normal, normal.dot(centre))]).collect());
-                    }
-                }
-                parts.iter().map(|part| vertices(part)).collect()
-            }
-        }
-    }
-}
-
-fn extent(points: &[DVec3]) -> f64 {
-    let far = |p: &DVec3| points.iter().map(|q| p.distance(*q)).fold(0.0, f64::max);
-    points.iter().map(far).fold(0.0, f64::max)
-}
-
-fn corners([low, high]: [DVec3; 2]) -> Vec<DVec3> {
-    let pick = |i: usize, k: usize| if i >> k & 1 == 0 { low[k] } else { high[k] };
-    (0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))).collect()
-}
-
-/// 8 × 8 cuboids. `change` returns how far the sides of one are moved outwards, and its top up.
-fn grid(mut change: impl FnMut(usize) -> (f64, f64)) -> Vec<Vec<DVec3>> {
-    let cell = 2.0 * HALF / 8.0;
-    let part = |i: usize| {
-        let (grow, rise) = change(i);
-        let low = DVec3::new((i % 8) as f64 * cell - HALF, -THICKNESS, (i / 8) as f64 * cell - HALF);
-        let high = low + DVec3::new(cell, THICKNESS, cell);
-        let sideways = DVec3::new(grow, 0.0, grow);
-        let within = |p: DVec3| p.clamp(DVec3::splat(-HALF), DVec3::splat(HALF));
-        corners([within(low - sideways), within(high + sideways) + DVec3::new(0.0, rise, 0.0)])
-    };
-    (0..64).map(part).collect()
-}
-
-/// Vertices of the intersection of half-spaces (outward normal, offset), by solving all triples.
-fn vertices(planes: &[(DVec3, f64)]) -> Vec<DVec3> {
-    let mut found: Vec<DVec3> = Vec::new();
-    for (i, (n, d)) in planes.iter().enumerate() {
-        for (j, (m, e)) in planes.iter().enumerate().skip(i + 1) {
-            for (o, f) in &planes[j + 1..] {
-                let determinant = n.dot(m.cross(*o));
-                if determinant.abs() < 1e-9 {
-                    continue;
-                }
-                let p = (*d * m.cross(*o) + *e * o.cross(*n) + *f * n.cross(*m)) / determinant;
-                if planes.iter().all(|(n, d)| n.dot(p) <= d + 1e-9) && found.iter().all(|q| q.distance(p) > 1e-7) {
-                    found.push(p);
-                }
-            }
-        }
-    }
-    found
-}
 
 /// The union of convex parts, as one shape. Panics if a part cannot be baked, or parry rejects it.
 pub fn union(parts: &[Vec<DVec3>], way: Way) -> SharedShape {
@@ -257,6 +142,8 @@ impl Slider {
 /// A slide: slab, slope, body.
 #[derive(Clone, Copy, Debug)]
 pub struct Slide {
+    /// What the slab is made of.
+    pub form: Form,
     /// Cuts of the slab.
     pub cut: Cut,
     /// Slope of the slab along x, in degrees.
@@ -278,9 +165,6 @@ impl Slide {
     /// Runs the slide for `seconds`, and returns each step.
     pub fn run(&self, way: Way, seconds: f32) -> Vec<Moment> {
         let slope = Quat::from_rotation_z(-self.degrees.to_radians());
-        // The parts are baked as they lie on the slope, so that they are rounded there.
-        let turn = |p: &DVec3| slope.as_dquat() * *p;
-        let parts: Vec<Vec<DVec3>> = self.cut.parts().iter().map(|part| part.iter().map(turn).collect()).collect();
         let (rolls, flat) = (self.slider.rolls(), self.degrees == 0.0);
         // Sliding bodies are fast enough on the flat to cross several parts, and slow on the slope.
         let friction = if rolls {
@@ -292,8 +176,17 @@ impl Slide {
         };
         let speed = if flat { 3.0 } else { 0.5 };
         let mut world = way.world();
-        let slab = ColliderBuilder::new(union(&parts, way)).friction(friction);
-        world.insert_collider(slab, None);
+        let slab = |shape: SharedShape| ColliderBuilder::new(shape).friction(friction);
+        if self.form == Form::Hulls {
+            // The parts are baked as they lie on the slope, so that they are rounded there.
+            let turn = |p: &DVec3| slope.as_dquat() * *p;
+            let parts: Vec<Vec<DVec3>> = self.cut.parts().iter().map(|part| part.iter().map(turn).collect()).collect();
+            world.insert_collider(slab(union(&parts, way)), None);
+        } else {
+            for shape in colliders(self.form, self.cut, slope, way) {
+                world.insert_collider(slab(shape), None);
+            }
+        }
         let velocity = slope * Vector::new(speed, 0.0, 0.11 * speed);
         let spin = if rolls { slope * Vector::new(0.22 * speed, 0.0, -2.0 * speed) } else { Vector::ZERO };
         let heading = if self.slider == Slider::TurnedBox { Quat::from_rotation_y(0.52) } else { Quat::IDENTITY };

@@ -3,9 +3,9 @@
 // One of the two precisions makes each cast a no-op.
 #![allow(clippy::unnecessary_cast)]
 
-use hullmap::glam::DVec3;
+use hullmap::glam::{DQuat, DVec3};
 
-use super::parry::math::{Real, Vector};
+use super::parry::math::{Pose, Real, Rotation, Vector};
 
 /// A vector in f64. Exact.
 #[inline]
@@ -29,4 +29,16 @@ pub(super) fn real(x: f64) -> Real {
 #[inline]
 pub(super) fn double(x: Real) -> f64 {
     x as f64
+}
+
+/// A pose in f64; `None` if it is not finite, or too far away.
+pub(super) fn wide_pose(pose: &Pose) -> Option<hullmap::Pose> {
+    let rotation = DQuat::from_array(pose.rotation.to_array().map(double));
+    hullmap::Pose::new(wide(pose.translation), rotation).ok()
+}
+
+/// A pose in parry's precision, rounded.
+pub(super) fn narrow_pose(pose: &hullmap::Pose) -> Pose {
+    let rotation = Rotation::from_array(pose.rotation().to_array().map(real));
+    Pose::from_parts(narrow(pose.translation()), rotation)
 }

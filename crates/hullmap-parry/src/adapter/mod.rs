@@ -18,6 +18,7 @@ mod ray;
 mod saved;
 mod shape;
 mod support;
+mod surface;
 
 pub use baked_hull::{BakedHull, PartMass};
 #[cfg(feature = "dispatcher")]
@@ -25,3 +26,4 @@ pub use dispatcher::HullDispatcher;
 pub use objects::{Object, compound, objects, union};
 #[cfg(feature = "serde")]
 pub use saved::{Packs, SavedHull, SavedShape, SavedShapeError, is_custom};
+pub use surface::{BakedSurface, JoinError, Sheet, SurfaceTile};

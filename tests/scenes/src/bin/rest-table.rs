@@ -12,6 +12,7 @@ use clap::Parser;
 use hullmap_scenes::floor::Floor;
 use hullmap_scenes::model::{Model, generated, mesh, meshes};
 use hullmap_scenes::pit::Pit;
+use hullmap_scenes::relief::load_terrain;
 use hullmap_scenes::rest::{Outcome, STEP_SECONDS, drop, rotations};
 use hullmap_scenes::stack::stand;
 use hullmap_scenes::way::Way;
@@ -46,6 +47,9 @@ struct Arguments {
     /// Only floors whose name contains this
     #[arg(long, default_value = "")]
     floor: String,
+    /// Mesh file of a scanned body, whose relief is the floor "terrain"
+    #[arg(long)]
+    terrain: Option<PathBuf>,
     /// Also prisms of 3 to 500 sides, alone and in stacks of ten
     #[arg(long)]
     stacks: bool,
@@ -84,8 +88,15 @@ fn main() {
         found.into_iter().filter(|model| model.name.contains(&arguments.body)).collect()
     };
     let (large, small) = (models(1.0), models(0.1));
-    let mut rows: Vec<(String, Floor, f32, &[Model])> =
-        Floor::ALL.iter().map(|floor| (floor.name().to_owned(), *floor, 1.0, large.as_slice())).collect();
+    if let Some(path) = &arguments.terrain {
+        load_terrain(path);
+    }
+    let is_known = |floor: &&Floor| **floor != Floor::Terrain || arguments.terrain.is_some();
+    let mut rows: Vec<(String, Floor, f32, &[Model])> = Floor::ALL
+        .iter()
+        .filter(is_known)
+        .map(|floor| (floor.name().to_owned(), *floor, 1.0, large.as_slice()))
+        .collect();
     rows.push(("cuboid, bodies of 0.1 m".to_owned(), Floor::Cuboid, 0.1, small.as_slice()));
     rows.retain(|row| row.0.contains(&arguments.floor));
     let turns = rotations(arguments.seed, arguments.orientations);

@@ -96,7 +96,7 @@ pub(super) fn solve<M, C: Default + Copy>(
     true
 }
 
-fn settings(prediction: Real) -> ManifoldSettings {
+pub(super) fn settings(prediction: Real) -> ManifoldSettings {
     ManifoldSettings { prediction: Prediction::Length(double(prediction)), ..ManifoldSettings::default() }
 }
 
@@ -130,7 +130,7 @@ fn write<M, C: Default + Copy>(kept: &Manifold, placement: &Placement, out: &mut
     }
 }
 
-fn packed(feature: FeatureId) -> PackedFeatureId {
+pub(super) fn packed(feature: FeatureId) -> PackedFeatureId {
     match feature {
         FeatureId::Vertex(vertex) => vertex_id(vertex),
         FeatureId::Edge(start, end) => edge_id(start, end),

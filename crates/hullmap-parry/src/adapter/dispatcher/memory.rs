@@ -26,12 +26,12 @@ impl WorkspaceData for Memory {
     }
 }
 
-impl Memory {
-    /// The memory in `workspace`, which is replaced if it is missing or of another type.
-    pub(super) fn in_workspace(workspace: &mut Option<ContactManifoldsWorkspace>) -> Option<&mut Self> {
-        if workspace.as_ref().is_none_or(|found| found.0.downcast_ref::<Self>().is_none()) {
-            *workspace = Some(ContactManifoldsWorkspace(Box::new(Self::default())));
-        }
-        workspace.as_mut()?.0.downcast_mut()
+/// The memory of type `T` in `workspace`, which is replaced if it is missing or of another type.
+pub(super) fn in_workspace<T: WorkspaceData + Default>(
+    workspace: &mut Option<ContactManifoldsWorkspace>,
+) -> Option<&mut T> {
+    if workspace.as_ref().is_none_or(|found| found.0.downcast_ref::<T>().is_none()) {
+        *workspace = Some(ContactManifoldsWorkspace(Box::new(T::default())));
     }
+    workspace.as_mut()?.0.downcast_mut()
 }

@@ -1,16 +1,24 @@
-//! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull.
+//! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull or a
+//! surface.
 
+mod body;
 mod cast;
+mod compound_union;
 mod manifold;
 mod memory;
+mod motion;
+mod nearby;
 mod nearest;
 mod pair;
 mod part_dispatcher;
 mod patches;
 mod persistent;
 mod primitive;
+mod surface_cast;
+mod surface_manifold;
+mod surface_pair;
 
-use hullmap::{Cache, Settings, Status};
+use hullmap::{Cache, Settings};
 
 use super::BakedHull;
 use super::convert::real;
@@ -22,17 +30,28 @@ use super::parry::query::{
 };
 use super::parry::shape::Shape;
 use nearest::contact_of;
-use pair::{HullPair, Local, on_pair, pair};
+use pair::{HullPair, closest_points, on_pair, pair};
+use surface_pair::surface_pair;
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
-/// [`BakedHull`].
+/// [`BakedHull`] or a [`BakedSurface`](super::BakedSurface).
 ///
 /// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment or
 /// triangle, and against parry's rounded versions of these. parry splits compounds, triangle
 /// meshes, height fields and voxels into their parts, and hullmap solves the parts. All other pairs
 /// go to parry's [`DefaultQueryDispatcher`], and so do half-spaces, for which parry has a closed
 /// form. Contact manifolds with half-spaces are hullmap's.
-/// hullmap solves shape casts without rotation; parry solves those with rotation.
+///
+/// hullmap solves a surface against a hull, one of these primitives, or a compound of them. Against
+/// other shapes, parry splits the surface into its triangles.
+///
+/// Casts with rotation are hullmap's for these shapes, for compounds of them, and for half-spaces:
+/// [`cast_motion`](hullmap::cast_motion()). The time is the lower end of a proven interval, rounded
+/// down: until then, the shapes surely do not meet, and no body passes through another. Its status
+/// is `Converged` if they are then as near as the tolerance asks, 1e-6 of the sum of their radii;
+/// `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and `Failed`
+/// after rounding error: then it is open whether they meet. Shapes that meet at the start, and are
+/// not to stop there, are judged by parry's rule.
 ///
 /// In Rapier, set it once:
 ///
@@ -79,6 +98,9 @@ impl QueryDispatcher for HullDispatcher {
             let found = on_pair!(pair, a, b => hullmap::intersects(a, b, placement.b_in_a, &mut Cache::new()));
             return Ok(found.is_hit().into());
         }
+        if let Some(pair) = surface_pair(pos12, shape1, shape2) {
+            return Ok(pair.intersects().into());
+        }
         if let Some(composite) = shape1.as_composite_shape() {
             return Ok(default::intersection_test_composite_shape_shape(self, pos12, composite, shape2));
         }
@@ -100,6 +122,9 @@ impl QueryDispatcher for HullDispatcher {
             let found = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, &mut Cache::new()));
             return Ok(real(found.distance).into());
         }
+        if let Some((found, _)) = surface_pair(pos12, shape1, shape2).and_then(|pair| pair.distance()) {
+            return Ok(real(found.distance).into());
+        }
         if let Some(composite) = shape1.as_composite_shape() {
             return Ok(default::distance_composite_shape_shape(self, pos12, composite, shape2));
         }
@@ -117,13 +142,12 @@ impl QueryDispatcher for HullDispatcher {
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
         if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
-            let found = contact_of(&pair, &placement, &Settings::default());
-            let dist = real(found.dist);
-            // NaN takes the failing branch.
-            let near = dist <= prediction;
-            let Local { points: [p1, p2], normals: [n1, n2] } =
-                placement.local(found.point_a, found.point_b, found.normal);
-            return Ok(near.then(|| Contact::new(p1, p2, n1, n2, dist)));
+            return Ok(contact_of(&pair, &placement, &Settings::default()).contact(&placement, prediction));
+        }
+        if let Some(pair) = surface_pair(pos12, shape1, shape2)
+            && let Some((found, _)) = pair.nearest()
+        {
+            return Ok(found.contact(&pair.placement, prediction));
         }
         if let Some(field) = shape1.as_heightfield() {
             return Ok(default::contact_heightfield_shape(self, pos12, field, shape2, prediction));
@@ -150,12 +174,12 @@ impl QueryDispatcher for HullDispatcher {
         if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
             let settings = Settings::default();
             let found = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, &mut Cache::new()));
-            if matches!(found.status, Status::Overlapping | Status::Touching) {
-                return Ok(ClosestPoints::Intersecting);
-            }
-            let Local { points: [p1, p2], .. } = placement.local(found.point_a, found.point_b, found.normal);
-            let near = real(found.distance) <= max_dist;
-            return Ok(if near { ClosestPoints::WithinMargin(p1, p2) } else { ClosestPoints::Disjoint });
+            return Ok(closest_points(&found, &placement, max_dist));
+        }
+        if let Some(pair) = surface_pair(pos12, shape1, shape2)
+            && let Some((found, _)) = pair.distance()
+        {
+            return Ok(closest_points(&found, &pair.placement, max_dist));
         }
         if let Some(composite) = shape1.as_composite_shape() {
             return Ok(default::closest_points_composite_shape_shape(self, pos12, composite, shape2, max_dist));
@@ -176,6 +200,11 @@ impl QueryDispatcher for HullDispatcher {
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
         if let Some(found) = pair(pos12, shape1, shape2)
             && let Some(answer) = cast::cast(&found, local_vel12, &options)
+        {
+            return Ok(answer);
+        }
+        if let Some(pair) = surface_pair(pos12, shape1, shape2)
+            && let Some(answer) = surface_cast::cast(&pair, local_vel12, &options)
         {
             return Ok(answer);
         }
@@ -214,7 +243,8 @@ impl QueryDispatcher for HullDispatcher {
         DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
     }
 
-    /// parry's algorithm, which uses the support mapping of hulls.
+    /// By hullmap for convex shapes that it knows, compounds of them, surfaces and half-spaces. The
+    /// time is the lower end of a proven interval: until then, the shapes surely do not meet.
     fn cast_shapes_nonlinear(
         &self,
         motion1: &NonlinearRigidMotion,
@@ -225,14 +255,41 @@ impl QueryDispatcher for HullDispatcher {
         end_time: Real,
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        DefaultQueryDispatcher.cast_shapes_nonlinear(
-            motion1,
-            shape1,
-            motion2,
-            shape2,
-            start_time,
-            end_time,
-            stop_at_penetration,
-        )
+        let window = [start_time, end_time];
+        if let Some(answer) = motion::cast(self, [(shape1, motion1), (shape2, motion2)], window, stop_at_penetration) {
+            return Ok(answer);
+        }
+        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
+        Ok(match (composite1, composite2) {
+            (Some(composite), _) => default::cast_shapes_nonlinear_composite_shape_shape(
+                self,
+                motion1,
+                composite,
+                motion2,
+                shape2,
+                start_time,
+                end_time,
+                stop_at_penetration,
+            ),
+            (None, Some(composite)) => default::cast_shapes_nonlinear_shape_composite_shape(
+                self,
+                motion1,
+                shape1,
+                motion2,
+                composite,
+                start_time,
+                end_time,
+                stop_at_penetration,
+            ),
+            (None, None) => DefaultQueryDispatcher.cast_shapes_nonlinear(
+                motion1,
+                shape1,
+                motion2,
+                shape2,
+                start_time,
+                end_time,
+                stop_at_penetration,
+            )?,
+        })
     }
 }

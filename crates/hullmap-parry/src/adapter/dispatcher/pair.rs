@@ -1,12 +1,13 @@
 //! A pair of parry's shapes that hullmap solves, and the conversion of answers to parry's frames.
 
-use hullmap::Pose;
-use hullmap::glam::{DQuat, DVec3};
+use hullmap::glam::DVec3;
 use hullmap::shapes::HalfSpace;
+use hullmap::{Distance, Pose, Status};
 
-use super::super::convert::{narrow, wide};
+use super::super::convert::{narrow, real, wide, wide_pose};
 use super::super::parry;
-use super::super::parry::math::Vector;
+use super::super::parry::math::{Real, Vector};
+use super::super::parry::query::ClosestPoints;
 use super::super::parry::shape::Shape;
 use super::BakedHull;
 use super::primitive::Primitive;
@@ -85,20 +86,19 @@ pub(super) fn plane<'s>(
 }
 
 /// The placement of A and B for parry's relative pose.
-fn placement(pos12: &parry::math::Pose, flipped: bool) -> Option<Placement> {
-    let second_in_first = pose(pos12)?;
+pub(super) fn placement(pos12: &parry::math::Pose, flipped: bool) -> Option<Placement> {
+    let second_in_first = wide_pose(pos12)?;
     let b_in_a = if flipped { second_in_first.inverse() } else { second_in_first };
     Some(Placement { b_in_a, flipped })
 }
 
-/// A pose in f64; `None` if it is not finite.
-pub(super) fn pose(pose: &parry::math::Pose) -> Option<Pose> {
-    Pose::new(wide(pose.translation), quaternion(pose)).ok()
-}
-
-#[allow(clippy::unnecessary_cast, reason = "one of the two precisions makes the cast a no-op")]
-fn quaternion(pose: &parry::math::Pose) -> DQuat {
-    DQuat::from_array(pose.rotation.to_array().map(|component| component as f64))
+/// parry's closest points of a pair with this distance.
+pub(super) fn closest_points(found: &Distance, placement: &Placement, max_dist: Real) -> ClosestPoints {
+    if matches!(found.status, Status::Overlapping | Status::Touching) {
+        return ClosestPoints::Intersecting;
+    }
+    let Local { points: [p1, p2], .. } = placement.local(found.point_a, found.point_b, found.normal);
+    if real(found.distance) <= max_dist { ClosestPoints::WithinMargin(p1, p2) } else { ClosestPoints::Disjoint }
 }
 
 impl Placement {

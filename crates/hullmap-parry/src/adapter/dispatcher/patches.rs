@@ -3,7 +3,7 @@
 //! A body on a triangle mesh or a compound has a manifold for each part. Rapier merges manifolds
 //! with nearly the same normal. In every step, it picks four of their points anew: the deepest one,
 //! and others far from it. A smooth body rocks on these for ever. So this module picks four points
-//! before Rapier does, as for a single pair ([`choose`]), and removes the others.
+//! before Rapier does, as for a single pair ([`choose`]), and the others are removed.
 
 use hullmap::SupportMap as _;
 use hullmap::glam::{DVec2, DVec3};
@@ -15,7 +15,71 @@ use super::super::parry::query::ContactManifold;
 use super::BakedHull;
 
 /// Cosine of the angle up to which normals count as one, as in Rapier.
-const SAME_NORMAL: f64 = 0.996;
+pub(super) const SAME_NORMAL: f64 = 0.996;
+
+/// A contact point, in the frame of the body.
+#[derive(Clone, Copy)]
+pub(super) struct PatchPoint {
+    pub(super) place: DVec3,
+    pub(super) normal: DVec3,
+    pub(super) depth: f64,
+}
+
+/// The body that the points support.
+#[derive(Clone, Copy)]
+pub(super) struct Supported {
+    /// Where its weight acts, approximately.
+    pub(super) center: DVec3,
+    /// Radius of a ball around the centre that contains it.
+    pub(super) radius: f64,
+}
+
+/// Which points stay: at most four for each normal. `before` are the places of the last step, in
+/// the frame of the body.
+pub(super) fn thinned(points: &[PatchPoint], before: &[DVec3], body: Supported, prediction: Real) -> Vec<bool> {
+    let (mut stays, mut is_done) = (vec![false; points.len()], vec![false; points.len()]);
+    for first in 0..points.len() {
+        let Some(normal) = points.get(first).map(|point| point.normal) else { break };
+        let group: Vec<(usize, PatchPoint)> = points
+            .iter()
+            .copied()
+            .enumerate()
+            .skip(first)
+            .filter(|(i, point)| is_done.get(*i) == Some(&false) && point.normal.dot(normal) >= SAME_NORMAL)
+            .collect();
+        for (i, _) in &group {
+            is_done.get_mut(*i).into_iter().for_each(|done| *done = true);
+        }
+        let side = normal.any_orthonormal_vector();
+        let over = |p: DVec3| DVec2::new(p.dot(side), p.dot(normal.cross(side)));
+        let spots: Vec<Spot> =
+            group.iter().map(|(_, point)| Spot { at: over(point.place), depth: point.depth }).collect();
+        let mut last = Choice::default();
+        for old in before {
+            let apart = |point: &PatchPoint| point.place.distance(*old);
+            let nearest = group.iter().enumerate().min_by(|(_, (_, p)), (_, (_, q))| apart(p).total_cmp(&apart(q)));
+            let same = nearest.filter(|(_, (_, point))| apart(point) <= SAME_PLACE * body.radius);
+            same.into_iter().for_each(|(index, _)| last.push(index));
+        }
+        let choice = choose(&spots, over(body.center), SLIGHT * double(prediction), Some(last));
+        for index in choice.indices() {
+            if let Some(stay) = group.get(*index).and_then(|(i, _)| stays.get_mut(*i)) {
+                *stay = true;
+            }
+        }
+    }
+    stays
+}
+
+/// Which points stay of a ball: the deepest one for each normal.
+pub(super) fn deepest(points: &[PatchPoint]) -> Vec<bool> {
+    let is_deeper = |(i, other): (usize, &PatchPoint), (j, point): (usize, &PatchPoint)| {
+        let comes_first = other.depth > point.depth || other.depth == point.depth && i < j;
+        comes_first && other.normal.dot(point.normal) >= SAME_NORMAL
+    };
+    let stays = |found| !points.iter().enumerate().any(|other| is_deeper(other, found));
+    points.iter().enumerate().map(stays).collect()
+}
 
 /// A body that has several manifolds.
 pub(super) struct Body<'b> {
@@ -25,14 +89,9 @@ pub(super) struct Body<'b> {
 }
 
 impl Body<'_> {
-    fn normal<M, C>(&self, manifold: &ContactManifold<M, C>) -> DVec3 {
-        wide(if self.is_second { manifold.local_n2 } else { manifold.local_n1 })
-    }
-
     /// The points in the body's frame.
     pub(super) fn points<M, C>(&self, manifolds: &[ContactManifold<M, C>]) -> Vec<DVec3> {
-        let points = manifolds.iter().flat_map(|manifold| &manifold.points);
-        points.map(|point| wide(if self.is_second { point.local_p2 } else { point.local_p1 })).collect()
+        places(manifolds, self.is_second)
     }
 
     /// Leaves at most four points for each normal. `before` are the points of the last step.
@@ -40,44 +99,23 @@ impl Body<'_> {
         if manifolds.iter().filter(|manifold| !manifold.points.is_empty()).count() < 2 {
             return;
         }
-        let mut is_done = vec![false; manifolds.len()];
-        for first in 0..manifolds.len() {
-            let Some(normal) = manifolds.get(first).map(|manifold| self.normal(manifold)) else { break };
-            let group: Vec<usize> = (first..manifolds.len())
-                .filter(|i| is_done.get(*i) == Some(&false))
-                .filter(|i| {
-                    manifolds.get(*i).is_some_and(|m| !m.points.is_empty() && self.normal(m).dot(normal) >= SAME_NORMAL)
-                })
-                .collect();
-            for &i in &group {
-                is_done.get_mut(i).into_iter().for_each(|done| *done = true);
-            }
-            let side = normal.any_orthonormal_vector();
-            let over = |p: DVec3| DVec2::new(p.dot(side), p.dot(normal.cross(side)));
-            let (mut spots, mut places) = (Vec::new(), Vec::new());
-            for manifold in group.iter().filter_map(|i| manifolds.get(*i)) {
-                places.extend(self.points(std::slice::from_ref(manifold)));
-                spots.extend(manifold.points.iter().map(|point| -double(point.dist)));
-            }
-            let spots: Vec<Spot> =
-                spots.into_iter().zip(&places).map(|(depth, place)| Spot { at: over(*place), depth }).collect();
-            let mut last = Choice::default();
-            for old in before {
-                let apart = |place: &DVec3| place.distance(*old);
-                let nearest = places.iter().enumerate().min_by(|(_, p), (_, q)| apart(p).total_cmp(&apart(q)));
-                let same = nearest.filter(|(_, place)| apart(place) <= SAME_PLACE * self.hull.outer_radius());
-                same.into_iter().for_each(|(index, _)| last.push(index));
-            }
-            let center = over(self.hull.interior_point());
-            let choice = choose(&spots, center, SLIGHT * double(prediction), Some(last));
-            let mut index = 0;
-            for i in group {
-                let Some(manifold) = manifolds.get_mut(i) else { break };
-                manifold.points.retain(|_| {
-                    index += 1;
-                    choice.indices().contains(&(index - 1))
-                });
-            }
+        let mut points = Vec::new();
+        for manifold in manifolds.iter() {
+            let normal = wide(if self.is_second { manifold.local_n2 } else { manifold.local_n1 });
+            let own = places(std::slice::from_ref(manifold), self.is_second);
+            let depths = manifold.points.iter().map(|point| -double(point.dist));
+            points.extend(own.into_iter().zip(depths).map(|(place, depth)| PatchPoint { place, normal, depth }));
+        }
+        let body = Supported { center: self.hull.interior_point(), radius: self.hull.outer_radius() };
+        let mut stays = thinned(&points, before, body, prediction).into_iter();
+        for manifold in manifolds {
+            manifold.points.retain(|_| stays.next() == Some(true));
         }
     }
+}
+
+/// The points of manifolds on the body, in its frame.
+pub(super) fn places<M, C>(manifolds: &[ContactManifold<M, C>], is_second: bool) -> Vec<DVec3> {
+    let points = manifolds.iter().flat_map(|manifold| &manifold.points);
+    points.map(|point| wide(if is_second { point.local_p2 } else { point.local_p1 })).collect()
 }

@@ -7,10 +7,12 @@ use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConst
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
 use super::manifold::{hardly_moved, solve, update, update_plane};
-use super::memory::Memory;
+use super::memory::{Memory, in_workspace};
 use super::pair::{pair, plane};
 use super::part_dispatcher::PartDispatcher;
 use super::patches::Body;
+use super::surface_manifold::SurfaceMemory;
+use super::surface_pair::surface_pair;
 use super::{BakedHull, HullDispatcher};
 
 impl<M, C> PersistentQueryDispatcher<M, C> for HullDispatcher
@@ -36,6 +38,12 @@ where
             return update_one(pos12, manifolds, workspace, |memory, manifold| {
                 update_plane(&found, prediction, &mut memory.manifold, manifold);
             });
+        }
+        if let Some(pair) = surface_pair(pos12, shape1, shape2)
+            && let Some(memory) = in_workspace::<SurfaceMemory>(workspace)
+        {
+            memory.update(pos12, &pair, prediction, manifolds);
+            return Ok(());
         }
         let split = Split { pos12, shapes: [shape1, shape2], prediction };
         if !split.has_parts() {
@@ -99,7 +107,7 @@ where
     manifolds.resize_with(1, ContactManifold::new);
     let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
     if !hardly_moved(pos12, manifold)
-        && let Some(memory) = Memory::in_workspace(workspace)
+        && let Some(memory) = in_workspace::<Memory>(workspace)
     {
         update(memory, manifold);
     }

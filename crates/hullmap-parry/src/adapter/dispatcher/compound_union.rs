@@ -1,0 +1,82 @@
+//! A compound of parry's as hullmap's union of parts, for the correction of normals at internal
+//! edges.
+
+use hullmap::compound::seams::{Neighbour, Union, face_of, faces_of_hull, faces_of_shape};
+use hullmap::glam::DVec3;
+
+use super::super::convert::{narrow, real, wide_pose};
+use super::super::parry::bounding_volume::Aabb;
+use super::super::parry::math::Vector;
+use super::super::parry::shape::{Compound, Shape};
+use super::BakedHull;
+use super::manifold::PartOf;
+use super::primitive::Primitive;
+
+/// Relative allowance for rounding a point to parry's precision.
+const ROUNDING: f64 = 1e-6;
+
+/// A compound of parry's, as a union of hullmap's shapes. Parts that hullmap has no shape for are
+/// left out.
+pub(super) struct CompoundUnion<'c>(&'c Compound);
+
+impl<'c> CompoundUnion<'c> {
+    /// The union of the parts of a shape; `None` if it has fewer than two.
+    pub(super) fn of(shape: &'c dyn Shape) -> Option<Self> {
+        shape.as_shape::<Compound>().filter(|compound| compound.shapes().len() > 1).map(Self)
+    }
+
+    /// The part with this index, and its pose in the frame of the compound.
+    pub(super) fn part(&self, part: usize) -> Option<PartOf<'_>> {
+        let (place, _) = self.0.shapes().get(part)?;
+        Some((self, part, wide_pose(place)?))
+    }
+
+    fn hull(&self, part: usize) -> Option<&BakedHull> {
+        self.0.shapes().get(part)?.1.as_shape::<BakedHull>()
+    }
+
+    fn primitive(&self, part: usize) -> Option<Primitive> {
+        Primitive::from_shape(&*self.0.shapes().get(part)?.1)
+    }
+}
+
+impl Union for CompoundUnion<'_> {
+    fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
+        let half = reach + ROUNDING * point.abs().max_element();
+        let near = Aabb::from_half_extents(narrow(point), Vector::splat(real(half)));
+        self.0.bvh().intersect_aabb(&near).any(|leaf| {
+            let index = leaf as usize;
+            let Some((_, _, place)) = self.part(index) else { return false };
+            if let Some(hull) = self.hull(index) {
+                return test(Neighbour { index, shape: hull, place });
+            }
+            self.primitive(index).is_some_and(|primitive| test(Neighbour { index, shape: primitive.shape(), place }))
+        })
+    }
+
+    fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
+        let (_, _, place) = self.part(part)?;
+        let local = place.inverse_transform_vector(dir);
+        let normal = match self.hull(part) {
+            Some(hull) => hull.face_normal(hull.face_towards(local)?)?,
+            None => face_of(self.primitive(part)?.shape(), local)?.0,
+        };
+        Some(place.transform_vector(normal))
+    }
+
+    fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
+        let Some((_, _, place)) = self.part(part) else { return };
+        let mut give =
+            |normal: DVec3, point: DVec3| visit(place.transform_vector(normal), place.transform_point(point));
+        if let Some(hull) = self.hull(part) {
+            let scale = hull.scale_factors();
+            faces_of_hull(hull.hull(), vertex, &mut |normal, point| {
+                if let Some(normal) = (normal / scale).try_normalize() {
+                    give(normal, point * scale);
+                }
+            });
+        } else if let Some(primitive) = self.primitive(part) {
+            faces_of_shape(primitive.shape(), &mut give);
+        }
+    }
+}

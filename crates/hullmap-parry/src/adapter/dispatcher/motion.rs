@@ -1,0 +1,438 @@
+//! Casts of shapes that move and turn, by hullmap's [`cast_motion`](hullmap::cast_motion()).
+//!
+//! # Steps
+//! 1. Search each pair of pieces, and the pieces on each tile of a surface, for the first meeting.
+//!    The time is the lower end of the proven interval.
+//! 2. A pair that meets at the start is a hit if the caller stops at penetrations. Otherwise,
+//!    parry's rule decides whether the shapes would pass through each other, and when. In any case,
+//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets
+//!    to the other side. On a surface, this is done for each triangle near the way.
+//!
+//! # Deviations
+//! parry advances along one direction until the separation there is zero, and ends at a miss if a
+//! bisection converges to the end: it misses grazing contacts, and those of shapes that turn far.
+
+use hullmap::glam::DVec3;
+use hullmap::shapes::{HalfSpace, Sphere};
+use hullmap::{Cache, CompoundCache, MotionSettings, RigidMotion, Shape as Convex, Status, TimeOfImpact, compound};
+
+use super::super::convert::{double, narrow, narrow_pose, real, wide, wide_pose};
+use super::super::parry;
+use super::super::parry::math::Real;
+use super::super::parry::query::details as default;
+use super::super::parry::query::details::NonlinearShapeCastMode;
+use super::super::parry::query::{NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
+use super::super::parry::shape::Shape;
+use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
+use super::body::{Piece, pieces};
+use super::nearby::{Ball, first_hit};
+
+/// A meeting that is less than this after the start counts as one at the start, as in parry. In the
+/// unit of time of the motions.
+const AT_START: f64 = 1e-5;
+
+/// Radius of the core of a body, as a part of that of the largest ball inside.
+const CORE: f64 = 0.5;
+
+/// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
+const SURFACE_QUERIES: u32 = 4_000;
+
+/// Number of balls that cover the way of a body on a surface.
+const BALLS: u32 = 16;
+
+/// Allowance for rounding when the ways of two pieces are compared, relative to the lengths.
+const SLACK: f64 = 1e-9;
+
+/// A body in motion.
+enum Body<'s> {
+    Pieces(Vec<Piece<'s>>),
+    Surface(&'s BakedSurface),
+    Plane(HalfSpace),
+}
+
+impl<'s> Body<'s> {
+    /// `None` for a shape that hullmap does not solve.
+    fn of(shape: &'s dyn Shape) -> Option<Self> {
+        if let Some(surface) = shape.as_shape::<BakedSurface>() {
+            return Some(Self::Surface(surface));
+        }
+        if let Some(plane) = shape.as_shape::<parry::shape::HalfSpace>() {
+            return Some(Self::Plane(HalfSpace::new(wide(plane.normal), 0.0).ok()?));
+        }
+        pieces(shape).map(Self::Pieces)
+    }
+}
+
+/// The first meeting of two bodies in a window of parry's time. The outer `None` is for pairs that
+/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule asks
+/// `dispatcher` for distances and contacts.
+pub(super) fn cast(
+    dispatcher: &dyn QueryDispatcher,
+    [(shape1, motion1), (shape2, motion2)]: [(&dyn Shape, &NonlinearRigidMotion); 2],
+    window: [Real; 2],
+    stop_at_penetration: bool,
+) -> Option<Option<ShapeCastHit>> {
+    let new = |motions| Cast::new(dispatcher, motions, window, stop_at_penetration);
+    let swapped = |found: Option<ShapeCastHit>| found.map(ShapeCastHit::swapped);
+    let (in_order, flipped) = ([motion1, motion2], [motion2, motion1]);
+    match (Body::of(shape1)?, Body::of(shape2)?) {
+        (Body::Pieces(a), Body::Pieces(b)) => new(in_order)?.of_pieces(&a, &b),
+        (Body::Surface(a), Body::Pieces(b)) => new(in_order)?.of_surface(a, &b),
+        (Body::Plane(a), Body::Pieces(b)) => new(in_order)?.of_plane(&a, &b),
+        (Body::Pieces(b), Body::Surface(a)) => new(flipped)?.of_surface(a, &b).map(swapped),
+        (Body::Pieces(b), Body::Plane(a)) => new(flipped)?.of_plane(&a, &b).map(swapped),
+        _ => None,
+    }
+}
+
+/// A cast of A and B.
+struct Cast<'m> {
+    dispatcher: &'m dyn QueryDispatcher,
+    of_parry: [&'m NonlinearRigidMotion; 2],
+    /// The same in the window, over the times 0 to 1.
+    motions: [Windowed; 2],
+    window: [Real; 2],
+    stop_at_penetration: bool,
+}
+
+/// A motion of parry's in a window of its time.
+#[derive(Clone, Copy)]
+struct Windowed {
+    /// The pose at the start of the window.
+    start: hullmap::Pose,
+    linear: DVec3,
+    angular: DVec3,
+    /// The point about which the body turns, at the start.
+    center: DVec3,
+}
+
+impl Windowed {
+    fn new(motion: &NonlinearRigidMotion, [start_time, end_time]: [f64; 2]) -> Option<Self> {
+        let start = wide_pose(&motion.start)?;
+        let center = start.transform_point(wide(motion.local_center));
+        let (linear, angular) = (wide(motion.linvel), wide(motion.angvel));
+        let (at, length) = (start_time, end_time - start_time);
+        let before = RigidMotion::screw(start, linear * at, angular * at, center).ok()?;
+        let start = if at == 0.0 { start } else { before.at(1.0) };
+        Some(Self { start, linear: linear * length, angular: angular * length, center: center + linear * at })
+    }
+
+    /// The motion of a piece of the body, which is at `place` in it.
+    fn of(&self, place: hullmap::Pose) -> Option<RigidMotion> {
+        RigidMotion::screw(self.start.compose(place).ok()?, self.linear, self.angular, self.center).ok()
+    }
+
+    /// Upper bound of the length of the way of a point that is at `point` at some time, at which
+    /// the centre of the rotation is `center`.
+    fn way(&self, point: DVec3, center: DVec3) -> f64 {
+        self.linear.length() + self.angular.length() * point.distance(center)
+    }
+
+    /// A ball that contains a ball of the body around `point` during a share of the motion around
+    /// the time `t`: its centre, and by how much it is larger.
+    fn ball(&self, motion: &RigidMotion, point: DVec3, [start, end]: [f64; 2]) -> (DVec3, f64) {
+        let middle = 0.5 * (start + end);
+        let place = motion.at(middle).transform_point(point);
+        (place, 0.5 * (end - start) * self.way(place, self.center + self.linear * middle))
+    }
+}
+
+/// A convex shape in motion.
+struct Mover<'p> {
+    shape: &'p dyn Convex,
+    of_parry: &'p dyn Shape,
+    /// parry's motion of the shape, and its pose in the body.
+    motion_of_parry: NonlinearRigidMotion,
+    pose: parry::math::Pose,
+    /// The same in f64.
+    place: hullmap::Pose,
+    motion: RigidMotion,
+    subshape: u32,
+}
+
+impl<'m> Cast<'m> {
+    fn new(
+        dispatcher: &'m dyn QueryDispatcher,
+        of_parry: [&'m NonlinearRigidMotion; 2],
+        window: [Real; 2],
+        stop_at_penetration: bool,
+    ) -> Option<Self> {
+        let times = window.map(double);
+        // NaN takes the failing branch.
+        if !(times[0] <= times[1]) {
+            return None;
+        }
+        let [a, b] = of_parry;
+        let motions = [Windowed::new(a, times)?, Windowed::new(b, times)?];
+        Some(Self { dispatcher, of_parry, motions, window, stop_at_penetration })
+    }
+
+    fn mover<'p>(&self, side: usize, piece: &'p Piece<'p>) -> Option<Mover<'p>> {
+        let (windowed, of_parry) = (self.motions.get(side)?, self.of_parry.get(side)?);
+        Some(Mover {
+            shape: piece.shape(),
+            of_parry: piece.of_parry,
+            motion_of_parry: of_parry.prepend(piece.pose),
+            pose: piece.pose,
+            place: piece.place,
+            motion: windowed.of(piece.place)?,
+            subshape: piece.subshape,
+        })
+    }
+
+    fn of_pieces(&self, a: &[Piece<'_>], b: &[Piece<'_>]) -> Option<Option<ShapeCastHit>> {
+        let movers = |side: usize, pieces: &'_ [Piece<'_>]| -> Option<Vec<(DVec3, f64)>> {
+            let ball = |piece: &Piece<'_>| {
+                let (shape, windowed) = (piece.shape(), self.motions.get(side)?);
+                let (center, way) = windowed.ball(&windowed.of(piece.place)?, shape.interior_point(), [0.0, 1.0]);
+                Some((center, way + shape.outer_radius()))
+            };
+            pieces.iter().map(ball).collect()
+        };
+        let (balls_a, balls_b) = (movers(0, a)?, movers(1, b)?);
+        let mut first = None;
+        for (piece_a, ball_a) in a.iter().zip(&balls_a) {
+            for (piece_b, ball_b) in b.iter().zip(&balls_b) {
+                let (apart, reach) = (ball_a.0.distance(ball_b.0), ball_a.1 + ball_b.1);
+                // Written so that a NaN would not skip the pair.
+                if apart > reach + SLACK * (reach + ball_a.0.length() + ball_b.0.length()) {
+                    continue;
+                }
+                let (a, b) = (self.mover(0, piece_a)?, self.mover(1, piece_b)?);
+                add(&mut first, self.of_convex(&a, &b));
+            }
+        }
+        Some(first)
+    }
+
+    /// The first meeting of two convex shapes.
+    fn of_convex(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
+        let (settings, cache) = (MotionSettings::default(), &mut Cache::new());
+        let found = hullmap::cast_motion(a.shape, &a.motion, b.shape, &b.motion, &settings, cache);
+        if self.is_ignored(&found) { self.beyond_start(a, b) } else { self.hit(&found, [a.subshape, b.subshape]) }
+    }
+
+    fn of_surface(&self, surface: &BakedSurface, pieces: &[Piece<'_>]) -> Option<Option<ShapeCastHit>> {
+        let mut first = None;
+        let settings = MotionSettings { max_iterations: SURFACE_QUERIES, ..MotionSettings::default() };
+        for tile in surface.tiles() {
+            let motion = self.motions[0].of(tile.place())?;
+            for piece in pieces {
+                let (b, cache) = (self.mover(1, piece)?, &mut CompoundCache::new(16));
+                let found = on_sheet!(tile, sheet => {
+                    compound::cast_motion(sheet, &motion, b.shape, &b.motion, &settings, cache)
+                });
+                if self.is_ignored(&found.answer) {
+                    add(&mut first, self.beyond_start_on(tile, &motion, &b));
+                } else {
+                    add(&mut first, self.hit(&found.answer, [tile.subshape(found.hulls[0]), b.subshape]));
+                }
+            }
+        }
+        Some(first)
+    }
+
+    fn of_plane(&self, plane: &HalfSpace, pieces: &[Piece<'_>]) -> Option<Option<ShapeCastHit>> {
+        let (mut first, motion) = (None, self.motions[0].of(hullmap::Pose::IDENTITY)?);
+        for piece in pieces {
+            let b = self.mover(1, piece)?;
+            let found = plane.cast_motion(&motion, b.shape, &b.motion, &MotionSettings::default());
+            if self.is_ignored(&found) {
+                add(&mut first, self.beyond_start_of_plane(plane, &motion, &b));
+            } else {
+                add(&mut first, self.hit(&found, [0, b.subshape]));
+            }
+        }
+        Some(first)
+    }
+
+    /// Whether shapes meet at the start, and the caller does not stop there.
+    fn is_ignored(&self, found: &TimeOfImpact) -> bool {
+        let [start, end] = self.window.map(double);
+        !self.stop_at_penetration && found.hit && found.t_lower * (end - start) < AT_START
+    }
+
+    /// The first later hit of shapes that meet at the start: by parry's rule, or when the core of
+    /// one meets the other.
+    fn beyond_start(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
+        let mut core = self.of_core(b, 1, a);
+        add(&mut core, self.of_core(a, 0, b).map(ShapeCastHit::swapped));
+        let rule = self.by_rule(a, b);
+        // Rapier ignores hits at the start. It would let the shapes pass.
+        let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
+        if !(is_at_start && core.is_some()) {
+            add(&mut core, rule);
+        }
+        core
+    }
+
+    /// When the core of `body`, on this side, meets `other`: a ball in its middle, half as large as
+    /// the largest one inside. `None` if there is no ball, or it meets the other at the start. The
+    /// hit has `other` as its first shape.
+    fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
+        let radius = CORE * body.shape.inner_radius();
+        // NaN takes the failing branch.
+        if !(radius > 0.0) {
+            return None;
+        }
+        let middle = hullmap::Pose::from_translation(body.shape.interior_point()).ok()?;
+        let motion = self.motions.get(side)?.of(body.place.compose(middle).ok()?)?;
+        let (core, settings) = (Sphere::new(radius).ok()?, MotionSettings::default());
+        let found = hullmap::cast_motion(other.shape, &other.motion, &core, &motion, &settings, &mut Cache::new());
+        if self.is_ignored(&found) {
+            return None;
+        }
+        let hit = self.hit_between([1 - side, side], &found)?;
+        Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
+    }
+
+    /// parry's rule for shapes that meet at the start.
+    fn by_rule(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
+        let [start, end] = self.window;
+        let hit = default::cast_shapes_nonlinear_support_map_support_map(
+            self.dispatcher,
+            &a.motion_of_parry,
+            a.of_parry.as_support_map()?,
+            a.of_parry,
+            &b.motion_of_parry,
+            b.of_parry.as_support_map()?,
+            b.of_parry,
+            start,
+            end,
+            NonlinearShapeCastMode::directional_toi(a.of_parry, b.of_parry),
+        )?;
+        let hit = hit.transform1_by(&a.pose).swapped().transform1_by(&b.pose).swapped();
+        Some(ShapeCastHit { subshape1: a.subshape, subshape2: b.subshape, ..hit })
+    }
+
+    /// The first meeting with a triangle near the way.
+    fn beyond_start_on(&self, tile: &SurfaceTile, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
+        let [of_a, of_b] = self.motions;
+        let ball = |i: u32| {
+            let window = [i, i + 1].map(|i| f64::from(i) / f64::from(BALLS));
+            let (place, way) = of_b.ball(&b.motion, b.shape.interior_point(), window);
+            // The tile moves, too.
+            let middle = 0.5 * (window[0] + window[1]);
+            let own = 0.5 * (window[1] - window[0]) * of_a.way(place, of_a.center + of_a.linear * middle);
+            let turned = 1.0 + of_a.angular.length();
+            let center = motion.at(middle).inverse().transform_point(place);
+            Ball { center, radius: (b.shape.outer_radius() + way) * turned + own, start: window[0] }
+        };
+        let [_, end] = self.window.map(double);
+        let test = |index: usize, shape: &dyn Convex| {
+            let of_parry = tile.parry_triangle(index)?;
+            let pose = narrow_pose(&tile.place());
+            let a = Mover {
+                shape,
+                of_parry: &of_parry,
+                motion_of_parry: self.of_parry[0].prepend(pose),
+                pose,
+                place: tile.place(),
+                motion: *motion,
+                subshape: tile.subshape(index),
+            };
+            let hit = self.of_convex(&a, b)?;
+            Some((self.share(double(hit.time_of_impact).min(end)), hit))
+        };
+        first_hit(tile, (0..BALLS).map(ball), test).map(|(_, hit)| hit)
+    }
+
+    /// The first meeting after the shapes have separated; a hit at the start if they move together
+    /// there.
+    fn beyond_start_of_plane(&self, plane: &HalfSpace, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
+        let [of_a, of_b] = self.motions;
+        for i in 0..BALLS {
+            let t = f64::from(i) / f64::from(BALLS);
+            let (place, placed) = (motion.at(t), b.motion.at(t));
+            let b_in_a = hullmap::Pose::relative(place, placed).ok()?;
+            if !plane.intersects(b.shape, b_in_a).is_hit() {
+                let rest = |motion: &NonlinearRigidMotion| {
+                    let [start, end] = self.window.map(double);
+                    Windowed::new(motion, [start + (end - start) * t, end])
+                };
+                let [a, own] = [rest(self.of_parry[0])?, rest(&b.motion_of_parry)?];
+                let (a, own) = (a.of(hullmap::Pose::IDENTITY)?, own.of(hullmap::Pose::IDENTITY)?);
+                let found = plane.cast_motion(&a, b.shape, &own, &MotionSettings::default());
+                let later = |time: f64| t + (1.0 - t) * time;
+                let found = TimeOfImpact { t: later(found.t), t_lower: later(found.t_lower), ..found };
+                return self.hit(&found, [0, b.subshape]);
+            }
+            let contact = plane.contact(b.shape, b_in_a);
+            let normal = place.transform_vector(contact.normal);
+            let point = place.transform_point(contact.point_b);
+            let speed = |of: &Windowed| of.linear + of.angular.cross(point - (of.center + of.linear * t));
+            let approach = (speed(&of_a) - speed(&of_b)).dot(normal);
+            // As parry: by more than the shape is thick, the rest of the motion would pass through.
+            if approach * (1.0 - t) > b.shape.inner_radius() {
+                let (point_a, point_b) = (place.transform_point(contact.point_a), point);
+                let found = TimeOfImpact {
+                    status: Status::Overlapping,
+                    t,
+                    t_lower: t,
+                    normal,
+                    point_a,
+                    point_b,
+                    ..TimeOfImpact::default()
+                };
+                return self.hit(&found, [0, b.subshape]);
+            }
+        }
+        None
+    }
+
+    /// The start of the window.
+    fn start(&self) -> f64 {
+        double(self.window[0])
+    }
+
+    /// A time of parry's as a share of the window.
+    fn share(&self, time: f64) -> f64 {
+        let [start, end] = self.window.map(double);
+        if end > start { (time - start) / (end - start) } else { 0.0 }
+    }
+
+    /// parry's hit; `None` for a miss.
+    fn hit(&self, found: &TimeOfImpact, [subshape1, subshape2]: [u32; 2]) -> Option<ShapeCastHit> {
+        Some(ShapeCastHit { subshape1, subshape2, ..self.hit_between([0, 1], found)? })
+    }
+
+    /// The same for bodies on these sides.
+    fn hit_between(&self, sides: [usize; 2], found: &TimeOfImpact) -> Option<ShapeCastHit> {
+        if !found.hit {
+            return None;
+        }
+        let [start, end] = self.window.map(double);
+        let place = |side: usize| Some(self.motions.get(side)?.of(hullmap::Pose::IDENTITY)?.at(found.t_lower));
+        let (a, b) = (place(sides[0])?, place(sides[1])?);
+        let status = match found.status {
+            Status::Overlapping => ShapeCastStatus::PenetratingOrWithinTargetDist,
+            Status::IterationLimit => ShapeCastStatus::OutOfIterations,
+            Status::Stalled => ShapeCastStatus::Failed,
+            _ => ShapeCastStatus::Converged,
+        };
+        Some(ShapeCastHit {
+            time_of_impact: earlier(start + (end - start) * found.t_lower),
+            witness1: narrow(a.inverse().transform_point(found.point_a)),
+            witness2: narrow(b.inverse().transform_point(found.point_b)),
+            normal1: narrow(a.inverse_transform_vector(found.normal)),
+            normal2: narrow(b.inverse_transform_vector(-found.normal)),
+            status,
+            subshape1: 0,
+            subshape2: 0,
+        })
+    }
+}
+
+/// A time in parry's precision, rounded down: at a later one, the shapes may have met.
+fn earlier(time: f64) -> Real {
+    let rounded = real(time);
+    if double(rounded) > time { rounded.next_down() } else { rounded }
+}
+
+/// Keeps the first of two hits.
+fn add(first: &mut Option<ShapeCastHit>, hit: Option<ShapeCastHit>) {
+    let Some(hit) = hit else { return };
+    if first.as_ref().is_none_or(|first| hit.time_of_impact < first.time_of_impact) {
+        *first = Some(hit);
+    }
+}

@@ -1,0 +1,131 @@
+//! Linear shape casts of a surface and a body.
+//!
+//! # Steps
+//! 1. The first impact of all triangles and pieces.
+//! 2. If it is a contact at the start that is to be ignored, because the triangle and the piece
+//!    move apart: the body slides on the ground, and may meet other triangles. Then, cast on each
+//!    triangle near the way, by the rule for two convex shapes.
+
+use hullmap::compound::CompoundAnswer;
+use hullmap::glam::DVec3;
+use hullmap::shapes::Rounded;
+use hullmap::{Cache, CastSettings, CompoundCache, Impact, Motion, Settings, Shape, compound};
+
+use super::super::convert::wide;
+use super::super::parry::math::Vector;
+use super::super::parry::query::{ShapeCastHit, ShapeCastOptions};
+use super::super::surface::{Sheet, on_sheet};
+use super::cast::Cast;
+use super::nearby::{Ball, first_hit};
+use super::nearest::Nearest;
+use super::surface_pair::{Part, SurfacePair};
+
+/// Number of balls that cover the way of a body.
+const BALLS: u32 = 32;
+
+/// The first hit of a pair: arguments and answers as those of [`cast`](super::cast::cast).
+pub(super) fn cast(
+    pair: &SurfacePair<'_>,
+    velocity12: Vector,
+    options: &ShapeCastOptions,
+) -> Option<Option<ShapeCastHit>> {
+    let cast = Cast::new(pair.placement, velocity12, options);
+    let mut first: Option<(Impact, [u32; 2])> = None;
+    for part in pair.parts() {
+        let max_t = first.as_ref().map_or(cast.max_t, |(impact, _)| impact.t);
+        let found = part_cast(&cast, &part, max_t)?;
+        if cast.is_hit(&found.answer) && first.as_ref().is_none_or(|(impact, _)| found.answer.t < impact.t) {
+            first = Some((part.in_surface(&found.answer), part.subshapes(found.hulls[0])));
+        }
+    }
+    let Some((impact, subshapes)) = first else { return Some(None) };
+    if !cast.is_at_start(&impact) {
+        return Some(Some(pair.numbered(cast.hit(&impact), subshapes)));
+    }
+    let (contact, subshapes) = pair.nearest()?;
+    if let Some(hit) = cast.start(&contact, impact.t) {
+        return Some(Some(pair.numbered(hit, subshapes)));
+    }
+    let hits = pair.parts().filter_map(|part| beyond_start(pair, &cast, &part));
+    Some(hits.min_by(|a, b| a.time_of_impact.total_cmp(&b.time_of_impact)))
+}
+
+/// The first impact of a tile and a piece, in the frame of the tile; `None` for invalid numbers.
+fn part_cast(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, max_t: f64) -> Option<CompoundAnswer<Impact>> {
+    let motion = Motion::new(tile.place().inverse_transform_vector(cast.velocity)).ok()?;
+    let (settings, cache) = (CastSettings { max_t, ..CastSettings::default() }, &mut CompoundCache::new(1));
+    if !(cast.target > 0.0) {
+        return Some(on_sheet!(tile, sheet => compound::cast(sheet, piece.shape(), *b_in_a, motion, &settings, cache)));
+    }
+    let grown = Rounded::new(piece.shape(), cast.target).ok()?;
+    let found = on_sheet!(tile, sheet => compound::cast(sheet, &grown, *b_in_a, motion, &settings, cache));
+    Some(CompoundAnswer { answer: as_if_grown(found.answer, cast.target), ..found })
+}
+
+/// The impact on a grown body, as one of the body on a grown surface, which [`Cast::hit`] expects.
+fn as_if_grown(impact: Impact, target: f64) -> Impact {
+    let shift = impact.normal * target;
+    Impact { point_a: impact.point_a + shift, point_b: impact.point_b + shift, ..impact }
+}
+
+/// The first hit of a piece with a triangle that is not ignored.
+fn beyond_start(pair: &SurfacePair<'_>, cast: &Cast<'_>, part: &Part<'_>) -> Option<ShapeCastHit> {
+    let Part { tile, piece, b_in_a } = part;
+    let velocity = tile.place().inverse_transform_vector(cast.velocity);
+    let (shape, motion) = (piece.shape(), Motion::new(velocity).ok()?);
+    let test = |index: usize, triangle: &dyn Shape| {
+        let front = tile.front(index);
+        let center = b_in_a.transform_point(shape.interior_point());
+        let behind = front
+            .is_some_and(|front| !(front.dot(velocity) < 0.0) || front.dot(center - triangle.interior_point()) <= 0.0);
+        if behind {
+            return None;
+        }
+        let (impact, contact) = convex_cast(cast, (triangle, shape), *b_in_a, motion)?;
+        let hit = match contact {
+            Some(contact) => cast.start(&part.nearest_in_surface(contact), impact.t)?,
+            None => cast.hit(&part.in_surface(&impact)),
+        };
+        Some((impact.t, pair.numbered(hit, part.subshapes(index))))
+    };
+    first_hit(tile, way(cast, part, velocity), test).map(|(_, hit)| hit)
+}
+
+/// The first impact of a triangle and a convex shape, and their contact if it is at the start.
+fn convex_cast(
+    cast: &Cast<'_>,
+    (a, b): (&dyn Shape, &dyn Shape),
+    b_in_a: hullmap::Pose,
+    motion: Motion,
+) -> Option<(Impact, Option<Nearest>)> {
+    let (settings, cache) = (CastSettings { max_t: cast.max_t, ..CastSettings::default() }, &mut Cache::new());
+    let impact = if cast.target > 0.0 {
+        let grown = Rounded::new(b, cast.target).ok()?;
+        as_if_grown(hullmap::cast(a, &grown, b_in_a, motion, &settings, cache), cast.target)
+    } else {
+        hullmap::cast(a, b, b_in_a, motion, &settings, cache)
+    };
+    if !cast.is_hit(&impact) {
+        return None;
+    }
+    let contact = cast.is_at_start(&impact).then(|| Nearest::of(a, b, b_in_a, &Settings::default(), cache));
+    Some((impact, contact))
+}
+
+/// Balls that cover the way of a piece, until it is beyond the tile.
+fn way(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, velocity: DVec3) -> impl Iterator<Item = Ball> {
+    let shape = piece.shape();
+    let (center, radius) = (b_in_a.transform_point(shape.interior_point()), shape.outer_radius() + cast.target);
+    let [low, high] = [tile.bounds().mins, tile.bounds().maxs].map(wide);
+    let middle = tile.place().inverse().transform_point(0.5 * (low + high));
+    let farthest = middle.distance(center) + 0.5 * low.distance(high) + radius;
+    let (speed, max_t) = (velocity.length(), cast.max_t);
+    let end = if speed * max_t > farthest { farthest / speed } else { max_t };
+    // Without motion there is one ball.
+    let (count, end) = if speed > 0.0 { (BALLS, end) } else { (1, 0.0) };
+    let step = end / f64::from(count);
+    (0..count).map(move |i| {
+        let start = step * f64::from(i);
+        Ball { center: center + velocity * (start + 0.5 * step), radius: radius + 0.5 * speed * step, start }
+    })
+}

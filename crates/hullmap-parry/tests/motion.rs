@@ -1,0 +1,393 @@
+//! Casts of shapes that move and turn, against recursive subdivision with brute force in f64.
+#![cfg(feature = "dispatcher")]
+
+use std::sync::Arc;
+
+use hullmap::glam::{DQuat, DVec3};
+use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_parry::{BakedHull, BakedSurface, HullDispatcher};
+use hullmap_random::SplitMix64;
+use hullmap_testkit::gap::gap;
+use hullmap_testkit::packs;
+use hullmap_testkit::polytope::Polytope;
+use parry3d::math::{Pose, Vector};
+use parry3d::query::{DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
+use parry3d::shape::{Ball, Compound, Cuboid, HalfSpace, Shape, SharedShape};
+use shapes::families;
+
+/// The window in which shapes are cast.
+const WINDOW: [f32; 2] = [0.25, 1.25];
+
+/// Width of the intervals in which brute force does not look closer.
+const WIDTH: f64 = 1e-5;
+
+fn hull(points: &[[f32; 3]]) -> BakedHull {
+    BakedHull::new(Arc::new(packs::tree_pack(points)).shared_hull(0).unwrap())
+}
+
+fn polytope(points: &[[f32; 3]]) -> Polytope {
+    Polytope::new(&packs::tree_pack(points).hull(0).unwrap())
+}
+
+fn cuboid_points(half: [f32; 3]) -> Vec<[f32; 3]> {
+    (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -half[axis] } else { half[axis] })).collect()
+}
+
+fn cuboid(half: [f32; 3]) -> BakedHull {
+    hull(&cuboid_points(half))
+}
+
+fn turn(rng: &mut SplitMix64) -> DQuat {
+    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
+}
+
+/// A shape of parry's, and the solids that it is the union of.
+struct Body {
+    shape: SharedShape,
+    solids: Vec<Polytope>,
+}
+
+impl Body {
+    fn of_points(points: &[[f32; 3]]) -> Self {
+        Self { shape: hull(points).into(), solids: vec![polytope(points)] }
+    }
+
+    fn radius(&self) -> f64 {
+        self.solids.iter().map(Polytope::greatest).fold(0.0, f64::max)
+    }
+
+    fn cuboid(half: [f32; 3]) -> Self {
+        let shape = SharedShape::new(Cuboid::new(Vector::from_array(half)));
+        Self { shape, ..Self::of_points(&cuboid_points(half)) }
+    }
+
+    fn compound(seed: u64) -> Self {
+        let mut rng = SplitMix64::new(seed);
+        let (mut parts, mut solids) = (Vec::new(), Vec::new());
+        for part in 0..3 {
+            let points = families::rock(12, seed + part);
+            let at = Pose::from_parts(DVec3::from_array(rng.direction()).as_vec3(), turn(&mut rng).as_quat());
+            solids.push(polytope(&points).placed(wide(&at)));
+            parts.push((at, hull(&points).into()));
+        }
+        Self { shape: SharedShape::new(Compound::new(parts)), solids }
+    }
+
+    /// Triangles around the origin, in one tile or in two.
+    fn surface(seed: u64, tiles: usize) -> Self {
+        let mut rng = SplitMix64::new(seed);
+        let (mut surfaces, mut solids) = (Vec::new(), Vec::new());
+        for _ in 0..tiles {
+            let at = Pose::from_parts((DVec3::from_array(rng.direction()) * 0.5).as_vec3(), turn(&mut rng).as_quat());
+            let corner = |rng: &mut SplitMix64| (DVec3::from_array(rng.direction()) * 1.2).as_vec3().to_array();
+            let positions: Vec<[f32; 3]> = (0..12).map(|_| corner(&mut rng)).collect();
+            let corners: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            let triangles = Triangles { positions: &positions, corners: &corners, materials: &[] };
+            let file = write_triangle_mesh(bake_triangle_mesh(&triangles).unwrap(), &Default::default()).unwrap();
+            let mesh = hullmap::TriangleMesh::from_bytes(&file).unwrap();
+            surfaces.push((at, BakedSurface::new(Arc::new(mesh))));
+            let solid = |t: &[u32; 3]| polytope(&t.map(|corner| positions[corner as usize])).placed(wide(&at));
+            solids.extend(corners.iter().map(solid));
+        }
+        Self { shape: BakedSurface::joined(surfaces).unwrap().into(), solids }
+    }
+}
+
+fn wide(pose: &Pose) -> hullmap::Pose {
+    hullmap::Pose::from_f32(pose.translation, pose.rotation).unwrap()
+}
+
+/// The pose at a time, in f64, by the definition in parry's documents.
+fn at(motion: &NonlinearRigidMotion, t: f64) -> hullmap::Pose {
+    let start = wide(&motion.start);
+    let center = start.transform_point(motion.local_center.as_dvec3());
+    let turn = DQuat::from_scaled_axis(motion.angvel.as_dvec3() * t);
+    let place = center + motion.linvel.as_dvec3() * t + turn * (start.translation() - center);
+    hullmap::Pose::new(place, (turn * start.rotation()).normalize()).unwrap()
+}
+
+/// A pair in motion.
+struct Case<'c> {
+    bodies: [&'c Body; 2],
+    motions: [NonlinearRigidMotion; 2],
+}
+
+impl Case<'_> {
+    /// Distance of the solids at a time; 0 if they overlap.
+    fn apart(&self, t: f64) -> f64 {
+        let [a, b] = [0, 1].map(|side| {
+            let place = at(&self.motions[side], t);
+            self.bodies[side].solids.iter().map(|solid| solid.placed(place)).collect::<Vec<_>>()
+        });
+        let gaps = a.iter().flat_map(|a| b.iter().map(|b| gap(a, b).upper));
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the solids overlap at a time, as far as rounding error can tell.
+    fn overlaps(&self, t: f64) -> bool {
+        self.apart(t) < 1e-9
+    }
+
+    /// Upper bound of the speed at which the distance changes.
+    fn speed(&self) -> f64 {
+        let of = |side: usize| {
+            let motion = &self.motions[side];
+            let arm = motion.local_center.as_dvec3().length() + self.bodies[side].radius();
+            motion.linvel.as_dvec3().length() + motion.angvel.as_dvec3().length() * arm
+        };
+        of(0) + of(1)
+    }
+
+    /// A time until which the solids surely do not meet, and from which they may within [`WIDTH`];
+    /// `None` if they do not meet in the interval.
+    fn first(&self, speed: f64, [start, end]: [f64; 2]) -> Option<f64> {
+        let middle = 0.5 * (start + end);
+        let reach = 0.5 * (end - start) * speed;
+        if self.apart(middle) > reach {
+            return None;
+        }
+        if end - start < WIDTH {
+            return Some(start);
+        }
+        self.first(speed, [start, middle]).or_else(|| self.first(speed, [middle, end]))
+    }
+
+    fn cast(&self, dispatcher: &dyn QueryDispatcher, shapes: [&dyn Shape; 2]) -> Option<ShapeCastHit> {
+        let ([a, b], [motion_a, motion_b]) = (shapes, &self.motions);
+        dispatcher.cast_shapes_nonlinear(motion_a, a, motion_b, b, WINDOW[0], WINDOW[1], true).unwrap()
+    }
+
+    fn swapped(&self) -> Self {
+        Self { bodies: [self.bodies[1], self.bodies[0]], motions: [self.motions[1], self.motions[0]] }
+    }
+}
+
+/// What became of many casts.
+#[derive(Debug, Default)]
+struct Counts {
+    hits: usize,
+    misses: usize,
+    /// Meetings in which the solids overlap at a sample of brute force, and parry's algorithm finds
+    /// no hit, or a later one.
+    missed_by_parry: usize,
+    late_by_parry: usize,
+}
+
+/// Casts a pair, and judges the answers.
+fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
+    let window = WINDOW.map(f64::from);
+    let speed = case.speed();
+    let truth = case.first(speed, window);
+    for (case, flipped) in [(case, false), (&case.swapped(), true)] {
+        let shapes = [&*case.bodies[0].shape, &*case.bodies[1].shape];
+        let Some(hit) = case.cast(&HullDispatcher, shapes) else {
+            // A miss by at least what brute force leaves open.
+            if let Some(first) = truth {
+                let end = window[1];
+                let overlaps = (0..60).any(|i| case.overlaps(first + (end - first) * f64::from(i) / 60.0));
+                assert!(!overlaps && !case.overlaps(first + 0.5 * WIDTH), "{what}: missed at {first}");
+            }
+            counts.misses += usize::from(!flipped);
+            continue;
+        };
+        counts.hits += usize::from(!flipped);
+        let (time, first) = (f64::from(hit.time_of_impact), truth.unwrap_or_else(|| panic!("{what}: no hit")));
+        // Not later than the first meeting: brute force proves it up to `first`, and samples
+        // follow. And as near as the tolerance and rounding to f32 allow.
+        let samples = (0..20).map(|i| first + (time - first) * f64::from(i) / 20.0);
+        let is_late = time > first && time > window[0] && samples.into_iter().any(|t| case.overlaps(t));
+        assert!(!is_late, "{what}: {time} {first}");
+        let apart = case.apart(time);
+        let size = case.bodies.iter().map(|body| body.radius()).sum::<f64>();
+        assert!(apart < 4e-6 * size + 2e-7 * speed, "{what}: {apart} apart at {time}, {first}");
+        if time == window[0] {
+            assert_eq!(hit.status, ShapeCastStatus::PenetratingOrWithinTargetDist, "{what}");
+            continue;
+        }
+        assert_eq!(hit.status, ShapeCastStatus::Converged, "{what}");
+        let [a, b] = [0, 1].map(|side| at(&case.motions[side], time));
+        let apart = a.transform_point(hit.witness1.as_dvec3()).distance(b.transform_point(hit.witness2.as_dvec3()));
+        assert!(apart < 1e-4, "{what}: {apart} between the points");
+        let [n1, n2] = [a.transform_vector(hit.normal1.as_dvec3()), b.transform_vector(hit.normal2.as_dvec3())];
+        assert!((n1 + n2).length() < 1e-4 && (n1.length() - 1.0).abs() < 1e-4, "{what}: {n1} {n2}");
+        if flipped {
+            continue;
+        }
+        let of_parry = case.bodies.map(|body| body.shape.as_shape::<BakedHull>()?.to_convex_polyhedron());
+        if let [Some(a), Some(b)] = of_parry {
+            let theirs = case.cast(&DefaultQueryDispatcher, [&a, &b]);
+            let end = theirs.map_or(window[1], |hit| f64::from(hit.time_of_impact));
+            let overlaps = (0..60).any(|i| case.overlaps(time + (end - time) * f64::from(i) / 60.0));
+            counts.missed_by_parry += usize::from(theirs.is_none() && overlaps);
+            counts.late_by_parry += usize::from(theirs.is_some() && overlaps);
+        }
+    }
+}
+
+/// Random motions, most of which come near.
+fn motions(rng: &mut SplitMix64, spin: f64) -> [NonlinearRigidMotion; 2] {
+    let place = |rng: &mut SplitMix64, distance: f64| {
+        let turn = turn(rng).as_quat();
+        Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn)
+    };
+    let vector = |rng: &mut SplitMix64, length: f64| (DVec3::from_array(rng.direction()) * length).as_vec3();
+    let (a, b) = (place(rng, 0.1), place(rng, 4.0));
+    let aim = vector(rng, 2.0) - b.translation;
+    let still = NonlinearRigidMotion::new(a, vector(rng, 0.3), vector(rng, 0.3), vector(rng, 1.0));
+    [still, NonlinearRigidMotion::new(b, vector(rng, 0.4), aim, vector(rng, spin))]
+}
+
+#[test]
+fn hulls_meet_when_brute_force_says() {
+    let (a, b) = (Body::of_points(&families::rock(30, 1)), Body::of_points(&families::prism(8, 1)));
+    let (mut rng, mut counts) = (SplitMix64::new(1), Counts::default());
+    for case in 0..120 {
+        let motions = motions(&mut rng, 4.0);
+        judge(&format!("hulls, {case}"), &Case { bodies: [&a, &b], motions }, &mut counts);
+    }
+    println!("{counts:?}");
+    assert!(counts.hits >= 30 && counts.misses >= 10, "{counts:?}");
+}
+
+#[test]
+fn compounds_surfaces_and_primitives_meet_when_brute_force_says() {
+    let (rock, other) = (Body::of_points(&families::rock(12, 7)), Body::compound(6));
+    let mut rng = SplitMix64::new(2);
+    for (name, body) in [
+        ("cuboid", Body::cuboid([0.5, 0.8, 0.3])),
+        ("compound", Body::compound(3)),
+        ("surface", Body::surface(4, 1)),
+        ("two tiles", Body::surface(5, 2)),
+    ] {
+        let mut counts = Counts::default();
+        for case in 0..40 {
+            let motions = motions(&mut rng, 3.0);
+            let other = if case % 2 == 0 { &other } else { &rock };
+            judge(&format!("{name}, {case}"), &Case { bodies: [&body, other], motions }, &mut counts);
+        }
+        println!("{name}: {counts:?}");
+        assert!(counts.hits >= 8 && counts.misses >= 3, "{name}: {counts:?}");
+    }
+}
+
+/// Rods of 100:1 that turn by up to three turns beside a thin wall, and towards it.
+#[test]
+fn a_spinning_rod_does_not_pass_a_thin_wall() {
+    let (rod, wall) =
+        (Body::of_points(&cuboid_points([1.0, 0.01, 0.01])), Body::of_points(&cuboid_points([2.0, 0.005, 2.0])));
+    let (mut rng, mut counts) = (SplitMix64::new(3), Counts::default());
+    for case in 0..80 {
+        let place = Vector::new(0.3, rng.between(0.3, 1.3) as f32, 0.1);
+        let axis = DVec3::new(rng.between(-0.3, 0.3), rng.between(-0.3, 0.3), 1.0).normalize();
+        let spin = (axis * rng.between(1.0, 18.0)).as_vec3();
+        let fall = Vector::new(0.1, rng.between(-3.0, 0.1) as f32, 0.0);
+        let start = Pose::from_parts(place, turn(&mut rng).as_quat());
+        let motions = [
+            NonlinearRigidMotion::constant_position(Pose::IDENTITY),
+            NonlinearRigidMotion::new(start, Vector::ZERO, fall, spin),
+        ];
+        judge(&format!("rod, {case}"), &Case { bodies: [&wall, &rod], motions }, &mut counts);
+    }
+    println!("{counts:?}");
+    assert!(counts.hits >= 40 && counts.missed_by_parry + counts.late_by_parry > 0, "{counts:?}");
+}
+
+fn time(hit: Option<ShapeCastHit>) -> f32 {
+    hit.map_or(f32::INFINITY, |hit| hit.time_of_impact)
+}
+
+/// Half-spaces, which parry does not take: a rod and a ball that turn onto a floor.
+#[test]
+fn bodies_turn_onto_a_half_space() {
+    let floor = HalfSpace::new(Vector::Y);
+    let still = NonlinearRigidMotion::constant_position(Pose::IDENTITY);
+    let rod = cuboid([1.0, 0.01, 0.01]);
+    let quarter = std::f32::consts::FRAC_PI_2;
+    let turning = |height: f32| {
+        NonlinearRigidMotion::new(Pose::translation(0.0, height, 0.0), Vector::ZERO, Vector::ZERO, Vector::Z * quarter)
+    };
+    let cast = |a: &dyn Shape, motion_a: &NonlinearRigidMotion, b: &dyn Shape, motion_b: &NonlinearRigidMotion| {
+        time(HullDispatcher.cast_shapes_nonlinear(motion_a, a, motion_b, b, 0.0, 1.0, true).unwrap())
+    };
+    // The corner at (-1, -0.01) or (1, -0.01) reaches y = 0.
+    let angle = (0.6 / 1.0001_f64.sqrt()).asin() - 0.01_f64.atan();
+    for found in [cast(&floor, &still, &rod, &turning(0.6)), cast(&rod, &turning(0.6), &floor, &still)] {
+        assert!((f64::from(found) * std::f64::consts::FRAC_PI_2 - angle).abs() < 1e-5, "{found}");
+    }
+    assert_eq!(cast(&floor, &still, &rod, &turning(1.1)), f32::INFINITY);
+    let ball = Ball::new(0.25);
+    let swinging =
+        NonlinearRigidMotion::new(Pose::translation(1.0, 0.75, 0.0), Vector::NEG_X, Vector::ZERO, Vector::Z * -quarter);
+    let found = cast(&floor, &still, &ball, &swinging);
+    assert!((f64::from(found) * std::f64::consts::FRAC_PI_2 - 0.5_f64.asin()).abs() < 1e-5, "{found}");
+}
+
+/// Bodies that touch at the start.
+#[test]
+fn bodies_in_contact_stop_only_if_asked_to() {
+    let cube = cuboid([0.5; 3]);
+    let floor_points =
+        [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [4.0, 0.0, 9.0], [4.0, 0.0, -9.0], [4.0, 5.0, 9.0], [4.0, 5.0, -9.0]];
+    let mesh = |corners: &[[u32; 3]]| {
+        let triangles = Triangles { positions: &floor_points, corners, materials: &[] };
+        let file = write_triangle_mesh(bake_triangle_mesh(&triangles).unwrap(), &Default::default()).unwrap();
+        BakedSurface::new(Arc::new(hullmap::TriangleMesh::from_bytes(&file).unwrap()))
+    };
+    let floor = mesh(&[[0, 1, 2], [0, 2, 3]]);
+    let level = mesh(&[[0, 1, 2], [0, 2, 3], [2, 4, 5], [2, 5, 3]]);
+    let slab = cuboid([9.0, 1.0, 9.0]);
+    let (still, lower) = (
+        NonlinearRigidMotion::constant_position(Pose::IDENTITY),
+        NonlinearRigidMotion::constant_position(Pose::translation(0.0, -1.0, 0.0)),
+    );
+    let plane = HalfSpace::new(Vector::Y);
+    let sliding = |velocity: Vector| {
+        NonlinearRigidMotion::new(Pose::translation(0.0, 0.4999, 0.0), Vector::ZERO, velocity, Vector::ZERO)
+    };
+    let grounds: [(&str, &dyn Shape, &NonlinearRigidMotion, f32); 4] = [
+        ("floor", &floor, &still, f32::INFINITY),
+        ("level", &level, &still, 0.35),
+        ("slab", &slab, &lower, f32::INFINITY),
+        ("half-space", &plane, &still, f32::INFINITY),
+    ];
+    for (name, ground, motion, wall) in grounds {
+        for up in [0.0, 0.5] {
+            let body = sliding(Vector::new(10.0, up, 0.0));
+            let cast = |stop: bool, swapped: bool| {
+                let found = if swapped {
+                    HullDispatcher.cast_shapes_nonlinear(&body, &cube, motion, ground, 0.0, 1.0, stop)
+                } else {
+                    HullDispatcher.cast_shapes_nonlinear(motion, ground, &body, &cube, 0.0, 1.0, stop)
+                };
+                time(found.unwrap())
+            };
+            for swapped in [false, true] {
+                assert_eq!(cast(true, swapped), 0.0, "{name}");
+                let found = cast(false, swapped);
+                assert!(found == wall || (found - wall).abs() < 1e-4, "{name}, {up}: {found} {wall}");
+            }
+        }
+    }
+}
+
+/// Numbers that are not finite, and windows of no length.
+#[test]
+fn invalid_numbers_are_harmless() {
+    let (rock, surface) = (hull(&families::rock(12, 1)), Body::surface(1, 1).shape);
+    for bad in [f32::NAN, f32::INFINITY, 1e38] {
+        for [start, end] in [[0.0, bad], [bad, 1.0], [0.5, 0.5], [1.0, 0.0]] {
+            let motion = NonlinearRigidMotion::new(Pose::IDENTITY, Vector::ZERO, Vector::X, Vector::splat(bad));
+            let still = NonlinearRigidMotion::constant_position(Pose::translation(5.0, 0.0, 0.0));
+            let _ = HullDispatcher.cast_shapes_nonlinear(&still, &*surface, &still, &rock, start, end, true);
+            let _ = HullDispatcher.cast_shapes_nonlinear(
+                &motion,
+                &rock,
+                &still,
+                &HalfSpace::new(Vector::Y),
+                0.0,
+                1.0,
+                false,
+            );
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The slab of the slides, cut into convex parts in several ways.
+
+use hullmap::glam::DVec3;
+use hullmap_random::SplitMix64;
+
+/// Half of the side of the square slab, in metres.
+pub const HALF: f64 = 4.0;
+
+/// Thickness of the slab, in metres.
+pub const THICKNESS: f64 = 0.5;
+
+/// How the slab is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cut {
+    /// One hull.
+    Whole,
+    /// 8 × 8 cuboids.
+    Grid,
+    /// 64 convex parts, cut by random planes that lean by up to 30°.
+    Random,
+    /// The grid, with gaps of 1 µm.
+    Gaps,
+    /// The grid, with tops that differ by up to 1 µm.
+    Steps,
+    /// The grid, with parts that extend into their neighbours by 0.2 m, as those of a cover do.
+    Overlap,
+}
+
+impl Cut {
+    /// All cuts, in the order of the table.
+    pub const CUTS: [Self; 5] = [Self::Grid, Self::Random, Self::Gaps, Self::Steps, Self::Overlap];
+
+    /// Name in a table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Whole => "whole",
+            Self::Grid => "grid",
+            Self::Random => "random",
+            Self::Gaps => "gaps",
+            Self::Steps => "steps",
+            Self::Overlap => "overlap",
+        }
+    }
+
+    /// Corners of the parts of the slab, whose top is the plane y = 0.
+    pub fn parts(self) -> Vec<Vec<DVec3>> {
+        let slab = [DVec3::new(-HALF, -THICKNESS, -HALF), DVec3::new(HALF, 0.0, HALF)];
+        let mut rng = SplitMix64::new(16);
+        match self {
+            Self::Whole => vec![corners(slab)],
+            Self::Grid => grid(|_| (0.0, 0.0)),
+            Self::Gaps => grid(|_| (-0.5e-6, 0.0)),
+            Self::Steps => grid(|_| (0.0, rng.between(-1e-6, 1e-6))),
+            Self::Overlap => grid(|_| (0.2, 0.0)),
+            Self::Random => {
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+                let sides = |axis: DVec3| [(axis, slab[1].dot(axis)), (-axis, -slab[0].dot(axis))];
+                let mut parts = vec![axes.into_iter().flat_map(sides).collect::<Vec<_>>()];
+                while parts.len() < 64 {
+                    // The largest part is cut through its centre.
+                    let size = |part: &Vec<(DVec3, f64)>| extent(&vertices(part));
+                    let largest = (0..parts.len()).max_by(|a, b| size(&parts[*a]).total_cmp(&size(&parts[*b])));
+                    let part = parts.swap_remove(largest.unwrap_or(0));
+                    let found = vertices(&part);
+                    let centre = found.iter().sum::<DVec3>() / found.len() as f64;
+                    let angle = rng.between(0.0, std::f64::consts::PI);
+                    let normal = DVec3::new(angle.cos(), rng.between(-0.577, 0.577), angle.sin()).normalize();
+                    for normal in [normal, -normal] {
+                        parts.push(part.iter().copied().chain([(normal, normal.dot(centre))]).collect());
+                    }
+                }
+                parts.iter().map(|part| vertices(part)).collect()
+            }
+        }
+    }
+}
+
+fn extent(points: &[DVec3]) -> f64 {
+    let far = |p: &DVec3| points.iter().map(|q| p.distance(*q)).fold(0.0, f64::max);
+    points.iter().map(far).fold(0.0, f64::max)
+}
+
+/// Corners of a box.
+pub fn corners([low, high]: [DVec3; 2]) -> Vec<DVec3> {
+    let pick = |i: usize, k: usize| if i >> k & 1 == 0 { low[k] } else { high[k] };
+    (0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))).collect()
+}
+
+/// 8 × 8 cuboids. `change` returns how far the sides of one are moved outwards, and its top up.
+fn grid(mut change: impl FnMut(usize) -> (f64, f64)) -> Vec<Vec<DVec3>> {
+    let cell = 2.0 * HALF / 8.0;
+    let part = |i: usize| {
+        let (grow, rise) = change(i);
+        let low = DVec3::new((i % 8) as f64 * cell - HALF, -THICKNESS, (i / 8) as f64 * cell - HALF);
+        let high = low + DVec3::new(cell, THICKNESS, cell);
+        let sideways = DVec3::new(grow, 0.0, grow);
+        let within = |p: DVec3| p.clamp(DVec3::splat(-HALF), DVec3::splat(HALF));
+        corners([within(low - sideways), within(high + sideways) + DVec3::new(0.0, rise, 0.0)])
+    };
+    (0..64).map(part).collect()
+}
+
+/// Vertices of the intersection of half-spaces (outward normal, offset), by solving all triples.
+fn vertices(planes: &[(DVec3, f64)]) -> Vec<DVec3> {
+    let mut found: Vec<DVec3> = Vec::new();
+    for (i, (n, d)) in planes.iter().enumerate() {
+        for (j, (m, e)) in planes.iter().enumerate().skip(i + 1) {
+            for (o, f) in &planes[j + 1..] {
+                let determinant = n.dot(m.cross(*o));
+                if determinant.abs() < 1e-9 {
+                    continue;
+                }
+                let p = (*d * m.cross(*o) + *e * o.cross(*n) + *f * n.cross(*m)) / determinant;
+                if planes.iter().all(|(n, d)| n.dot(p) <= d + 1e-9) && found.iter().all(|q| q.distance(p) > 1e-7) {
+                    found.push(p);
+                }
+            }
+        }
+    }
+    found
+}
