@@ -278,8 +278,8 @@ typedef struct HullmapPack HullmapPack;
 // threads may share it. A hull, a compound and a triangle mesh keep their file open.
 typedef struct HullmapShape HullmapShape;
 
-// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may share
-// it.
+// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may
+// share it.
 typedef struct HullmapTriangleMesh HullmapTriangleMesh;
 
 // Text in UTF-8. It is not terminated, and may hold any character.
@@ -790,8 +790,8 @@ HullmapResult hullmap_pack_hull_arrays(const HullmapPack *pack,
                                        size_t hull,
                                        HullmapHullArrays *arrays);
 
-// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is copied
-// into memory and checked completely, so that no file can harm a later query.
+// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is
+// copied into memory and checked completely, so that no file can harm a later query.
 //
 // path: in UTF-8 on Windows, in the system's bytes elsewhere.
 HullmapResult hullmap_triangle_mesh_open(const char *path,
@@ -833,9 +833,9 @@ HullmapResult hullmap_shape_scaled_hull(const HullmapPack *pack,
 HullmapResult hullmap_shape_compound(const HullmapPack *pack,
                                      HullmapShape **shape);
 
-// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers have
-// the index of the triangle in place of that of a hull. It has no support points and no signed
-// distance.
+// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers
+// have the index of the triangle in place of that of a hull. It has no support points and no
+// signed distance.
 HullmapResult hullmap_shape_triangle_mesh(const HullmapTriangleMesh *mesh,
                                           HullmapShape **shape);
 
