@@ -47,6 +47,7 @@
 //! ```
 
 mod ground;
+pub(crate) mod walk;
 
 use std::path::Path;
 
@@ -57,7 +58,7 @@ use hullmap_format::{
     header::{FileKind, Header},
     height_field::{
         check,
-        pyramid::{Extent, Pyramid},
+        pyramid::{Cells, Extent, Pyramid},
         ranges::{self, EMPTY, Heights},
         sections::Sections,
     },
@@ -340,6 +341,13 @@ impl HeightField {
                 return Some([a.min(b).min(c), a.max(b).max(c)]);
             }
         };
+        self.box_of(cells, node)
+    }
+
+    /// Corners of the box around a rectangle of cells; `None` if all are holes. The heights are
+    /// those of this node of the tree, if they are stored.
+    #[inline]
+    fn box_of(&self, cells: Cells, node: u32) -> Option<[DVec3; 2]> {
         let [low, high] = match self.sections().ranges.get(node as usize) {
             Some(stored) => {
                 let [low, high] = stored.map(u16_le::to_native);
