@@ -19,5 +19,5 @@ pub use geometry::{Bounds, Pose, Quat, Vec3};
 pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
 pub use result::{ABI_VERSION, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result};
 pub use settings::{CastSettings, ManifoldSettings, Prediction, Settings};
-pub use sheet::{EdgeClass, MeshTriangle};
+pub use sheet::{Diagonal, EdgeClass, FieldLayout, Ground, MeshTriangle};
 pub use status::{Overlap, Status};
