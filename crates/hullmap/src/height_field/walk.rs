@@ -1,18 +1,20 @@
 //! Grid traversal: the triangles of a height field that a ray may meet, nearer ones first.
 //!
+//! A *patch* is a cell, or all cells of a node of the tree of height ranges. A *strip* is a column or
+//! a row of patches.
+//!
 //! # Steps
 //! 1. Clip the ray by the box around the field.
-//! 2. Choose the blocks to cross: the finest of which the ray crosses few. Blocks are cells, or
-//!    nodes of a level of the tree of height ranges.
-//! 3. Go from slab to slab of blocks, along the axis along which the ray crosses more of them. In a
-//!    slab, take the blocks that the ray may meet there.
-//! 4. Clip the ray by the box of each. If it meets the box of a node, cross the node's own blocks
-//!    in the same way. If it meets the box of a cell, visit its triangles.
+//! 2. Choose the patches to cross: the finest of which the ray crosses few.
+//! 3. Go from strip to strip, along the axis along which the ray crosses more of them. In a strip,
+//!    take the patches that the ray may meet there.
+//! 4. Clip the ray by the box of each. If it meets the box of a node, cross the patches inside in
+//!    the same way. If it meets the box of a cell, visit its triangles.
 //!
 //! # Deviations
 //! The traversals below step from cell to cell, where rounding may skip a cell that the ray only
-//! touches. Here a slab takes all blocks within a margin of the ray, so none is missed. Nodes at
-//! the same level need not have equally many cells.
+//! touches. Here a strip takes all patches within a margin of the ray, so none is missed. Patches
+//! of one level need not have equally many cells.
 //!
 //! # Reference
 //! Amanatides, Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987; Tevs, Ihrke, Seidel,
@@ -25,11 +27,11 @@ use hullmap_format::height_field::pyramid::{Cells, position_of, share};
 
 use super::HeightField;
 
-/// Number of blocks that the ray crosses in a row at most, if there are coarser ones. A block costs
-/// less than a level of blocks does.
+/// Number of patches that the ray crosses in a row at most, if there are coarser ones. A patch costs
+/// less than a level of patches does.
 const FEW: f64 = 16.0;
 
-/// Levels of the tree from blocks to the next finer ones: eight along each axis.
+/// Levels of the tree from patches to the next finer ones: eight along each axis.
 const LEVELS: u32 = 6;
 
 /// Number of a node that the tree does not have.
@@ -57,7 +59,7 @@ pub(crate) struct Walk<'f, V> {
 #[derive(Clone, Copy)]
 struct Axis {
     is_y: bool,
-    /// How many levels of the tree divide it into blocks; `None` for cells.
+    /// How many levels of the tree divide it into patches; `None` for cells.
     divisions: Option<u32>,
 }
 
@@ -102,7 +104,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         (span[0] <= span[1]).then_some(span)
     }
 
-    /// The level of the finest blocks of which the ray crosses few, and the axis along which it
+    /// The level of the finest patches of which the ray crosses few, and the axis along which it
     /// crosses more of them, then the other one. `above` is the level of the node that is crossed.
     #[inline]
     fn choose(&self, [enter, leave]: [f64; 2], above: Option<u32>) -> (Option<u32>, [Axis; 2]) {
@@ -133,28 +135,28 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
     /// Crosses a rectangle of cells: all of them, or those of a node of the level `above`.
     fn cross(&mut self, area: Cells, span: [f64; 2], above: Option<u32>) {
         let (level, [along, beside]) = self.choose(span, above);
-        let slabs = self.positions(along, area, span);
-        for slab in self.in_order(along, slabs) {
-            let cells = self.cells(along, slab);
-            let Some(part) = self.clip_slab(along, cells, span) else { continue };
+        let strips = self.positions(along, area, span);
+        for strip in self.in_order(along, strips) {
+            let cells = self.cells(along, strip);
+            let Some(part) = self.clip_strip(along, cells, span) else { continue };
             if !(part[0] <= self.reach) {
                 return;
             }
-            let blocks = self.positions(beside, area, part);
-            for block in self.in_order(beside, blocks) {
-                let ([x, y], cells) = (self.cells(beside, block), cells);
+            let patches = self.positions(beside, area, part);
+            for patch in self.in_order(beside, patches) {
+                let ([x, y], cells) = (self.cells(beside, patch), cells);
                 let cells = if along.is_y {
                     Cells { columns: [x, y], rows: cells }
                 } else {
                     Cells { columns: cells, rows: [x, y] }
                 };
-                let position = if along.is_y { [block, slab] } else { [slab, block] };
+                let position = if along.is_y { [patch, strip] } else { [strip, patch] };
                 self.enter(cells, level, position, part);
             }
         }
     }
 
-    /// Enters a block at a position among those of its level.
+    /// Enters a patch at a position among those of its level.
     #[inline]
     fn enter(&mut self, cells: Cells, level: Option<u32>, position: [u32; 2], span: [f64; 2]) {
         let field = self.field;
@@ -174,7 +176,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         }
     }
 
-    /// Positions of the first and the last block along an axis that a part of the ray may meet, of
+    /// Positions of the first and the last patch along an axis that a part of the ray may meet, of
     /// those in an area.
     #[inline]
     fn positions(&self, axis: Axis, area: Cells, [enter, leave]: [f64; 2]) -> [u32; 2] {
@@ -199,7 +201,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         (0..=last - first).map(move |step| if is_falling { last - step } else { first + step })
     }
 
-    /// Columns or rows of a block: the first, and the one after the last.
+    /// Columns or rows of a patch: the first, and the one after the last.
     #[inline]
     fn cells(&self, axis: Axis, position: u32) -> [usize; 2] {
         let [across, along] = self.field.layout.cells();
@@ -207,9 +209,9 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         axis.divisions.map_or([position as usize, position as usize + 1], |levels| share(count, levels, position))
     }
 
-    /// The part of the ray from `span` that is in a slab of columns or rows.
+    /// The part of the ray from `span` that is in a strip of columns or rows.
     #[inline]
-    fn clip_slab(&self, axis: Axis, [start, end]: [usize; 2], [enter, leave]: [f64; 2]) -> Option<[f64; 2]> {
+    fn clip_strip(&self, axis: Axis, [start, end]: [usize; 2], [enter, leave]: [f64; 2]) -> Option<[f64; 2]> {
         let layout = &self.field.layout;
         let (low, high, from, inverse) = if axis.is_y {
             (layout.y(start), layout.y(end), self.origin.y, self.inverse.y)
