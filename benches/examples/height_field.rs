@@ -100,8 +100,8 @@ fn body(vertices: usize, rng: &mut SplitMix64) -> Result<(Pack, parry3d::shape::
 fn rays(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::HeightField) -> Result<(), Failure> {
     println!("\n| rays | hullmap, field | hullmap, mesh | parry, field |\n|---|---|---|---|");
     let high = field.bounds()[1].z;
-    // A name, the height above the ground, or above the highest vertex, and the direction: sideways,
-    // and down.
+    // A name, the height above the ground or `None` for just below the highest vertex, and the
+    // direction: sideways, and down.
     let kinds = [
         ("from 10 m above, straight down", Some(10.0), [0.0, 1.0]),
         ("from 10 m above, 45 degrees", Some(10.0), [1.0, 1.0]),

@@ -36,8 +36,25 @@ pub fn small() -> Vec<Sample> {
         field("mostly holes", [12, 11], Diagonal::Falling, 0.9, &mut rng),
         field("wide", [31, 12], Diagonal::Falling, 0.0, &mut rng),
         field("tall", [7, 40], Diagonal::Rising, 0.1, &mut rng),
-        field("large", [33, 30], Diagonal::Falling, 0.1, &mut rng),
+        field("large", [21, 20], Diagonal::Falling, 0.1, &mut rng),
     ]
+}
+
+/// File `index` of the random series of `seed`: a rough floor, solids or a field, of 20 to 200
+/// triangles.
+pub fn drawn(seed: u64, index: u64) -> Sample {
+    let mut rng = SplitMix64::new(seed ^ index << 32);
+    let name = format!("drawn {index}");
+    let height = rng.unit();
+    match rng.below(4) {
+        0 => mesh_of(&name, ground(3 + rng.below(8), |_| height * rng.unit())),
+        1 => mesh_of(&name, tetrahedra(5 + rng.below(46))),
+        kind => {
+            let (columns, rows) = (3 + rng.below(9), 6 + rng.below(5));
+            let (diagonal, holes) = (Diagonal::ALL[kind - 2], 0.5 * height);
+            field(&name, [columns, rows], diagonal, holes, &mut rng)
+        }
+    }
 }
 
 /// The small file of this name. Panics if no file has this name.

@@ -33,7 +33,7 @@ use hullmap_tests::hostile::{
     after_help = "Example:\n  cargo run --release -p hullmap-programs --bin hostile-packs -- --flips 10000000 --seed 1 --threads 2"
 )]
 struct Arguments {
-    /// Number of bits to flip: all bits of the small files, then all bits of random packs
+    /// Number of bits to flip: all bits of the small files, then all bits of random ones
     #[arg(long, default_value_t = 10_000_000)]
     flips: usize,
     /// Seed of the random packs and changes
@@ -177,7 +177,10 @@ fn flips(small: &[Sample], arguments: &Arguments) {
         let sample = match small.get(files as usize) {
             Some(sample) => sample,
             None => {
-                drawn = samples::drawn(arguments.seed, files);
+                drawn = match arguments.files {
+                    Files::Sheets => sheets::drawn(arguments.seed, files),
+                    Files::All | Files::Packs => samples::drawn(arguments.seed, files),
+                };
                 &drawn
             }
         };
