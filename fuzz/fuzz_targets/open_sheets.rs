@@ -1,5 +1,5 @@
-//! Reads bytes as a triangle mesh and as a height field. Each must be rejected, or every query on it
-//! must end without a panic.
+//! Reads bytes as a triangle mesh and as a height field. Each must be rejected, or every query on
+//! it must end without a panic.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};

@@ -5,6 +5,8 @@ use crate::html::{escape, fill, link};
 const HEAD: &str = include_str!("page/head.html");
 const FOOT: &str = include_str!("page/foot.html");
 const STYLE: &str = include_str!("page/style.css");
+/// What the policy of a page with scripts allows, besides that of all pages.
+const SCRIPT_SOURCE: &str = include_str!("page/script-source.txt");
 const FAULTS: &str = include_str!("page/faults.js");
 
 /// A kind of page.
@@ -28,7 +30,7 @@ impl Page {
         let (script, script_source) = if self.scripts.is_empty() {
             (String::new(), "")
         } else {
-            ([&[FAULTS], self.scripts].concat().concat(), " script-src 'unsafe-inline';")
+            ([&[FAULTS], self.scripts].concat().concat(), SCRIPT_SOURCE)
         };
         let shared = [
             ("kind", self.kind),

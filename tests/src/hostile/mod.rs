@@ -1,4 +1,5 @@
-//! Hostile files: packs, triangle meshes and height fields that were changed and, in most cases, given a correct checksum again.
+//! Hostile files: packs, triangle meshes and height fields that were changed and, in most cases,
+//! given a correct checksum again.
 //!
 //! Requirement: such a file is rejected, or it opens and every query on it ends without a panic and
 //! without a read out of bounds. Answers may be wrong.

@@ -1,5 +1,5 @@
-//! Damaged (corrupted) packs, triangle meshes and height fields: each is rejected, or answers every query without a panic, a hang or a
-//! read out of bounds.
+//! Damaged (corrupted) packs, triangle meshes and height fields: each is rejected, or answers every
+//! query without a panic, a hang or a read out of bounds.
 //!
 //! 1. A changed, cut or lengthened file is rejected: the checksum covers every byte.
 //! 2. With a corrected checksum, it represents a malicious file. It is rejected, or it opens and

@@ -1,7 +1,7 @@
 //! Grid traversal: the triangles of a height field that a ray may meet, nearer ones first.
 //!
-//! A *patch* is a cell, or all cells of a node of the tree of height ranges. A *strip* is a column or
-//! a row of patches.
+//! A *patch* is a cell, or all cells of a node of the tree of height ranges. A *strip* is a column
+//! or a row of patches.
 //!
 //! # Steps
 //! 1. Clip the ray by the box around the field.
@@ -27,8 +27,8 @@ use hullmap_format::height_field::pyramid::{Cells, position_of, share};
 
 use super::HeightField;
 
-/// Number of patches that the ray crosses in a row at most, if there are coarser ones. A patch costs
-/// less than a level of patches does.
+/// Number of patches that the ray crosses in a row at most, if there are coarser ones. A patch
+/// costs less than a level of patches does.
 const FEW: f64 = 16.0;
 
 /// Levels of the tree from patches to the next finer ones: eight along each axis.

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::open::open;
 use crate::args::InspectArgs;
-use crate::commands::inspect::sheet::{FileDescription, Row, count_materials, list_materials};
 use crate::outcome::{Exit, Failure};
+use crate::sheet_description::{FileDescription, Row, count_materials, list_materials};
 use crate::table::grouped;
 use crate::terminal::{self, Output};
 

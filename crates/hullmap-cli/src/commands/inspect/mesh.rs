@@ -3,9 +3,9 @@
 use hullmap::TriangleMesh;
 use serde::Serialize;
 
-use super::sheet::{FileDescription, count_materials, list_materials};
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
+use crate::sheet_description::{FileDescription, count_materials, list_materials};
 use crate::table::{grouped, shortest};
 use crate::terminal::Output;
 use crate::triangle_mesh::{MeshSummary, t_junctions_of};

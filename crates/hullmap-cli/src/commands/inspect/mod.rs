@@ -1,7 +1,6 @@
 //! `bake inspect`: describes the hulls in packs, and triangle meshes.
 
 mod mesh;
-pub mod sheet;
 
 use hullmap::{Hull, IndexKind, Pack, SolidKind};
 use hullmap_bake::number::{percent, short};
