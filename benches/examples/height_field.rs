@@ -98,8 +98,18 @@ fn body(vertices: usize, rng: &mut SplitMix64) -> Result<(Pack, parry3d::shape::
 }
 
 fn rays(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::HeightField) -> Result<(), Failure> {
-    println!("\n| rays from 10 m above | hullmap, field | hullmap, mesh | parry, field |\n|---|---|---|---|");
-    for (name, slope) in [("straight down", 0.0), ("45 degrees", 1.0), ("along the ground", 20.0)] {
+    println!("\n| rays | hullmap, field | hullmap, mesh | parry, field |\n|---|---|---|---|");
+    let high = field.bounds()[1].z;
+    // A name, the height above the ground or `None` for just below the highest vertex, and the
+    // direction: sideways, and down.
+    let kinds = [
+        ("from 10 m above, straight down", Some(10.0), [0.0, 1.0]),
+        ("from 10 m above, 45 degrees", Some(10.0), [1.0, 1.0]),
+        ("from 10 m above, along the ground", Some(10.0), [20.0, 1.0]),
+        ("from 1 km above, 45 degrees", Some(1e3), [1.0, 1.0]),
+        ("level, 1 cm below the highest vertex", None, [1.0, 0.0]),
+    ];
+    for (name, above, [slope, down]) in kinds {
         let mut rng = SplitMix64::new(SEED);
         let rays: Vec<(DVec3, DVec3)> = (0..RAYS)
             .map(|_| {
@@ -107,7 +117,8 @@ fn rays(field: &HeightField, mesh: &TriangleMesh, other: &parry3d::shape::Height
                 let height = field.height_at(x, y).map_or(0.0, |ground| ground.height);
                 let [dx, dy, _] = rng.direction();
                 let side = DVec3::new(dx, dy, 0.0).normalize() * slope;
-                (DVec3::new(x, y, height + 10.0), side - DVec3::Z)
+                let z = above.map_or(high - 0.01, |above| height + above);
+                (DVec3::new(x, y, z), side - down * DVec3::Z)
             })
             .collect();
         let own: Vec<Ray> = rays.iter().map(|(origin, dir)| Ray::new(*origin, *dir)).collect::<Result<_, _>>()?;

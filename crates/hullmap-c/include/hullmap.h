@@ -3,9 +3,10 @@
 // Generated from crates/hullmap-c by cbindgen: do not edit. Licence: MIT OR Apache-2.0.
 //
 // A pack is a .hullmap file with one or more hulls, made by the command `bake`; a triangle mesh is a
-// .hullmesh file, a static level or terrain. A shape is a hull, a whole pack as a compound, a
-// triangle mesh, or a primitive. Queries take one shape or an ordered pair (A, B). Statements about
-// compounds below hold for triangle meshes, too, with triangles in place of hulls.
+// .hullmesh file, a static level; a height field is a .hullfield file, ground on a grid. A shape is a
+// hull, a whole pack as a compound, a triangle mesh, a height field, or a primitive. Queries take one
+// shape or an ordered pair (A, B). Statements about compounds below hold for triangle meshes and
+// height fields, too, with triangles in place of hulls.
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
 // Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
@@ -29,7 +30,7 @@
 // except batches, failures, and queries of compounds: with a cache or manifold the first one, and
 // without a cache each of them.
 //
-// Threads. Packs, meshes and shapes never change: any number of threads may use them at the same time.
+// Threads. Packs, meshes, height fields and shapes never change: any number of threads may use them.
 // A cache or a manifold is for one thread at a time; a call that finds it in use by another call
 // returns HULLMAP_RESULT_BUSY. A handle must not be freed while another thread uses it. Batches run
 // on a pool of threads, one for each core (or as many as the environment variable
@@ -175,7 +176,26 @@ typedef uint32_t HullmapFeatureKind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What an edge of a triangle of a mesh is, seen from the front: HullmapMeshTriangle.edge_classes.
+// The diagonal that divides each cell of a height field: HullmapFieldLayout.diagonal.
+enum HullmapDiagonal
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // From the vertex with the least x and y to that with the greatest.
+    HULLMAP_DIAGONAL_RISING = 0,
+    // From the greatest x and least y to the least x and greatest y.
+    HULLMAP_DIAGONAL_FALLING = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapDiagonal HullmapDiagonal;
+#else
+typedef uint32_t HullmapDiagonal;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What an edge of a triangle is, seen from the front: HullmapMeshTriangle.edge_classes.
 enum HullmapEdgeClass
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -267,6 +287,10 @@ typedef uint32_t HullmapSolid;
 // changes answers by no more than rounding error. One call at a time may use it.
 typedef struct HullmapCache HullmapCache;
 
+// An open height field: static ground whose heights are known on a grid. It never changes; threads
+// may share it.
+typedef struct HullmapHeightField HullmapHeightField;
+
 // The contact points of one ordered pair of shapes, kept from step to step. One call at a time may
 // use it.
 typedef struct HullmapManifold HullmapManifold;
@@ -274,12 +298,12 @@ typedef struct HullmapManifold HullmapManifold;
 // An open pack: a file with one or more hulls. It never changes; threads may share it.
 typedef struct HullmapPack HullmapPack;
 
-// A shape: a hull, a whole pack as a compound, a triangle mesh, or a primitive. It never changes;
-// threads may share it. A hull, a compound and a triangle mesh keep their file open.
+// A shape: a hull, a whole pack as a compound, a triangle mesh, a height field, or a primitive. It
+// never changes; threads may share it. A shape that comes from a file keeps it open.
 typedef struct HullmapShape HullmapShape;
 
-// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may share
-// it.
+// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may
+// share it.
 typedef struct HullmapTriangleMesh HullmapTriangleMesh;
 
 // Text in UTF-8. It is not terminated, and may hold any character.
@@ -410,21 +434,50 @@ typedef struct {
     size_t face_vertex_count;
 } HullmapHullArrays;
 
-// A triangle of a mesh. Edge i goes from corner i to the next one.
+// A triangle of a mesh or of a height field. Edge i goes from corner i to the next one.
 typedef struct {
-    // Its corners, counter-clockwise seen from the front.
+    // Its corners, counter-clockwise seen from the front, which is above for a field.
     HullmapVec3 corners[3];
-    // Indices of the corners among the vertices of the mesh.
+    // Indices of the corners among the vertices of the mesh. Of a field: row times columns plus
+    // column.
     uint32_t vertices[3];
     // The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
     uint32_t neighbours[3];
     // Classes of its edges: a HullmapEdgeClass each.
     uint32_t edge_classes[3];
-    // Its index in the mesh that was baked.
+    // Its index in the mesh that was baked; of a field, its own index.
     uint32_t source_triangle;
     // Its material; 0 without one.
     uint32_t material;
 } HullmapMeshTriangle;
+
+// The grid of a height field. Vertex (column, row) is at x = origin[0] + column times spacing[0],
+// and y = origin[1] + row times spacing[1]; heights are along z. Cell (column, row) has the index
+// i = row times (columns - 1) + column, and the triangles 2 i and 2 i + 1.
+typedef struct {
+    // Number of vertices along x, at least 2.
+    size_t columns;
+    // Number of vertices along y, at least 2.
+    size_t rows;
+    // x and y of the first vertex.
+    double origin[2];
+    // Distance of neighbouring vertices along x and along y.
+    double spacing[2];
+    // A HullmapDiagonal.
+    uint32_t diagonal;
+    // Number of cells that are holes. A hole has no triangles, but their indices are reserved.
+    size_t holes;
+} HullmapFieldLayout;
+
+// The ground of a height field at a point of the plane.
+typedef struct {
+    // z of the surface.
+    double height;
+    // Upward unit normal of the triangle.
+    HullmapVec3 normal;
+    // The triangle.
+    size_t triangle;
+} HullmapGround;
 
 // A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
 typedef struct {
@@ -790,8 +843,8 @@ HullmapResult hullmap_pack_hull_arrays(const HullmapPack *pack,
                                        size_t hull,
                                        HullmapHullArrays *arrays);
 
-// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is copied
-// into memory and checked completely, so that no file can harm a later query.
+// Opens the file of a triangle mesh, which `bake build --keep-triangles` writes. The file is
+// copied into memory and checked completely, so that no file can harm a later query.
 //
 // path: in UTF-8 on Windows, in the system's bytes elsewhere.
 HullmapResult hullmap_triangle_mesh_open(const char *path,
@@ -817,6 +870,42 @@ HullmapResult hullmap_triangle_mesh_triangle(const HullmapTriangleMesh *mesh,
                                              size_t index,
                                              HullmapMeshTriangle *triangle);
 
+// Opens the file of a height field, which `bake build --height-field` writes. The file is copied
+// into memory and checked completely, so that no file can harm a later query.
+//
+// path: in UTF-8 on Windows, in the system's bytes elsewhere.
+HullmapResult hullmap_height_field_open(const char *path,
+                                        HullmapHeightField **field);
+
+// Opens a height field that is in memory: all bytes of a file. They are copied, and may be freed
+// after the call; any alignment will do.
+HullmapResult hullmap_height_field_from_memory(const uint8_t *bytes,
+                                               size_t length,
+                                               HullmapHeightField **field);
+
+// Frees a height field; NULL is allowed. Shapes made from it stay valid, and keep its memory.
+void hullmap_height_field_free(HullmapHeightField *field);
+
+// Number of triangles of a height field, those of holes included: two for each cell; 0 for NULL.
+size_t hullmap_height_field_triangle_count(const HullmapHeightField *field);
+
+// The grid of a height field.
+HullmapResult hullmap_height_field_layout(const HullmapHeightField *field,
+                                          HullmapFieldLayout *layout);
+
+// The triangle of index `index`, counted from 0, as answers of queries count them. A triangle in a
+// hole is HULLMAP_RESULT_NOT_FOUND. O(1).
+HullmapResult hullmap_height_field_triangle(const HullmapHeightField *field,
+                                            size_t index,
+                                            HullmapMeshTriangle *triangle);
+
+// The ground at (x, y), in the frame of the field. On a shared edge or vertex, the triangle is the
+// one with the lowest index. HULLMAP_RESULT_NOT_FOUND in a hole, and beyond the field. O(1).
+HullmapResult hullmap_height_field_height_at(const HullmapHeightField *field,
+                                             double x,
+                                             double y,
+                                             HullmapGround *ground);
+
 // The hull of index `hull`, counted from 0, in its own frame.
 HullmapResult hullmap_shape_hull(const HullmapPack *pack,
                                  size_t hull,
@@ -833,11 +922,17 @@ HullmapResult hullmap_shape_scaled_hull(const HullmapPack *pack,
 HullmapResult hullmap_shape_compound(const HullmapPack *pack,
                                      HullmapShape **shape);
 
-// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers have
-// the index of the triangle in place of that of a hull. It has no support points and no signed
-// distance.
+// All triangles of a mesh together: a static level, which collides on both sides. Answers
+// have the index of the triangle in place of that of a hull. It has no support points and no
+// signed distance.
 HullmapResult hullmap_shape_triangle_mesh(const HullmapTriangleMesh *mesh,
                                           HullmapShape **shape);
+
+// All triangles of a height field together: a terrain, which collides on both sides. Answers have
+// the index of the triangle in place of that of a hull. It has no support points and no signed
+// distance.
+HullmapResult hullmap_shape_height_field(const HullmapHeightField *field,
+                                         HullmapShape **shape);
 
 // A sphere about the origin. Lengths of this and the following shapes are from 0 to 3.4e38.
 HullmapResult hullmap_shape_sphere(double radius,

@@ -164,6 +164,48 @@ private:
     Handle handle_;
 };
 
+// An open height field. Shapes made from it keep its memory.
+class HeightField {
+public:
+    static HeightField open(const std::string &path) {
+        return HeightField(
+            detail::made<Handle>([&](auto out) { return hullmap_height_field_open(path.c_str(), out); }));
+    }
+
+    static HeightField from_memory(const void *bytes, std::size_t length) {
+        auto first = static_cast<const std::uint8_t *>(bytes);
+        return HeightField(
+            detail::made<Handle>([&](auto out) { return hullmap_height_field_from_memory(first, length, out); }));
+    }
+
+    std::size_t triangle_count() const { return hullmap_height_field_triangle_count(get()); }
+
+    HullmapFieldLayout layout() const {
+        HullmapFieldLayout layout{};
+        check(hullmap_height_field_layout(get(), &layout));
+        return layout;
+    }
+
+    HullmapMeshTriangle triangle(std::size_t index) const {
+        HullmapMeshTriangle triangle{};
+        check(hullmap_height_field_triangle(get(), index, &triangle));
+        return triangle;
+    }
+
+    HullmapGround height_at(double x, double y) const {
+        HullmapGround ground{};
+        check(hullmap_height_field_height_at(get(), x, y, &ground));
+        return ground;
+    }
+
+    const HullmapHeightField *get() const noexcept { return handle_.get(); }
+
+private:
+    using Handle = detail::Handle<HullmapHeightField, hullmap_height_field_free>;
+    explicit HeightField(Handle handle) : handle_(std::move(handle)) {}
+    Handle handle_;
+};
+
 inline std::string_view text(const HullmapText &text) { return {text.data, text.length}; }
 
 // A shape. Threads may share it.
@@ -180,6 +222,9 @@ public:
     }
     static Shape triangle_mesh(const TriangleMesh &mesh) {
         return make([&](auto out) { return hullmap_shape_triangle_mesh(mesh.get(), out); });
+    }
+    static Shape height_field(const HeightField &field) {
+        return make([&](auto out) { return hullmap_shape_height_field(field.get(), out); });
     }
     static Shape sphere(double radius) {
         return make([&](auto out) { return hullmap_shape_sphere(radius, out); });

@@ -9,13 +9,13 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-use hullmap::compound::ManifoldCounts;
+use hullmap::compound::{ManifoldCounts, SharedSheet};
 use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Segment, Sphere, Triangle};
 use hullmap::{CompoundCache, CompoundManifolds, SharedHull};
 
 use crate::failure::{Failure, Fallible};
-use crate::types::{ManifoldPoint, ManifoldPoints, MeshTriangle, Result as Code};
+use crate::types::{ManifoldPoint, ManifoldPoints, Result as Code};
 
 /// An open pack: a file with one or more hulls. It never changes; threads may share it.
 #[derive(Debug)]
@@ -42,27 +42,27 @@ fn not_found(error: hullmap::NoSuchHull) -> Failure {
 /// An open triangle mesh: a static mesh that keeps its triangles. It never changes; threads may
 /// share it.
 #[derive(Debug)]
-pub struct TriangleMesh(Arc<hullmap::TriangleMesh>);
+pub struct TriangleMesh(pub(crate) Arc<hullmap::TriangleMesh>);
 
-impl TriangleMesh {
-    pub(crate) fn new(mesh: hullmap::TriangleMesh) -> Self {
+/// An open height field: static ground whose heights are known on a grid. It never changes; threads
+/// may share it.
+#[derive(Debug)]
+pub struct HeightField(pub(crate) Arc<hullmap::HeightField>);
+
+impl From<hullmap::TriangleMesh> for TriangleMesh {
+    fn from(mesh: hullmap::TriangleMesh) -> Self {
         Self(Arc::new(mesh))
-    }
-
-    pub(crate) fn mesh(&self) -> &hullmap::TriangleMesh {
-        &self.0
-    }
-
-    pub(crate) fn triangle(&self, index: usize) -> Fallible<MeshTriangle> {
-        MeshTriangle::of(&self.0, index).ok_or_else(|| {
-            let count = self.0.triangle_count();
-            Failure::new(Code::NotFound, format_args!("triangle {index} is out of range: the mesh has {count}"))
-        })
     }
 }
 
-/// A shape: a hull, a whole pack as a compound, a triangle mesh, or a primitive. It never changes;
-/// threads may share it. A hull, a compound and a triangle mesh keep their file open.
+impl From<hullmap::HeightField> for HeightField {
+    fn from(field: hullmap::HeightField) -> Self {
+        Self(Arc::new(field))
+    }
+}
+
+/// A shape: a hull, a whole pack as a compound, a triangle mesh, a height field, or a primitive. It
+/// never changes; threads may share it. A shape that comes from a file keeps it open.
 #[derive(Debug)]
 pub struct Shape {
     pub(crate) kind: Kind,
@@ -73,7 +73,7 @@ pub(crate) enum Kind {
     Hull(SharedHull),
     Convex(Box<dyn hullmap::Shape + Send + Sync>),
     Compound(Arc<hullmap::Pack>),
-    Mesh(Arc<hullmap::TriangleMesh>),
+    Sheet(SharedSheet),
     HalfSpace(HalfSpace),
 }
 
@@ -89,7 +89,7 @@ impl Kind {
             Self::Hull(_) => "a hull",
             Self::Convex(_) => "a primitive",
             Self::Compound(_) => "a compound",
-            Self::Mesh(_) => "a triangle mesh",
+            Self::Sheet(sheet) => sheet.name(),
             Self::HalfSpace(_) => "a half-space",
         }
     }
@@ -100,7 +100,7 @@ impl Kind {
         match self {
             Self::Hull(hull) => Some(hull.hull()),
             Self::Convex(shape) => Some(&**shape),
-            Self::Compound(_) | Self::Mesh(_) | Self::HalfSpace(_) => None,
+            Self::Compound(_) | Self::Sheet(_) | Self::HalfSpace(_) => None,
         }
     }
 }
@@ -119,8 +119,8 @@ impl Shape {
         Self { kind: Kind::Compound(Arc::clone(&pack.0)) }
     }
 
-    pub(crate) fn triangle_mesh(mesh: &TriangleMesh) -> Self {
-        Self { kind: Kind::Mesh(Arc::clone(&mesh.0)) }
+    pub(crate) fn sheet(sheet: SharedSheet) -> Self {
+        Self { kind: Kind::Sheet(sheet) }
     }
 
     pub(crate) fn sphere(radius: f64) -> Fallible<Self> {

@@ -7,7 +7,7 @@
 
 use std::mem::MaybeUninit;
 
-use hullmap::compound::{self, CompoundAnswer, Parts, half_space};
+use hullmap::compound::{self, CompoundAnswer, Parts, SharedSheet, half_space};
 use hullmap::glam::DVec3;
 use hullmap::shapes::HalfSpace;
 use hullmap::{CastSettings, Compound, ManifoldSettings, Motion, Pose, Settings};
@@ -48,14 +48,14 @@ fn run<Q: ShapeQuery>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
         (Kind::Hull(a), Kind::Compound(b)) => query.parts(&Compound::from(*a.hull()), &Compound::new(b)),
         (Kind::Compound(a), Kind::Convex(b)) => query.parts(&Compound::new(a), convex(&**b)),
         (Kind::Convex(a), Kind::Compound(b)) => query.parts(convex(&**a), &Compound::new(b)),
-        (Kind::HalfSpace(a), Kind::Mesh(b)) => query.plane_and_parts(a, &**b),
-        (Kind::Mesh(a), Kind::Mesh(b)) => query.parts(&**a, &**b),
-        (Kind::Mesh(a), Kind::Compound(b)) => query.parts(&**a, &Compound::new(b)),
-        (Kind::Compound(a), Kind::Mesh(b)) => query.parts(&Compound::new(a), &**b),
-        (Kind::Mesh(a), Kind::Hull(b)) => query.parts(&**a, &Compound::from(*b.hull())),
-        (Kind::Hull(a), Kind::Mesh(b)) => query.parts(&Compound::from(*a.hull()), &**b),
-        (Kind::Mesh(a), Kind::Convex(b)) => query.parts(&**a, convex(&**b)),
-        (Kind::Convex(a), Kind::Mesh(b)) => query.parts(convex(&**a), &**b),
+        (Kind::HalfSpace(a), Kind::Sheet(b)) => query.plane_and_parts(a, b),
+        (Kind::Sheet(a), Kind::Sheet(b)) => query.parts(a, b),
+        (Kind::Sheet(a), Kind::Compound(b)) => query.parts(a, &Compound::new(b)),
+        (Kind::Compound(a), Kind::Sheet(b)) => query.parts(&Compound::new(a), b),
+        (Kind::Sheet(a), Kind::Hull(b)) => query.parts(a, &Compound::from(*b.hull())),
+        (Kind::Hull(a), Kind::Sheet(b)) => query.parts(&Compound::from(*a.hull()), b),
+        (Kind::Sheet(a), Kind::Convex(b)) => query.parts(a, convex(&**b)),
+        (Kind::Convex(a), Kind::Sheet(b)) => query.parts(convex(&**a), b),
         (a, b) => match (a, a.convex(), b.convex()) {
             (Kind::HalfSpace(a), _, Some(b)) => query.plane(a, b),
             (_, Some(a), Some(b)) => query.convex(a, b),
@@ -277,11 +277,13 @@ pub(crate) fn update(
 }
 
 #[cold]
-fn not_for_meshes(query: &str) -> Failure {
-    Failure::unsupported(format_args!(
-        "a triangle mesh has no {query}: query the distance of a sphere of radius 0, or its triangles one by one \
-         (hullmap_triangle_mesh_triangle)"
-    ))
+fn not_for_sheets(sheet: &SharedSheet, query: &str) -> Failure {
+    let (name, of_triangles) = match sheet {
+        SharedSheet::Mesh(_) => (sheet.name(), "hullmap_triangle_mesh_triangle"),
+        SharedSheet::Field(_) => (sheet.name(), "hullmap_height_field_triangle"),
+    };
+    let remedy = "query the distance of a sphere of radius 0, or its triangles one by one";
+    Failure::unsupported(format_args!("{name} has no {query}: {remedy} ({of_triangles})"))
 }
 
 #[cold]
@@ -298,7 +300,7 @@ fn unbounded(query: &str) -> Failure {
 pub(crate) fn convex_for<'s>(shape: &'s Shape, query: &str) -> Fallible<&'s dyn hullmap::Shape> {
     shape.kind.convex().ok_or_else(|| match &shape.kind {
         Kind::HalfSpace(_) => unbounded(query),
-        Kind::Mesh(_) => not_for_meshes(query),
+        Kind::Sheet(sheet) => not_for_sheets(sheet, query),
         kind => not_for(kind.name(), query),
     })
 }
@@ -310,8 +312,8 @@ pub(crate) fn bounds(shape: &Shape, pose: Pose) -> Fallible<types::Bounds> {
             let all = pack.hulls().map(|hull| hullmap::SupportMap::bounds_under(&hull, pose));
             all.reduce(around)
         }
-        Kind::Mesh(mesh) => {
-            let triangles = (0..mesh.triangle_count()).filter_map(|triangle| mesh.triangle(triangle));
+        Kind::Sheet(sheet) => {
+            let triangles = (0..sheet.triangle_count()).filter_map(|triangle| sheet.triangle(triangle));
             let all = triangles.map(|triangle| hullmap::SupportMap::bounds_under(&triangle, pose));
             all.reduce(around)
         }
@@ -337,8 +339,8 @@ pub(crate) fn ray(shape: &Shape, ray: &hullmap::Ray, settings: &CastSettings) ->
             let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
             return Ok(types::RayHit::new(answer, hulls[0]));
         }
-        Kind::Mesh(mesh) => {
-            let CompoundAnswer { answer, hulls, .. } = compound::ray(&**mesh, ray, settings);
+        Kind::Sheet(sheet) => {
+            let CompoundAnswer { answer, hulls, .. } = compound::ray(sheet, ray, settings);
             return Ok(types::RayHit::new(answer, hulls[0]));
         }
         Kind::Convex(convex) => hullmap::ray(&**convex, ray, settings),
@@ -362,7 +364,7 @@ pub(crate) fn signed_distance(
             let found = compound::signed_distance(&Compound::new(pack), point, settings, memory.compound());
             found.map(|CompoundAnswer { answer, hulls, .. }| (answer, hulls[0]))
         }
-        Kind::Mesh(_) => return Err(not_for_meshes("signed distance")),
+        Kind::Sheet(sheet) => return Err(not_for_sheets(sheet, "signed distance")),
         Kind::Convex(convex) => {
             hullmap::signed_distance(&**convex, point, settings, &mut memory.convex).map(|answer| (answer, 0))
         }

@@ -125,6 +125,9 @@ fn structs_have_one_layout() {
             vertices source_vertices neighbour_starts vertex_count neighbours neighbour_count face_starts face_count
             face_vertices face_vertex_count
         }
+        MeshTriangle { corners vertices neighbours edge_classes source_triangle material }
+        FieldLayout { columns rows origin spacing diagonal holes }
+        Ground { height normal triangle }
         Settings { struct_size tolerance max_iterations }
         CastSettings { struct_size max_t tolerance max_iterations }
         ManifoldSettings { struct_size tolerance max_iterations prediction_kind prediction }
@@ -152,6 +155,7 @@ fn structs_have_one_layout() {
         ("OVERLAP_UNDECIDED", types::Overlap::Undecided as usize),
         ("FEATURE_KIND_VERTEX", types::FeatureKind::Vertex as usize),
         ("PREDICTION_LENGTH", types::Prediction::Length as usize),
+        ("DIAGONAL_FALLING", types::Diagonal::Falling as usize),
     ] {
         expect(format!("HULLMAP_{name}"), value);
     }

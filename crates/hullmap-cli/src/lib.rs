@@ -84,6 +84,8 @@ mod scene;
 #[cfg(feature = "command")]
 mod selection;
 #[cfg(feature = "command")]
+mod sheet_description;
+#[cfg(feature = "command")]
 mod source;
 #[cfg(feature = "command")]
 mod source_mesh;

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `memory` | views of a pack's arrays, maps of files: the unsafe code |
 //! | `pack`, `shape` | packs, hulls, and all other shapes |
-//! | `mesh` | triangle meshes |
+//! | `mesh`, `field` | triangle meshes and height fields |
 //! | `bake` | bakes, on a thread of their own |
 //! | `pairs` | pairs of shapes, of which one call queries all |
 //! | `pose` | rows of an array as poses |
@@ -24,6 +24,7 @@
 mod bake;
 mod columns;
 mod error;
+mod field;
 mod gpu;
 mod manifolds;
 mod memory;
@@ -65,6 +66,7 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<pack::Pack>()?;
     module.add_class::<pack::Hull>()?;
     module.add_class::<mesh::TriangleMesh>()?;
+    module.add_class::<field::HeightField>()?;
     module.add_class::<shape::Shape>()?;
     module.add_class::<pairs::Pairs>()?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;

@@ -139,7 +139,7 @@ pub fn manifolds<'py>(
 fn part_count(side: &Side) -> usize {
     match side {
         Side::Compound(pack) => pack.hull_count(),
-        Side::Mesh(mesh) => mesh.triangle_count(),
+        Side::Sheet(sheet) => sheet.triangle_count(),
         _ => 1,
     }
 }
@@ -154,10 +154,10 @@ fn update(
 ) -> Option<ManifoldCounts> {
     Some(match (a, b) {
         (Side::HalfSpace(a), Side::Compound(b)) => found.update_half_space(a, &Compound::new(b), b_in_a, settings),
-        (Side::HalfSpace(a), Side::Mesh(b)) => found.update_half_space(a, &**b, b_in_a, settings),
+        (Side::HalfSpace(a), Side::Sheet(b)) => found.update_half_space(a, b, b_in_a, settings),
         (Side::HalfSpace(a), _) => found.update_half_space(a, convex(b)?, b_in_a, settings),
         (Side::Compound(a), _) => update_against(found, &Compound::new(a), b, b_in_a, settings)?,
-        (Side::Mesh(a), _) => update_against(found, &**a, b, b_in_a, settings)?,
+        (Side::Sheet(a), _) => update_against(found, a, b, b_in_a, settings)?,
         _ => update_against(found, convex(a)?, b, b_in_a, settings)?,
     })
 }
@@ -172,7 +172,7 @@ fn update_against<A: Parts + ?Sized>(
 ) -> Option<ManifoldCounts> {
     Some(match b {
         Side::Compound(b) => found.update(a, &Compound::new(b), b_in_a, settings),
-        Side::Mesh(b) => found.update(a, &**b, b_in_a, settings),
+        Side::Sheet(b) => found.update(a, b, b_in_a, settings),
         _ => found.update(a, convex(b)?, b_in_a, settings),
     })
 }

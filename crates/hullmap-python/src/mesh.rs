@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use hullmap::compound::SharedSheet;
 use hullmap::{self as core, EdgeClass};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use numpy::{Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -90,9 +91,7 @@ impl TriangleMesh {
         let mesh = &self.mesh;
         let triangles = 0..mesh.triangle_count();
         match name {
-            "vertices" => {
-                rows(py, (0..mesh.vertex_count()).filter_map(|at| mesh.vertex(at)).map(|at| at.to_array()))
-            }
+            "vertices" => rows(py, (0..mesh.vertex_count()).filter_map(|at| mesh.vertex(at)).map(|at| at.to_array())),
             "triangles" => rows(py, triangles.filter_map(|at| mesh.corners(at))),
             "neighbours" => {
                 // -1 for none.
@@ -114,17 +113,18 @@ impl TriangleMesh {
 
     /// The mesh, for queries.
     fn shape(&self) -> Shape {
-        Shape(Side::Mesh(Arc::clone(&self.mesh)))
+        Shape(Side::Sheet(SharedSheet::Mesh(Arc::clone(&self.mesh))))
     }
 }
 
 /// Rows of three numbers.
-fn rows<'py, T: Element>(py: Python<'py>, rows: impl Iterator<Item = [T; 3]>) -> PyResult<Bound<'py, PyAny>> {
+pub fn rows<'py, T: Element>(py: Python<'py>, rows: impl Iterator<Item = [T; 3]>) -> PyResult<Bound<'py, PyAny>> {
     let rows: Vec<Vec<T>> = rows.map(Vec::from).collect();
     let array = PyArray2::from_vec2(py, &rows).map_err(|error| Error::new_err(error.to_string()))?;
     Ok(array.into_any())
 }
 
-fn flat<'py, T: Element>(py: Python<'py>, numbers: impl Iterator<Item = T>) -> Bound<'py, PyAny> {
+/// A row of numbers.
+pub fn flat<'py, T: Element>(py: Python<'py>, numbers: impl Iterator<Item = T>) -> Bound<'py, PyAny> {
     PyArray1::from_vec(py, numbers.collect()).into_any()
 }

@@ -96,7 +96,9 @@ pub fn obstacle(query: &str, a: &Side, b: &Side, takes_compounds: bool) -> Optio
         Side::Compound(_) => {
             Some(format!("{query} takes convex shapes, found a pack: query it by {query}s, or its hulls one by one"))
         }
-        Side::Mesh(_) => Some(format!("{query} takes convex shapes, found a triangle mesh: query it by {query}s")),
+        Side::Sheet(sheet) => {
+            Some(format!("{query} takes convex shapes, found {}: query it by {query}s", sheet.name()))
+        }
         _ => None,
     })
 }
@@ -113,11 +115,11 @@ pub fn answer<Q: ShapeQuery>(
     match (a, b) {
         (Side::Hull(a), Side::Hull(b)) => Some(query.convex(a.hull(), b.hull(), b_in_a, cache).into()),
         (Side::HalfSpace(a), Side::Compound(b)) => query.half_space_compound(a, &Compound::new(b), b_in_a),
-        (Side::HalfSpace(a), Side::Mesh(b)) => query.half_space_compound(a, &**b, b_in_a),
+        (Side::HalfSpace(a), Side::Sheet(b)) => query.half_space_compound(a, b, b_in_a),
         (Side::HalfSpace(a), _) => Some(query.half_space(a, convex(b)?, b_in_a).into()),
         (Side::Compound(a), _) => against(query, &Compound::new(a), b, b_in_a, caches),
-        (Side::Mesh(a), _) => against(query, &**a, b, b_in_a, caches),
-        (_, Side::Compound(_) | Side::Mesh(_)) => against(query, convex(a)?, b, b_in_a, caches),
+        (Side::Sheet(a), _) => against(query, a, b, b_in_a, caches),
+        (_, Side::Compound(_) | Side::Sheet(_)) => against(query, convex(a)?, b, b_in_a, caches),
         _ => Some(query.convex(convex(a)?, convex(b)?, b_in_a, cache).into()),
     }
 }
@@ -133,7 +135,7 @@ fn against<Q: ShapeQuery, A: Parts + ?Sized>(
     let cache = caches.compound();
     match b {
         Side::Compound(b) => query.compound(a, &Compound::new(b), b_in_a, cache),
-        Side::Mesh(b) => query.compound(a, &**b, b_in_a, cache),
+        Side::Sheet(b) => query.compound(a, b, b_in_a, cache),
         _ => query.compound(a, convex(b)?, b_in_a, cache),
     }
 }
@@ -143,7 +145,7 @@ pub fn convex(side: &Side) -> Option<&AnyConvex> {
     match side {
         Side::Hull(hull) => Some(hull),
         Side::Convex(shape) => Some(&**shape),
-        Side::HalfSpace(_) | Side::Compound(_) | Side::Mesh(_) => None,
+        Side::HalfSpace(_) | Side::Compound(_) | Side::Sheet(_) => None,
     }
 }
 

@@ -1,7 +1,8 @@
-//! Shapes: hulls, packs as compounds, triangle meshes, primitives and half-spaces.
+//! Shapes: hulls, packs as compounds, triangle meshes, height fields, primitives and half-spaces.
 
 use std::sync::Arc;
 
+use hullmap::compound::SharedSheet;
 use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Segment, Sphere, Triangle};
 use hullmap::{self as core, SharedHull};
@@ -19,7 +20,7 @@ pub enum Side {
     Convex(Arc<AnyConvex>),
     HalfSpace(HalfSpace),
     Compound(Arc<core::Pack>),
-    Mesh(Arc<core::TriangleMesh>),
+    Sheet(SharedSheet),
 }
 
 /// A shape, for queries.

@@ -315,8 +315,8 @@ fn cast_ray(side: &Side, ray: &Ray, settings: &CastSettings) -> (RayHit, u32) {
             let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
             (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
         }
-        Side::Mesh(mesh) => {
-            let CompoundAnswer { answer, hulls, .. } = compound::ray(&**mesh, ray, settings);
+        Side::Sheet(sheet) => {
+            let CompoundAnswer { answer, hulls, .. } = compound::ray(sheet, ray, settings);
             (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
         }
     }
@@ -336,10 +336,10 @@ pub fn signed_distance<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let points = Vectors::new("points", &points)?;
     let side = shape.0.clone();
-    if matches!(side, Side::Mesh(_)) {
-        return Err(ShapeError::new_err(
-            "signed_distance takes a shape with an inside, found a triangle mesh: query the distance of Sphere(0)",
-        ));
+    if let Side::Sheet(sheet) = &side {
+        let (name, remedy) = (sheet.name(), "query the distance of Sphere(0)");
+        let message = format!("signed_distance takes a shape with an inside, found {name}: {remedy}");
+        return Err(ShapeError::new_err(message));
     }
     let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
         let mut caches = Caches::default();
@@ -381,8 +381,8 @@ fn signed(
             let found = compound::signed_distance(&Compound::new(pack), point, settings, caches.compound())?;
             return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
         }
-        Side::Mesh(mesh) => {
-            let found = compound::signed_distance(&**mesh, point, settings, caches.compound())?;
+        Side::Sheet(sheet) => {
+            let found = compound::signed_distance(sheet, point, settings, caches.compound())?;
             return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
         }
     };
@@ -400,8 +400,9 @@ pub fn support<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let directions = Vectors::new("directions", &directions)?;
     let side = shape.0.clone();
-    if matches!(side, Side::Mesh(_)) {
-        return Err(ShapeError::new_err("support takes a convex shape or a pack, found a triangle mesh: use its vertices"));
+    if let Side::Sheet(sheet) = &side {
+        let message = format!("support takes a convex shape or a pack, found {}: use its vertices", sheet.name());
+        return Err(ShapeError::new_err(message));
     }
     if matches!(side, Side::HalfSpace(_)) {
         return Err(ShapeError::new_err(
@@ -432,7 +433,7 @@ pub fn support<'py>(
                     None => continue,
                 },
                 // Rejected above.
-                Side::HalfSpace(_) | Side::Mesh(_) => continue,
+                Side::HalfSpace(_) | Side::Sheet(_) => continue,
             };
             put_vector(rows.point, at, found.point);
             put(rows.vertex, at, found.feature);

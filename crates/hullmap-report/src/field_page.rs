@@ -5,10 +5,16 @@ use std::fmt::Write;
 use hullmap::HeightField;
 
 use crate::encode::base64;
-use crate::html::{escape, fill};
-use crate::pack_page::STYLE;
+use crate::html::escape;
+use crate::page::Page;
 
-const PAGE: &str = include_str!("page/field.html");
+const PAGE: Page = Page {
+    kind: "field",
+    generator: "bake report",
+    style: ".relief { max-width: 100%; image-rendering: pixelated; border: 1px solid var(--rule); }\n",
+    contents: include_str!("page/field.html"),
+    scripts: &[],
+};
 
 /// Maximum number of pixels of the relief along x and along y.
 const MAX_PIXELS: usize = 1024;
@@ -33,7 +39,6 @@ pub fn field_page(file: &str, field: &HeightField, facts: &[(String, String)]) -
     let (width, height) = (width.to_string(), height.to_string());
     let values = [
         ("title", escape(file)),
-        ("style", STYLE.to_owned()),
         ("subtitle", format!("height field · {}", escape(field.options()))),
         ("relief", format!("data:image/png;base64,{}", base64(&relief))),
         ("width", width),
@@ -41,7 +46,7 @@ pub fn field_page(file: &str, field: &HeightField, facts: &[(String, String)]) -
         ("facts", rows),
         ("footer", "bake report".to_owned()),
     ];
-    fill(PAGE, &values.each_ref().map(|(name, value)| (*name, value.as_str())))
+    PAGE.fill(&values.each_ref().map(|(name, value)| (*name, value.as_str())))
 }
 
 /// The shaded relief as a PNG, and its size. A pixel is a cell, or one of many.

@@ -5,12 +5,18 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use crate::Analysis;
-use crate::html::{count, escape, fill, link};
+use crate::html::{count, escape, link};
 use crate::mesh::MeshReport;
-use crate::pack_page::{FAULTS, STYLE, Verdict};
+use crate::pack_page::Verdict;
+use crate::page::Page;
 
-const PAGE: &str = include_str!("page/folder.html");
-const SCRIPT: &str = include_str!("page/folder.js");
+const PAGE: Page = Page {
+    kind: "folder",
+    generator: "bake report",
+    style: "",
+    contents: include_str!("page/folder.html"),
+    scripts: &[include_str!("page/folder.js")],
+};
 
 /// Start of a picture's URL.
 const PICTURE: &str = "data:image/png;base64,";
@@ -123,20 +129,14 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
         sum(|content| content.bytes)
     );
     let cards_html: String = cards.iter().map(item).collect();
-    let script = [FAULTS, SCRIPT].concat();
     let footer = "Made by <code>bake report</code>. Each pack has its own page, in the folder beside this file.";
-    fill(
-        PAGE,
-        &[
-            ("title", &escape(folder)),
-            ("style", STYLE),
-            ("verdict", &verdict(cards)),
-            ("subtitle", &subtitle),
-            ("cards", &cards_html),
-            ("script", &script),
-            ("footer", footer),
-        ],
-    )
+    PAGE.fill(&[
+        ("title", &escape(folder)),
+        ("verdict", &verdict(cards)),
+        ("subtitle", &subtitle),
+        ("cards", &cards_html),
+        ("footer", footer),
+    ])
 }
 
 /// The verdicts of all cards in words: all that are not good, or one for all.

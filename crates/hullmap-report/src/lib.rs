@@ -25,6 +25,7 @@
 //! | [`mesh`], `mesh_page` | a triangle mesh, and its page |
 //! | [`robot`], `robot_page` | a robot, and its page |
 //! | `field_page` | a height field as a shaded relief |
+//! | `page` | the head and the scripts that all pages share |
 //! | `html`, `encode` | text and numbers in a page |
 
 #![forbid(unsafe_code)]
@@ -44,6 +45,7 @@ pub mod input;
 pub mod mesh;
 mod mesh_page;
 mod pack_page;
+mod page;
 mod part_colours;
 mod parts_section;
 mod picture;

@@ -1,20 +1,22 @@
 //! The page of a triangle mesh: its wireframe, with edges coloured by their class.
 
-use crate::html::{count, escape, fill, json, link};
+use crate::html::{count, escape, json};
 use crate::mesh::MeshReport;
-use crate::pack_page::{FAULTS, STYLE, warnings};
+use crate::pack_page::warnings;
+use crate::page::{Page, crumb};
 
-const PAGE: &str = include_str!("page/mesh.html");
-const SCRIPTS: [&str; 4] =
-    [FAULTS, include_str!("page/arrays.js"), include_str!("page/view3d.js"), include_str!("page/mesh.js")];
+const PAGE: Page = Page {
+    kind: "mesh",
+    generator: "bake report",
+    style: "",
+    contents: include_str!("page/mesh.html"),
+    scripts: &[include_str!("page/arrays.js"), include_str!("page/view3d.js"), include_str!("page/mesh.js")],
+};
 
 /// The page of a triangle mesh. `index` is the link from it to the page of its folder.
 ///
 /// It depends only on the file, its source and the arguments.
 pub fn mesh_page(mesh: &MeshReport, index: Option<&str>) -> String {
-    let crumb = index.map_or_else(String::new, |index| {
-        format!("<p class=\"crumb\"><a href=\"{}\">← all packs</a></p>\n", escape(&link(index)))
-    });
     let source = match &mesh.source {
         Some(source) => format!("source {}", escape(source)),
         None if mesh.recorded_source.is_empty() => "no source found".to_owned(),
@@ -23,25 +25,20 @@ pub fn mesh_page(mesh: &MeshReport, index: Option<&str>) -> String {
     let subtitle = format!("{source} · options: {} · format {}", escape(&mesh.options), mesh.format_version);
     let facts: String =
         mesh.facts.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();
-    fill(
-        PAGE,
-        &[
-            ("title", &escape(&mesh.file)),
-            ("style", STYLE),
-            ("crumb", &crumb),
-            ("verdict", &mesh.verdict().html()),
-            ("subtitle", &subtitle),
-            ("warnings", &warnings(&mesh.remarks)),
-            ("facts", &facts),
-            ("picture", &mesh.picture),
-            ("classes", &classes(mesh)),
-            ("verification", &verification(mesh)),
-            ("limits", &limits(mesh)),
-            ("data", &json(&mesh.drawn)),
-            ("script", &SCRIPTS.concat()),
-            ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
-        ],
-    )
+    PAGE.fill(&[
+        ("title", &escape(&mesh.file)),
+        ("crumb", &crumb(index)),
+        ("verdict", &mesh.verdict().html()),
+        ("subtitle", &subtitle),
+        ("warnings", &warnings(&mesh.remarks)),
+        ("facts", &facts),
+        ("picture", &mesh.picture),
+        ("classes", &classes(mesh)),
+        ("verification", &verification(mesh)),
+        ("limits", &limits(mesh)),
+        ("data", &json(&mesh.drawn)),
+        ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
+    ])
 }
 
 /// What each class means.

@@ -8,33 +8,31 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::{Analysis, HullRow, MAX_HULLS};
 use crate::census::{Pace, mean};
 use crate::display_mesh::EncodedMesh;
-use crate::html::{count, escape, fill, json, link, short};
+use crate::html::{count, escape, json, short};
 use crate::input::{Remarks, VerifiedHull};
+use crate::page::{Page, crumb};
 use crate::parts_section::parts_section;
 
-const PAGE: &str = include_str!("page/pack.html");
-/// Style of all pages.
-pub const STYLE: &str = include_str!("page/style.css");
-/// Script of all pages, which counts errors.
-pub const FAULTS: &str = include_str!("page/faults.js");
-const SCRIPTS: [&str; 7] = [
-    FAULTS,
-    include_str!("page/arrays.js"),
-    include_str!("page/view3d.js"),
-    include_str!("page/gauss.js"),
-    include_str!("page/elements.js"),
-    include_str!("page/charts.js"),
-    include_str!("page/pack.js"),
-];
+const PAGE: Page = Page {
+    kind: "pack",
+    generator: "bake report",
+    style: "",
+    contents: include_str!("page/pack.html"),
+    scripts: &[
+        include_str!("page/arrays.js"),
+        include_str!("page/view3d.js"),
+        include_str!("page/gauss.js"),
+        include_str!("page/elements.js"),
+        include_str!("page/charts.js"),
+        include_str!("page/pack.js"),
+    ],
+};
 
 /// The page of a pack. `index` is the link from it to the page of its folder.
 ///
 /// Apart from the part between `<!-- times -->` and `<!-- /times -->`, it depends only on pack,
 /// source and arguments.
 pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
-    let crumb = index.map_or_else(String::new, |index| {
-        format!("<p class=\"crumb\"><a href=\"{}\">← all packs</a></p>\n", escape(&link(index)))
-    });
     let title = escape(&pack.file);
     let source = match &pack.source {
         Some(source) => format!("source {}", escape(source)),
@@ -43,30 +41,25 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     };
     let subtitle = format!("{source} · options: {} · format {}", escape(&pack.options), pack.format_version);
     let alt = if pack.source.is_some() { "The source mesh inside its hull" } else { "The hull" };
-    fill(
-        PAGE,
-        &[
-            ("title", &title),
-            ("style", STYLE),
-            ("crumb", &crumb),
-            ("verdict", &Verdict::new(pack).html()),
-            ("subtitle", &subtitle),
-            ("warnings", &warnings(&pack.remarks)),
-            ("facts", &facts(pack)),
-            ("picture", &pack.picture),
-            ("picture_alt", alt),
-            ("source_note", &source_note(pack)),
-            ("parts", &parts_section(pack)),
-            ("hulls", &hulls(pack)),
-            ("verification", &verification(pack)),
-            ("sizes", &sizes(pack)),
-            ("limits", &limits(pack)),
-            ("data", &json(&pack.drawn)),
-            ("script", &SCRIPTS.concat()),
-            ("times", &times(pack)),
-            ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
-        ],
-    )
+    PAGE.fill(&[
+        ("title", &title),
+        ("crumb", &crumb(index)),
+        ("verdict", &Verdict::new(pack).html()),
+        ("subtitle", &subtitle),
+        ("warnings", &warnings(&pack.remarks)),
+        ("facts", &facts(pack)),
+        ("picture", &pack.picture),
+        ("picture_alt", alt),
+        ("source_note", &source_note(pack)),
+        ("parts", &parts_section(pack)),
+        ("hulls", &hulls(pack)),
+        ("verification", &verification(pack)),
+        ("sizes", &sizes(pack)),
+        ("limits", &limits(pack)),
+        ("data", &json(&pack.drawn)),
+        ("times", &times(pack)),
+        ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
+    ])
 }
 
 /// Verdict on a pack.

@@ -8,23 +8,27 @@ use serde::Serialize;
 
 use crate::DisplayMesh;
 use crate::display_mesh::{EncodedMesh, triangle_limit};
-use crate::html::{self, count, escape, fill, json};
+use crate::html::{self, count, escape, json};
 use crate::input::Up;
-use crate::pack_page::{FAULTS, STYLE, warnings};
+use crate::pack_page::warnings;
+use crate::page::Page;
 use crate::part_colours::{COLOURS, assigned};
 use crate::picture::picture_of_parts;
 use crate::robot::{Joint, Layer, Link, Placement, Robot, Touching};
 
-const PAGE: &str = include_str!("page/robot.html");
-
-const SCRIPTS: [&str; 6] = [
-    FAULTS,
-    include_str!("page/arrays.js"),
-    include_str!("page/view3d.js"),
-    include_str!("page/elements.js"),
-    include_str!("page/chain.js"),
-    include_str!("page/robot.js"),
-];
+const PAGE: Page = Page {
+    kind: "robot",
+    generator: "bake robot",
+    style: "",
+    contents: include_str!("page/robot.html"),
+    scripts: &[
+        include_str!("page/arrays.js"),
+        include_str!("page/view3d.js"),
+        include_str!("page/elements.js"),
+        include_str!("page/chain.js"),
+        include_str!("page/robot.js"),
+    ],
+};
 
 /// Bytes of meshes on a page. Later meshes are not drawn.
 const MESH_BUDGET: usize = 12_000_000;
@@ -68,28 +72,20 @@ pub fn robot_page(robot: &Robot) -> String {
         drawn.meshes.iter().zip(&meshes).filter(|(own, mesh)| own.is_none() && !mesh.points.is_empty()).count();
     let title = escape(&robot.file);
     let subtitle = format!("{} · written to {}", escape(&robot.format), escape(&robot.output));
-    fill(
-        PAGE,
-        &[
-            ("title", &title),
-            ("style", STYLE),
-            ("verdict", &verdict(robot)),
-            ("subtitle", &subtitle),
-            ("warnings", &warnings(&robot.remarks)),
-            ("facts", &facts(robot)),
-            ("picture", &picture),
-            ("links", &links(robot)),
-            ("touching", &touching(robot)),
-            ("excluded", &excluded(robot)),
-            ("limits", &limits(robot, &meshes, undrawn)),
-            ("data", &json(&drawn)),
-            ("script", &SCRIPTS.concat()),
-            (
-                "footer",
-                "Made by <code>bake robot --report</code>. Lengths are in metres unless another unit is stated.",
-            ),
-        ],
-    )
+    PAGE.fill(&[
+        ("title", &title),
+        ("verdict", &verdict(robot)),
+        ("subtitle", &subtitle),
+        ("warnings", &warnings(&robot.remarks)),
+        ("facts", &facts(robot)),
+        ("picture", &picture),
+        ("links", &links(robot)),
+        ("touching", &touching(robot)),
+        ("excluded", &excluded(robot)),
+        ("limits", &limits(robot, &meshes, undrawn)),
+        ("data", &json(&drawn)),
+        ("footer", "Made by <code>bake robot --report</code>. Lengths are in metres unless another unit is stated."),
+    ])
 }
 
 /// Every new collision, with the point of a mesh mapped into the world in the neutral pose.

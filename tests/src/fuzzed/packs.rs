@@ -1,16 +1,9 @@
-//! Reads bytes as a pack.
+//! Reads bytes as a pack, as a triangle mesh and as a height field.
 
-use std::cell::OnceCell;
-
-use hullmap::Pack;
 use hullmap_testkit::packs::reseal;
 use shapes::rng::SplitMix64;
 
-use crate::hostile::{
-    HEADER_LEN,
-    inquiry::{Extent, Inquiry},
-    samples,
-};
+use crate::hostile::{HEADER_LEN, inquiry::Extent, kinds::AnyInquiry, samples, sheets};
 
 /// The bytes of a valid header before the payload's length: magic, version, header length.
 const FRONT: usize = 16;
@@ -18,34 +11,42 @@ const FRONT: usize = 16;
 /// Maximum number of words changed at once.
 const MAX_WORDS: usize = 4;
 
+/// A valid file's front, and the queries for files of its kind.
+type Kind = (Vec<u8>, AnyInquiry);
+
 thread_local! {
-    static INQUIRY: OnceCell<(Vec<u8>, Inquiry)> = const { OnceCell::new() };
+    static PACK: Kind = kind(&samples::named("sphere, tree"));
+    static SHEETS: [Kind; 2] =
+        ["mesh, rough floor", "field, square with holes"].map(|name| kind(&sheets::named(name)));
+}
+
+fn kind(file: &[u8]) -> Kind {
+    (file[..FRONT].to_vec(), AnyInquiry::new(file, Extent::BRIEF))
 }
 
 /// Opens the bytes unchanged, then with a corrected header. Queries each pack that opens. Panics if
 /// a query panics, or its answer refers to something that does not exist.
 pub fn open_and_query(data: &[u8]) {
-    INQUIRY.with(|cell| {
-        let (front, inquiry) = cell.get_or_init(|| {
-            let file = samples::named("sphere, tree");
-            let pack = Pack::from_bytes(&file).expect("a sample opens");
-            (file[..FRONT].to_vec(), Inquiry::new(&pack, Extent::BRIEF))
-        });
-        if let Ok(pack) = Pack::from_bytes(data) {
-            inquiry.run(&pack);
-        }
-        if data.len() < HEADER_LEN {
-            return;
-        }
-        let mut file = data.to_vec();
-        file[..FRONT].copy_from_slice(front);
-        file[FRONT..24].copy_from_slice(&((data.len() - HEADER_LEN) as u64).to_le_bytes());
-        file[48..56].fill(0);
-        reseal(&mut file);
-        if let Ok(pack) = Pack::from_bytes(&file) {
-            inquiry.run(&pack);
-        }
-    });
+    PACK.with(|pack| try_kind(data, pack));
+}
+
+/// As [`open_and_query`], as a triangle mesh and as a height field.
+pub fn open_sheets(data: &[u8]) {
+    SHEETS.with(|sheets| sheets.iter().for_each(|sheet| try_kind(data, sheet)));
+}
+
+fn try_kind(data: &[u8], (front, inquiry): &Kind) {
+    // Whether the file opens is not the question.
+    let _ = inquiry.run(data);
+    if data.len() < HEADER_LEN {
+        return;
+    }
+    let mut file = data.to_vec();
+    file[..FRONT].copy_from_slice(front);
+    file[FRONT..24].copy_from_slice(&((data.len() - HEADER_LEN) as u64).to_le_bytes());
+    file[48..56].fill(0);
+    reseal(&mut file);
+    let _ = inquiry.run(&file);
 }
 
 /// Changes a few aligned words of a pack's payload in place: to small numbers, to other words of

@@ -3,7 +3,8 @@
 use hullmap_import::EXTENSIONS;
 use shapes::{collada, gltf, mesh::Mesh, msh, obj, ply, rng::SplitMix64, solids, stl};
 
-use crate::hostile::samples;
+use super::change_pack;
+use crate::hostile::{samples, sheets};
 
 /// Number of random inputs for each target that reads numbers.
 const DRAWN: usize = 64;
@@ -13,6 +14,9 @@ const MAX_DRAWN_LEN: usize = 400;
 
 /// Maximum size of a pack, in bytes.
 const MAX_PACK_LEN: usize = 4096;
+
+/// Number of inputs for each mesh and field: as it is, and with a few changed words.
+const VARIANTS: u32 = 8;
 
 /// Names and bytes of the first inputs of a target; empty for an unknown target.
 pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
@@ -30,11 +34,25 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
             .filter(|sample| sample.file.len() <= MAX_PACK_LEN)
             .map(|sample| (sample.name.replace([' ', ','], "-"), sample.file))
             .collect(),
+        "open_sheets" => sheets::small()
+            .into_iter()
+            .filter(|sample| sample.file.len() <= MAX_PACK_LEN)
+            .flat_map(|sample| (0..VARIANTS).map(move |variant| variant_of(&sample, variant)))
+            .collect(),
         "solver" => random(1),
         "build_open_verify" => random(2),
         "import" => source_files(),
         _ => Vec::new(),
     }
+}
+
+/// A sample, or the sample with a few changed words.
+fn variant_of(sample: &samples::Sample, variant: u32) -> (String, Vec<u8>) {
+    let mut file = sample.file.clone();
+    if variant > 0 {
+        change_pack(&mut file, variant);
+    }
+    (format!("{}-{variant}", sample.name.replace([' ', ','], "-")), file)
 }
 
 /// OBJ elements other than plain faces: named objects, negative indices, lines, points, continued

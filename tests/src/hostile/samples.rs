@@ -1,4 +1,4 @@
-//! The packs to change.
+//! The packs to change. [`sheets`](super::sheets) has the other files.
 
 use hullmap_bake::{
     Fit, IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_lean_pack,
@@ -7,10 +7,10 @@ use hullmap_bake::{
 use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
-/// A pack, by name.
+/// A file, by name.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// Name of the pack, after its contents.
+    /// Name of the file, after its contents.
     pub name: String,
     /// Its bytes.
     pub file: Vec<u8>,
@@ -86,7 +86,8 @@ fn sample(name: &str, sets: &[PointSet], index: impl Into<IndexChoice>) -> Sampl
     Sample { name: name.to_owned(), file }
 }
 
-fn source() -> SourceRecord {
+/// What every sample records about its source.
+pub fn source() -> SourceRecord {
     SourceRecord { path: "../ä.obj".into(), hash: 7 << 90, options: "split none".into(), ..SourceRecord::default() }
 }
 

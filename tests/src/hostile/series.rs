@@ -1,22 +1,22 @@
-//! Ways to change a pack. Each is a series with indexed members.
+//! Ways to change a file. Each is a series with indexed members.
 
-use hullmap::Pack;
+use hullmap_format::header::FileKind;
 use hullmap_testkit::packs::reseal;
 use shapes::rng::SplitMix64;
 
-use super::{HEADER_LEN, samples::Sample};
+use super::{HEADER_LEN, kinds, samples::Sample};
 
 /// Maximum number of bytes added to a file.
 pub const MAX_ADDED: usize = 4096;
 
-/// Maximum number of draws for a change with which alone the pack still opens. Two thirds of the
+/// Maximum number of draws for a change with which alone the file still opens. Two thirds of the
 /// draws succeed.
 const DRAWS: usize = 12;
 
 /// Bytes of the payload's length in the header.
 const LENGTH_AT: std::ops::Range<usize> = 16..24;
 
-/// A way to change packs.
+/// A way to change files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Series {
     /// Each bit flipped; the checksum left as it is.
@@ -29,26 +29,27 @@ pub enum Series {
     /// Each 32-bit word after the header set to each of [`Subject::values`]; the checksum
     /// corrected.
     Words,
-    /// Two to six words changed at once. With each of these changes alone, the pack opens. One
+    /// Two to six words changed at once. With each of these changes alone, the file opens. One
     /// member in four has another change, with which it may not open. Such combinations are the
     /// most likely to pass checks of single values. The checksum is corrected.
     Drawn,
 }
 
-/// A pack to change.
+/// A file to change.
 pub struct Subject<'s> {
-    /// The pack.
+    /// The file.
     pub sample: &'s Sample,
     /// Values that are most likely to cause faults: ends of ranges, lengths and offsets in this
     /// file, special floats.
     pub values: Vec<u32>,
+    kind: FileKind,
     seed: u64,
 }
 
 impl<'s> Subject<'s> {
-    /// A subject from a pack and the seed of the random changes. Panics if the pack does not open.
+    /// A subject from a file and the seed of the random changes. Panics if the file does not open.
     pub fn new(sample: &'s Sample, seed: u64) -> Self {
-        Self { sample, values: values(&sample.file), seed }
+        Self { sample, values: values(&sample.file), kind: kinds::kind_of(&sample.file), seed }
     }
 
     /// Writes member `index` of a series to `out`.
@@ -102,7 +103,7 @@ impl<'s> Subject<'s> {
                 let mut alone = self.sample.file.clone();
                 set_word(&mut alone, word, value);
                 reseal(&mut alone);
-                if alone != self.sample.file && Pack::from_bytes(&alone).is_ok() {
+                if alone != self.sample.file && kinds::opens(self.kind, &alone) {
                     set_word(out, word, value);
                     break;
                 }
@@ -137,9 +138,7 @@ fn set_word(file: &mut [u8], word: usize, value: u32) {
 
 fn values(file: &[u8]) -> Vec<u32> {
     let payload = (file.len() - HEADER_LEN) as u32;
-    let pack = Pack::from_bytes(file).expect("a sample opens");
-    let hull = pack.hull(0).expect("a pack has a hull");
-    let (vertices, faces) = (hull.vertex_count() as u32, hull.face_count() as u32);
+    let [vertices, faces] = kinds::counts(file);
     let floats = [f32::NAN, f32::INFINITY, f32::MAX, -1.0].map(f32::to_bits);
     // High words of an f64: NaN, infinity, 1e308.
     let doubles = [f64::NAN, f64::INFINITY, 1e308].map(|x| (x.to_bits() >> 32) as u32);

@@ -1,5 +1,5 @@
-//! Damaged (corrupted) packs: each is rejected, or answers every query without a panic, a hang or a
-//! read out of bounds.
+//! Damaged (corrupted) packs, triangle meshes and height fields: each is rejected, or answers every
+//! query without a panic, a hang or a read out of bounds.
 //!
 //! 1. A changed, cut or lengthened file is rejected: the checksum covers every byte.
 //! 2. With a corrected checksum, it represents a malicious file. It is rejected, or it opens and
@@ -17,8 +17,10 @@ use hullmap::{IndexKind, Pack};
 use hullmap_testkit::packs::reseal;
 use hullmap_tests::hostile::{
     inquiry::{Extent, Inquiry},
-    samples,
+    kinds::AnyInquiry,
+    samples::{self, Sample},
     series::{MAX_ADDED, Series, Subject},
+    sheets,
     trial::{self, Tally},
     unchecked::{self, Findings},
 };
@@ -41,21 +43,23 @@ fn share(count: usize) -> Vec<usize> {
     indices
 }
 
-/// Tries some changes of every small pack.
+/// All small files.
+fn all() -> Vec<Sample> {
+    [samples::small(), sheets::small()].concat()
+}
+
+/// Tries some changes of every small file.
 fn try_all(series: Series, indices: impl Fn(Option<usize>) -> Vec<usize>) -> Tally {
     let mut sum = Tally::default();
-    for sample in samples::small() {
+    for sample in all() {
         let subject = Subject::new(&sample, SEED);
-        let inquiry = Inquiry::new(&Pack::from_bytes(&sample.file).unwrap(), Extent::BRIEF);
+        let inquiry = AnyInquiry::new(&sample.file, Extent::BRIEF);
         let name = format!("{series:?}, {}, seed {SEED:#x}", sample.name);
         sum += trial::run(&name, &indices(subject.count(series)), THREADS, |index, file| {
             subject.change(series, index, file);
-            let Ok(pack) = Pack::from_bytes(file).map_err(|error| assert!(!error.to_string().is_empty())) else {
-                return false;
-            };
-            assert!(!series.is_always_rejected(), "a file that must be rejected opened");
-            inquiry.run(&pack);
-            true
+            let opened = inquiry.run(file).map_err(|error| assert!(!error.to_string().is_empty()));
+            assert!(opened.is_err() || !series.is_always_rejected(), "a file that must be rejected opened");
+            opened.is_ok()
         });
     }
     println!("{series:?}: {sum}");
@@ -77,12 +81,12 @@ fn every_cut_or_lengthened_file_is_rejected() {
         indices.extend(share(count).into_iter().filter(|index| index % 3 > 0));
         indices
     });
-    assert!(tally.tried > samples::small().len() * MAX_ADDED && tally.opened == 0, "{tally}");
+    assert!(tally.tried > all().len() * MAX_ADDED && tally.opened == 0, "{tally}");
 }
 
 #[test]
 fn flipped_bits_under_a_correct_checksum_are_rejected_or_harmless() {
-    for sample in samples::small() {
+    for sample in all() {
         let mut same = sample.file.clone();
         reseal(&mut same);
         assert_eq!(same, sample.file, "{}: the checksum is the documented one", sample.name);

@@ -51,6 +51,11 @@ fn import() {
 }
 
 #[test]
+fn open_sheets() {
+    replay(TARGETS[4]);
+}
+
+#[test]
 fn seeds_run() {
     for (name, run) in TARGETS {
         let seeds = seeds::seeds(name);

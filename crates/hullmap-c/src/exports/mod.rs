@@ -13,6 +13,8 @@ pub mod pack;
 
 pub mod triangle_mesh;
 
+pub mod height_field;
+
 pub mod shape;
 
 pub mod pose;
@@ -24,6 +26,8 @@ pub mod query;
 pub mod manifold;
 
 pub mod batch;
+
+mod sheet;
 
 use hullmap::Pose;
 

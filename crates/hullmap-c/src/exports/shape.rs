@@ -1,9 +1,13 @@
 //! Shapes: what queries take as A and B.
 #![allow(unsafe_code)]
 
+use std::sync::Arc;
+
+use hullmap::compound::SharedSheet;
+
 use crate::border::{self, Out, call};
 use crate::failure::Fallible;
-use crate::handles::{Pack, Shape, TriangleMesh};
+use crate::handles::{HeightField, Pack, Shape, TriangleMesh};
 use crate::types::{Result, Vec3};
 
 /// Makes a shape and hands it out.
@@ -46,13 +50,22 @@ pub unsafe extern "C" fn hullmap_shape_compound(pack: *const Pack, shape: *mut *
     unsafe { make(shape, || Ok(Shape::compound(border::handle("pack", pack)?))) }
 }
 
-/// All triangles of a mesh together: a level or a terrain, which collides on both sides. Answers
+/// All triangles of a mesh together: a static level, which collides on both sides. Answers
 /// have the index of the triangle in place of that of a hull. It has no support points and no
 /// signed distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_triangle_mesh(mesh: *const TriangleMesh, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Ok(Shape::triangle_mesh(border::handle("mesh", mesh)?))) }
+    unsafe { make(shape, || Ok(Shape::sheet(SharedSheet::Mesh(Arc::clone(&border::handle("mesh", mesh)?.0))))) }
+}
+
+/// All triangles of a height field together: a terrain, which collides on both sides. Answers have
+/// the index of the triangle in place of that of a hull. It has no support points and no signed
+/// distance.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_height_field(field: *const HeightField, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Ok(Shape::sheet(SharedSheet::Field(Arc::clone(&border::handle("field", field)?.0))))) }
 }
 
 /// A sphere about the origin. Lengths of this and the following shapes are from 0 to 3.4e38.

@@ -3,9 +3,8 @@
 
 use std::ffi::c_char;
 
-use super::pack::{native, not_opened};
-use crate::border::{self, Out, call};
-use crate::failure::Failure;
+use super::sheet;
+use crate::border;
 use crate::handles::TriangleMesh;
 use crate::types::{MeshTriangle, Result};
 
@@ -15,13 +14,8 @@ use crate::types::{MeshTriangle, Result};
 /// path: in UTF-8 on Windows, in the system's bytes elsewhere.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_triangle_mesh_open(path: *const c_char, mesh: *mut *mut TriangleMesh) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (out, path) = unsafe { (Out::of_handle("mesh", mesh)?, border::text("path", path)?) };
-        let opened = hullmap::TriangleMesh::open(native(path)?);
-        out.give(TriangleMesh::new(opened.map_err(not_opened)?));
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { sheet::open("mesh", path, mesh, hullmap::TriangleMesh::open) }
 }
 
 /// Opens a triangle mesh that is in memory: all bytes of a file. They are copied, and may be freed
@@ -32,14 +26,8 @@ pub unsafe extern "C" fn hullmap_triangle_mesh_from_memory(
     length: usize,
     mesh: *mut *mut TriangleMesh,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header. Nothing keeps a reference
-        // to the bytes after this call.
-        let (out, bytes) = unsafe { (Out::of_handle("mesh", mesh)?, border::array("bytes", bytes, length)?) };
-        let opened = hullmap::TriangleMesh::from_bytes(bytes);
-        out.give(TriangleMesh::new(opened.map_err(|error| Failure::new(Result::InvalidPack, error))?));
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { sheet::from_memory("mesh", bytes, length, mesh, hullmap::TriangleMesh::from_bytes) }
 }
 
 /// Frees a triangle mesh; NULL is allowed. Shapes made from it stay valid, and keep its memory.
@@ -52,25 +40,15 @@ pub unsafe extern "C" fn hullmap_triangle_mesh_free(mesh: *mut TriangleMesh) {
 /// Number of triangles of a mesh, at least 1; 0 for NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_triangle_mesh_triangle_count(mesh: *const TriangleMesh) -> usize {
-    let mut count = 0;
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        count = unsafe { border::handle("mesh", mesh)? }.mesh().triangle_count();
-        Ok(())
-    });
-    count
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { sheet::count("mesh", mesh, |mesh| mesh.0.triangle_count()) }
 }
 
 /// Number of vertices of a mesh; 0 for NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_triangle_mesh_vertex_count(mesh: *const TriangleMesh) -> usize {
-    let mut count = 0;
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        count = unsafe { border::handle("mesh", mesh)? }.mesh().vertex_count();
-        Ok(())
-    });
-    count
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { sheet::count("mesh", mesh, |mesh| mesh.0.vertex_count()) }
 }
 
 /// The triangle of index `index`, counted from 0, as answers of queries count them. O(1).
@@ -80,10 +58,10 @@ pub unsafe extern "C" fn hullmap_triangle_mesh_triangle(
     index: usize,
     triangle: *mut MeshTriangle,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (mesh, out) = unsafe { (border::handle("mesh", mesh)?, Out::new("triangle", triangle)?) };
-        out.write(mesh.triangle(index)?);
-        Ok(())
-    })
+    let find = |mesh: &TriangleMesh| {
+        let found = MeshTriangle::of(&mesh.0, index);
+        found.ok_or_else(|| sheet::no_triangle(index, "mesh", mesh.0.triangle_count()))
+    };
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { sheet::triangle("mesh", mesh, triangle, find) }
 }

@@ -1,9 +1,12 @@
-//! Triangle meshes: the bits of the crate for Rust, against every kind of shape.
+//! Triangle meshes and height fields: the bits of the crate for Rust, against every kind of shape.
 #![allow(unsafe_code)]
 
 use super::*;
-use crate::exports::triangle_mesh::*;
-use crate::handles::TriangleMesh;
+use crate::exports::{height_field::*, triangle_mesh::*};
+use crate::handles::{HeightField, TriangleMesh};
+use hullmap::compound::{Parts, SharedSheet};
+use hullmap::height_field::{Diagonal, Layout};
+use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 
 /// A rough floor of squares, as the bytes of a file. Triangle t of the source has the material t.
@@ -88,18 +91,116 @@ fn wrong_files_are_errors() {
     assert_eq!(unsafe { hullmap_triangle_mesh_triangle_count(opened.0) }, 8);
 }
 
-/// The mesh as A, and as B, against every shape. The mesh's handle is freed before its shape is
-/// used.
+/// A rough field of four by four cells, of which the last is a hole.
+fn field_file() -> Vec<u8> {
+    let mut rng = SplitMix64::new(41);
+    let diagonal = Diagonal::Falling;
+    let layout = Layout { columns: 5, rows: 5, origin: [-2.0, -2.0], spacing: [1.0, 1.0], diagonal };
+    let heights: Vec<f32> = (0..25).map(|_| rng.between(-0.3, 0.3) as f32).collect();
+    let holes: Vec<bool> = (0..16).map(|cell| cell == 15).collect();
+    let materials: Vec<u16> = (0..16).collect();
+    let grid = HeightGrid { layout, heights: &heights, holes: &holes, materials: &materials };
+    write_height_field(bake_height_field(&grid).unwrap(), &Default::default()).unwrap()
+}
+
+fn open_field(file: &[u8]) -> Owned<HeightField> {
+    // SAFETY: the pointers are valid.
+    Owned::new(hullmap_height_field_free, |out| unsafe {
+        hullmap_height_field_from_memory(file.as_ptr(), file.len(), out)
+    })
+}
+
+#[test]
+fn a_field_has_its_grid_triangles_and_ground() {
+    let file = field_file();
+    let (field, twin) = (open_field(&file), hullmap::HeightField::from_bytes(&file).unwrap());
+    // SAFETY: the pointers are valid, or NULL.
+    unsafe {
+        let mut layout = std::mem::zeroed::<types::FieldLayout>();
+        assert_eq!(hullmap_height_field_layout(field.0, &raw mut layout), Code::Ok);
+        assert_eq!((layout.columns, layout.rows, layout.holes), (5, 5, 1));
+        assert_eq!((layout.origin, layout.spacing), ([-2.0; 2], [1.0; 2]));
+        assert_eq!(layout.diagonal, types::Diagonal::Falling as u32);
+        assert_eq!(hullmap_height_field_triangle_count(field.0), 32);
+        assert_eq!(hullmap_height_field_triangle_count(null()), 0);
+        let mut found = std::mem::zeroed::<types::MeshTriangle>();
+        for index in 0..30 {
+            assert_eq!(hullmap_height_field_triangle(field.0, index, &raw mut found), Code::Ok);
+            assert_eq!(found.corners.map(bits), twin.triangle(index).unwrap().corners().map(|p| bits(vector(p))));
+            assert_eq!((found.source_triangle as usize, found.material as usize), (index, index / 2));
+            for (corner, vertex) in found.corners.iter().zip(found.vertices) {
+                assert_eq!((corner.x, corner.y), (f64::from(vertex % 5) - 2.0, f64::from(vertex / 5) - 2.0));
+            }
+            for edge in 0..3 {
+                let beyond = twin.neighbours(index).unwrap()[edge];
+                assert_eq!(found.neighbours[edge], beyond.map_or(u32::MAX, |triangle| triangle as u32));
+                assert_eq!(found.edge_classes[edge] == types::EdgeClass::Border as u32, beyond.is_none());
+            }
+        }
+        assert_eq!(hullmap_height_field_triangle(field.0, 30, &raw mut found), Code::NotFound);
+        assert!(message().contains("triangle 30 is in a hole of the field"), "{}", message());
+        assert_eq!(hullmap_height_field_triangle(field.0, 32, &raw mut found), Code::NotFound);
+        assert!(message().contains("triangle 32 is out of range: the field has 32"), "{}", message());
+        let mut ground = std::mem::zeroed::<types::Ground>();
+        let expected = twin.height_at(0.3, -0.8).unwrap();
+        assert_eq!(hullmap_height_field_height_at(field.0, 0.3, -0.8, &raw mut ground), Code::Ok);
+        assert_eq!((ground.height, ground.triangle), (expected.height, expected.triangle));
+        assert_eq!(bits(ground.normal), bits(vector(expected.normal)));
+        for (x, y) in [(1.5, 1.5), (9.0, 0.0), (f64::NAN, 0.0)] {
+            assert_eq!(hullmap_height_field_height_at(field.0, x, y, &raw mut ground), Code::NotFound);
+        }
+    }
+}
+
+#[test]
+fn wrong_files_of_fields_are_errors() {
+    let (file, mesh) = (field_file(), mesh_file(2));
+    let mut handle = null_mut::<HeightField>();
+    // SAFETY: the pointers are valid, or NULL.
+    unsafe {
+        let memory = |bytes: &[u8], out| hullmap_height_field_from_memory(bytes.as_ptr(), bytes.len(), out);
+        for cut in (0..file.len()).step_by(17) {
+            assert_eq!(memory(&file[..cut], &raw mut handle), Code::InvalidPack);
+            assert!(handle.is_null());
+        }
+        assert_eq!(memory(&mesh, &raw mut handle), Code::InvalidPack);
+        assert!(message().contains("not a hullmap height field"), "{}", message());
+        hullmap_height_field_free(null_mut());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("terrain.hullfield");
+    std::fs::write(&path, &file).unwrap();
+    let path = std::ffi::CString::new(path.to_str().unwrap()).unwrap();
+    // SAFETY: the pointers are valid.
+    let opened = Owned::new(hullmap_height_field_free, |out| unsafe { hullmap_height_field_open(path.as_ptr(), out) });
+    // SAFETY: the pointer is valid.
+    assert_eq!(unsafe { hullmap_height_field_triangle_count(opened.0) }, 32);
+}
+
+/// The sheet as A, and as B, against every shape. The handle of its file is freed before its shape
+/// is used.
 #[test]
 fn queries_have_the_same_bits() {
-    let (file, pack_file, pack) = (mesh_file(4), file(), open());
-    let (twin, twin_pack) =
-        (hullmap::TriangleMesh::from_bytes(&file).unwrap(), hullmap::Pack::from_bytes(&pack_file).unwrap());
+    let (mesh_file, field_file) = (mesh_file(4), field_file());
     let ground = {
-        let mesh = open_mesh(&file);
+        let mesh = open_mesh(&mesh_file);
         // SAFETY: the pointers are valid.
         Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_triangle_mesh(mesh.0, out) })
     };
+    compare(&ground, &hullmap::TriangleMesh::from_bytes(&mesh_file).unwrap());
+    let ground = {
+        let field = open_field(&field_file);
+        // SAFETY: the pointers are valid.
+        Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_height_field(field.0, out) })
+    };
+    let twin = hullmap::HeightField::from_bytes(&field_file).unwrap();
+    compare(&ground, &twin);
+    compare(&ground, &SharedSheet::Field(std::sync::Arc::new(twin)));
+}
+
+fn compare(ground: &Owned<Shape>, twin: &impl Parts) {
+    let (pack_file, pack) = (file(), open());
+    let twin_pack = hullmap::Pack::from_bytes(&pack_file).unwrap();
     let (settings, mut rng) = (hullmap::Settings::default(), SplitMix64::new(40));
     let mut hits = [0; 2];
     for (shape, other) in all_shapes(&pack).iter().zip(&all_twins(&twin_pack)) {
@@ -127,23 +228,23 @@ fn queries_have_the_same_bits() {
                 hullmap_distance(a.0, b.0, &raw const pose, null(), null_mut(), out)
             };
             let expected = match other {
-                Twin::Convex(other) => Some(compound::distance(&twin, &**other, twin_pose, &settings, memory)),
-                Twin::Compound(other) => Some(compound::distance(&twin, &**other, twin_pose, &settings, memory)),
+                Twin::Convex(other) => Some(compound::distance(twin, &**other, twin_pose, &settings, memory)),
+                Twin::Compound(other) => Some(compound::distance(twin, &**other, twin_pose, &settings, memory)),
                 Twin::HalfSpace(plane) => {
                     // A half-space is always the first.
-                    assert_eq!(query(&ground, shape, &raw mut found), Code::Unsupported);
-                    assert_eq!(query(shape, &ground, &raw mut found), Code::Ok);
-                    let expected = compound::half_space::distance(plane, &twin, twin_pose);
+                    assert_eq!(query(ground, shape, &raw mut found), Code::Unsupported);
+                    assert_eq!(query(shape, ground, &raw mut found), Code::Ok);
+                    let expected = compound::half_space::distance(plane, twin, twin_pose);
                     assert_eq!(found.distance.to_bits(), expected.answer.distance.to_bits());
                     None
                 }
             };
             let Some(expected) = expected else { continue };
-            assert_eq!(query(&ground, shape, &raw mut found), Code::Ok, "{}", message());
+            assert_eq!(query(ground, shape, &raw mut found), Code::Ok, "{}", message());
             assert_eq!([found.hull_a, found.hull_b].map(|hull| hull as usize), expected.hulls);
             assert_eq!(found.distance.to_bits(), expected.answer.distance.to_bits());
             hits[usize::from(found.distance == 0.0)] += 1;
-            assert_eq!(query(shape, &ground, &raw mut found), Code::Ok, "{}", message());
+            assert_eq!(query(shape, ground, &raw mut found), Code::Ok, "{}", message());
         }
     }
     println!("separated and overlapping: {hits:?}");

@@ -99,6 +99,28 @@ static void meshes(const char *path) {
     hullmap_triangle_mesh_free(NULL);
 }
 
+static void fields(const char *path) {
+    HullmapHeightField *field;
+    FAILS(HULLMAP_RESULT_NULL, "path", hullmap_height_field_open(NULL, &field));
+    FAILS(HULLMAP_RESULT_NULL, "field", hullmap_height_field_open(path, NULL));
+    FAILS(HULLMAP_RESULT_IO, "no/such/file", hullmap_height_field_open("no/such/file", &field));
+    FAILS(HULLMAP_RESULT_INVALID_PACK, "not a hullmap height field", hullmap_height_field_open(path, &field));
+    FAILS(HULLMAP_RESULT_INVALID_PACK, "", hullmap_height_field_from_memory(file, length, &field));
+    EXPECT(field == NULL);
+    FAILS(HULLMAP_RESULT_NULL, "bytes", hullmap_height_field_from_memory(NULL, 5, &field));
+    EXPECT(hullmap_height_field_triangle_count(NULL) == 0);
+    HullmapMeshTriangle triangle;
+    FAILS(HULLMAP_RESULT_NULL, "field", hullmap_height_field_triangle(NULL, 0, &triangle));
+    HullmapFieldLayout layout;
+    FAILS(HULLMAP_RESULT_NULL, "field", hullmap_height_field_layout(NULL, &layout));
+    HullmapGround ground;
+    FAILS(HULLMAP_RESULT_NULL, "field", hullmap_height_field_height_at(NULL, 0.0, 0.0, &ground));
+    HullmapShape *shape;
+    FAILS(HULLMAP_RESULT_NULL, "field", hullmap_shape_height_field(NULL, &shape));
+    EXPECT(shape == NULL);
+    hullmap_height_field_free(NULL);
+}
+
 static void memory(void) {
     HullmapPack *pack;
     FAILS(HULLMAP_RESULT_NULL, "bytes", hullmap_pack_from_memory(NULL, 5, 0, &pack));
@@ -496,6 +518,7 @@ int main(int count, char **arguments) {
     read_file(arguments[1]);
     opening(arguments[1]);
     meshes(arguments[1]);
+    fields(arguments[1]);
     memory();
     unchecked();
     HullmapPack *pack;

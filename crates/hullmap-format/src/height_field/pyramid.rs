@@ -124,26 +124,57 @@ impl Pyramid {
         }
     }
 
+    /// The last level with stored ranges.
+    pub fn stored_level(&self) -> u32 {
+        self.stored
+    }
+
+    /// How many levels divide x, and how many y, down to a level that is not below the blocks.
+    #[inline]
+    pub fn divisions(&self, level: u32) -> [u32; 2] {
+        let lead = self.lead.min(level);
+        let [x, y] = self.turns(level - lead);
+        if self.is_tall { [x, y + lead] } else { [x + lead, y] }
+    }
+
+    /// How many of `turns` levels after the lead divide x, and how many y. x comes first, unless
+    /// the lead was along x and y is now the longer one.
+    #[inline]
+    fn turns(&self, turns: u32) -> [u32; 2] {
+        let x = if self.is_tall { turns.div_ceil(2) } else { turns / 2 };
+        [x, turns - x]
+    }
+
+    /// Number of the node of a level at these positions along x and y, each of which is below 2 to
+    /// the power of its [divisions](Self::divisions). The level is not below the blocks.
+    #[inline]
+    pub fn node_at(&self, level: u32, [x, y]: [u32; 2]) -> u32 {
+        let lead = self.lead.min(level);
+        let turns = level - lead;
+        let [x_turns, y_turns] = self.turns(turns);
+        let first = if self.is_tall { y >> y_turns } else { x >> x_turns };
+        let [x, y] = [(x, x_turns), (y, y_turns)].map(|(at, turns)| spread(at & ((1 << turns) - 1)));
+        let rest = if self.x_is_odd(turns) { x << 1 | y } else { y << 1 | x };
+        (1 << level) - 1 + (first << turns | rest)
+    }
+
+    /// Whether the digits for x are the odd ones of a position.
+    #[inline]
+    fn x_is_odd(&self, turns: u32) -> bool {
+        turns.is_multiple_of(2) == self.is_tall
+    }
+
     /// The cells of a node of a level that is not below the blocks.
     #[inline]
     fn cells(&self, level: u32, position: u32) -> Cells {
         let lead = self.lead.min(level);
         let turns = level - lead;
         let (first, rest) = (position >> turns, position & ((1 << turns) - 1));
-        // x comes first, unless the lead was along x and y is now the longer one.
         let (odd, even) = (every_second(rest >> 1), every_second(rest));
-        let starts_with_x = self.is_tall;
-        let (x, y) = if turns.is_multiple_of(2) == starts_with_x { (odd, even) } else { (even, odd) };
-        let x_turns = if starts_with_x { turns.div_ceil(2) } else { turns / 2 };
-        let y_turns = turns - x_turns;
-        let [across, along] = self.cells;
-        let (mut x_levels, mut y_levels) = (x_turns, y_turns);
-        let (mut x, mut y) = (u64::from(x), u64::from(y));
-        if self.is_tall {
-            (y, y_levels) = (u64::from(first) << y_turns | y, y_levels + lead);
-        } else {
-            (x, x_levels) = (u64::from(first) << x_turns | x, x_levels + lead);
-        }
+        let (x, y) = if self.x_is_odd(turns) { (odd, even) } else { (even, odd) };
+        let [x_turns, y_turns] = self.turns(turns);
+        let [x, y] = if self.is_tall { [x, first << y_turns | y] } else { [first << x_turns | x, y] };
+        let ([across, along], [x_levels, y_levels]) = (self.cells, self.divisions(level));
         Cells { columns: share(across, x_levels, x), rows: share(along, y_levels, y) }
     }
 
@@ -172,11 +203,29 @@ impl Pyramid {
     }
 }
 
-/// The part `position` of `count` cells that are divided in two `levels` times.
+/// The part `position` of `count` cells that are divided in two `levels` times: the first cell, and
+/// the one after the last.
 #[inline]
-fn share(count: usize, levels: u32, position: u64) -> [usize; 2] {
+pub fn share(count: usize, levels: u32, position: u32) -> [usize; 2] {
     // At most 2²⁷ cells and positions: no overflow.
-    [position, position + 1].map(|p| ((p * count as u64) >> levels) as usize)
+    [0, 1].map(|next| (((u64::from(position) + next) * count as u64) >> levels) as usize)
+}
+
+/// The position of a cell among the parts of `count` cells, at least one, that are divided in two
+/// `levels` times.
+///
+/// # Examples
+/// ```
+/// use hullmap_format::height_field::pyramid::{position_of, share};
+///
+/// // Of five cells, four parts have one, one, one and two.
+/// assert_eq!([0, 1, 2, 3].map(|part| share(5, 2, part)), [[0, 1], [1, 2], [2, 3], [3, 5]]);
+/// assert_eq!([0, 1, 2, 3, 4].map(|cell| position_of(cell, 5, 2)), [0, 1, 2, 3, 3]);
+/// ```
+#[inline]
+pub fn position_of(cell: usize, count: usize, levels: u32) -> u32 {
+    // The greatest p for which ⌊p n / 2ᵈ⌋ is at most the cell.
+    ((((cell as u64 + 1) << levels) - 1) / count.max(1) as u64) as u32
 }
 
 /// Every second binary digit of a number, from the lowest on.
@@ -187,6 +236,16 @@ fn every_second(number: u32) -> u32 {
     n = (n | n >> 2) & 0x0f0f_0f0f;
     n = (n | n >> 4) & 0x00ff_00ff;
     (n | n >> 8) & 0x0000_ffff
+}
+
+/// The number whose [`every_second`] digit gives this one, which has at most 16 digits.
+#[inline]
+fn spread(number: u32) -> u32 {
+    let mut n = number & 0x0000_ffff;
+    n = (n | n << 8) & 0x00ff_00ff;
+    n = (n | n << 4) & 0x0f0f_0f0f;
+    n = (n | n << 2) & 0x3333_3333;
+    (n | n << 1) & 0x5555_5555
 }
 
 #[cfg(test)]
@@ -234,6 +293,24 @@ mod tests {
             assert!(seen.iter().all(|seen| *seen), "{cells:?}");
             // As deep as a balanced tree of triangles, and at most two levels deeper.
             assert!(depth <= (seen.len() as u32).next_power_of_two().ilog2() + 2, "{cells:?} {depth}");
+        }
+    }
+
+    #[test]
+    fn nodes_are_found_by_their_cells() {
+        let sizes = (1..20).flat_map(|x| (1..20).map(move |y| [x, y]));
+        for cells in sizes.chain([[3, 777], [1000, 7], [64, 64], [65, 63], [255, 16]]) {
+            let pyramid = Pyramid::new(cells);
+            for node in 0..pyramid.stored_count() as u32 {
+                let level = (node + 1).ilog2();
+                let Some(Extent::Cells(Cells { columns, rows })) = pyramid.extent(node) else { panic!("{node}") };
+                let [x, y] = pyramid.divisions(level);
+                for (column, row) in [(columns[0], rows[0]), (columns[1] - 1, rows[1] - 1)] {
+                    let at = [position_of(column, cells[0], x), position_of(row, cells[1], y)];
+                    assert_eq!(pyramid.node_at(level, at), node, "{cells:?}");
+                    assert_eq!((share(cells[0], x, at[0]), share(cells[1], y, at[1])), (columns, rows));
+                }
+            }
         }
     }
 

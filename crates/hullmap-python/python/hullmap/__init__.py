@@ -62,10 +62,10 @@ from ._shapes import (
     Shape,
     Sphere,
     Triangle,
-    TriangleMesh,
     from_bytes,
     open,
 )
+from ._sheets import HeightField, TriangleMesh
 
 __all__ = [
     "ArrayError",
@@ -81,6 +81,7 @@ __all__ = [
     "Distance",
     "Error",
     "HalfSpace",
+    "HeightField",
     "Hull",
     "Impact",
     "Intersection",

@@ -84,7 +84,7 @@ def _poses(
 
 class Shape:
     """A shape that can be queried: a `Hull`, a `Pack` (the union of its hulls), a `TriangleMesh`, a
-    primitive, or a `HalfSpace`.
+    `HeightField`, a primitive, or a `HalfSpace`.
 
     Queries take poses of B, the other shape, in the frame of A, this shape: ``b_in_a``, rows of
     ``x y z qx qy qz qw`` or 4x4 matrices. Or pass the poses of both in a common frame,
@@ -849,7 +849,7 @@ class Pack(_Bounded, Sequence[Hull]):
         """Writes the pack to a file, and returns its path. The file is complete or absent at every
         moment: it is written beside ``path`` first, and renamed. Open packs of the old file keep it.
         """
-        return _write(path, self.to_bytes())
+        return write_file(path, self.to_bytes())
 
     def check(self) -> None:
         """Compares the data that the file holds twice, as ``verify`` does. Raises `InvalidPack` if
@@ -863,7 +863,7 @@ class Pack(_Bounded, Sequence[Hull]):
         return (from_bytes, (self.to_bytes(),))
 
 
-def _write(path: FilePath, data: bytes) -> Path:
+def write_file(path: FilePath, data: bytes) -> Path:
     """Writes a file that is complete or absent at every moment."""
     target = Path(os.fsdecode(path))
     # Shorter than the longest name that a file system allows, as the name of the file may be.
@@ -882,186 +882,6 @@ def _write(path: FilePath, data: bytes) -> Path:
         os.unlink(temporary)
         raise
     return target
-
-
-class TriangleMesh(Shape):
-    """A static mesh that keeps its triangles, such as a level or a terrain. They collide on both sides.
-
-    ``parts`` of an answer has the index of the triangle. The depth of a contact is that of the deepest
-    triangle: the shorter way out, on either side. Arrays are copies; lengths are in the frame and unit
-    of the mesh. The mesh has no support points and no signed distance.
-
-    >>> import numpy as np, hullmap
-    >>> corners = [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]
-    >>> ground = hullmap.TriangleMesh.from_arrays(corners, [[0, 1, 2], [0, 2, 3]])
-    >>> ball = hullmap.Sphere(0.5)
-    >>> ground.distance(ball, hullmap.poses([[1, 2, 3], [1, 2, 0.25]])).distance
-    array([2.5, 0. ])
-    >>> ground.ray([[1, 2, 4]], [0, 0, -1]).t
-    array([4.])
-    """
-
-    __slots__ = ("_facts", "_mesh")
-
-    EDGE_CLASSES = ("border", "flat", "convex", "concave", "non-manifold", "reversed")
-    """Names of the codes in ``edge_classes``."""
-    VERTEX_CLASSES = ("flat", "convex", "concave", "saddle", "border", "irregular")
-    """Names of the codes in ``vertex_classes``."""
-
-    def __init__(self, mesh: _hullmap.TriangleMesh) -> None:
-        self._mesh, self._native, self._facts = mesh, mesh.shape(), mesh.facts()
-
-    @classmethod
-    def open(cls, path: FilePath) -> TriangleMesh:
-        """Opens a ``.hullmesh`` file, which ``bake build --keep-triangles`` writes. The file is copied
-        into memory, and all of it is checked.
-
-        Raises `InvalidPack` if the file is no triangle mesh or is damaged, and an `OSError` if it
-        cannot be read.
-        """
-        return cls(_hullmap.TriangleMesh.open(os.fsdecode(path)))
-
-    @classmethod
-    def from_bytes(cls, data: Union[bytes, bytearray, memoryview]) -> TriangleMesh:
-        """A mesh from the bytes of a file, which are copied and checked."""
-        return cls(_hullmap.TriangleMesh.from_bytes(bytes(data)))
-
-    @classmethod
-    def from_arrays(
-        cls, vertices: npt.ArrayLike, triangles: npt.ArrayLike, materials: Optional[npt.ArrayLike] = None
-    ) -> TriangleMesh:
-        """Bakes triangles: ``vertices`` of shape (V, 3), rounded to 32 bits, and ``triangles`` of shape
-        (T, 3), counter-clockwise seen from the front. ``materials`` has a number from 0 to 65535 for
-        each triangle.
-
-        Equal vertices are merged. Nothing is repaired: `counts` has what may be wrong.
-
-        Raises `ArrayError` for arrays of other shapes or types, and `BakeError` for an index out of
-        range or a vertex that is not finite.
-        """
-        points = floats("vertices", vertices)
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise ArrayError(f"vertices: expected the shape (V, 3), found {points.shape}: pass rows of x, y, z")
-        corners = indices("triangles", np.asarray(triangles), "vertices")
-        rows = np.asarray(triangles)
-        if rows.ndim != 2 or rows.shape[1] != 3:
-            raise ArrayError(f"triangles: expected the shape (T, 3), found {rows.shape}: pass three indices a triangle")
-        numbers = np.zeros(0, dtype=np.uint16) if materials is None else _materials(materials)
-        with np.errstate(over="ignore"):
-            single = np.ascontiguousarray(points, dtype=np.float32)
-        return cls(_hullmap.TriangleMesh.from_arrays(single, corners.reshape(rows.shape), numbers))
-
-    @property
-    def vertices(self) -> npt.NDArray[np.float32]:
-        """Positions of the vertices; (V, 3)."""
-        return self._array("vertices")
-
-    @property
-    def triangles(self) -> Counts:
-        """Corners of each triangle, in the order of the file; (T, 3)."""
-        return self._array("triangles")
-
-    @property
-    def source_triangles(self) -> Counts:
-        """For each triangle its index in the mesh that was baked; (T,)."""
-        return self._array("source_triangles")
-
-    @property
-    def materials(self) -> npt.NDArray[np.uint16]:
-        """Material of each triangle: 0 without one; (T,)."""
-        return self._array("materials")
-
-    @property
-    def neighbours(self) -> npt.NDArray[np.int64]:
-        """The triangles beyond the edges, from corner i to the next; -1 if there is none, or more than
-        one; (T, 3)."""
-        return self._array("neighbours")
-
-    @property
-    def edge_classes(self) -> npt.NDArray[np.uint16]:
-        """Codes of the classes of the edges, from corner i to the next; (T, 3)."""
-        return self._array("edge_classes")
-
-    @property
-    def vertex_classes(self) -> npt.NDArray[np.uint8]:
-        """Codes of the classes of the vertices; (V,)."""
-        return self._array("vertex_classes")
-
-    def _array(self, name: str) -> npt.NDArray[Any]:
-        array: npt.NDArray[Any] = self._mesh.array(name)
-        return array
-
-    @property
-    def counts(self) -> Dict[str, int]:
-        """Numbers of triangles, different vertices, merged vertices, degenerate and duplicate triangles,
-        and of edges of triangles with each class. An edge that two triangles share counts for both.
-
-        >>> import hullmap
-        >>> sheet = hullmap.TriangleMesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-        >>> sheet.counts["triangles"], sheet.counts["border"], sheet.counts["degenerate"]
-        (1, 3, 0)
-        """
-        counts = {key: int(self._facts[key]) for key in ("triangles", "vertices", "merged", "degenerate", "duplicate")}
-        edges = np.bincount(self.edge_classes.ravel(), minlength=len(self.EDGE_CLASSES))
-        counts.update((name, int(count)) for name, count in zip(self.EDGE_CLASSES, edges))
-        return counts
-
-    @property
-    def bounds(self) -> Floats:
-        """Lowest and highest corner of the axis-aligned box; (2, 3)."""
-        return floats("bounds", self._facts["bounds"])
-
-    @property
-    def path(self) -> Optional[Path]:
-        """File that the mesh was opened from."""
-        path = self._mesh.path
-        return None if path is None else Path(path)
-
-    @property
-    def source_path(self) -> str:
-        """Path of the source, as recorded; empty if it was baked from arrays."""
-        return str(self._facts["source_path"])
-
-    @property
-    def options(self) -> str:
-        """Options of the bake, as recorded."""
-        return str(self._facts["options"])
-
-    @property
-    def warnings(self) -> List[str]:
-        """Warnings of the bake, as recorded."""
-        return list(self._facts["warnings"])
-
-    @property
-    def nbytes(self) -> int:
-        """Size of the file in bytes."""
-        return int(self._facts["byte_len"])
-
-    def to_bytes(self) -> bytes:
-        """A copy of the bytes of the file."""
-        return self._mesh.bytes()
-
-    def save(self, path: FilePath) -> Path:
-        """Writes the mesh to a file as `Pack.save` does, and returns its path."""
-        return _write(path, self.to_bytes())
-
-    def __len__(self) -> int:
-        return int(self._facts["triangles"])
-
-    def __repr__(self) -> str:
-        return f"<TriangleMesh of {len(self)} triangles, {self.nbytes} bytes>"
-
-    def __reduce__(self) -> Any:
-        return (TriangleMesh.from_bytes, (self.to_bytes(),))
-
-
-def _materials(materials: npt.ArrayLike) -> npt.NDArray[np.uint16]:
-    numbers = np.asarray(materials)
-    if numbers.ndim != 1 or not np.issubdtype(numbers.dtype, np.integer):
-        raise ArrayError(f"materials: expected a whole number for each triangle, found {numbers.dtype}{numbers.shape}")
-    if numbers.size and not 0 <= int(numbers.min()) <= int(numbers.max()) <= 65535:
-        raise ArrayError("materials: a number must be from 0 to 65535: number the materials from 0")
-    return np.ascontiguousarray(numbers, dtype=np.uint16)
 
 
 def open(path: FilePath, *, mmap: bool = True) -> Pack:

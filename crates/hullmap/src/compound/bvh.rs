@@ -151,6 +151,11 @@ impl<'n> Nodes<'n> {
         Self { tree: Tree::Field(field) }
     }
 
+    /// The height field whose tree this is.
+    pub(super) fn field(&self) -> Option<&'n HeightField> {
+        if let Tree::Field(field) = self.tree { Some(field) } else { None }
+    }
+
     /// The BVH of one part with this bounding box.
     pub(super) fn one(low: DVec3, high: DVec3) -> Self {
         Self { tree: Tree::One(Node::new(low, high, Child::Hull(0))) }
@@ -250,6 +255,11 @@ impl<'q> Placement<'q> {
     pub(super) fn placed(&self, b: &Node) -> PlacedBox {
         let center = self.b_in_a.transform_point(b.center);
         PlacedBox { half: b.half, center, around: self.abs_rotation * b.half }
+    }
+
+    /// Bound on the rounding error of a coordinate of a box.
+    pub(super) fn rounding_error(&self) -> f64 {
+        self.rounding_error
     }
 
     /// Lower bound on the distance between two boxes, reduced by the rounding error; 0 if they may

@@ -15,9 +15,12 @@ use super::parts::Parts;
 use super::sheet::Pair;
 use super::traversal::{BoxPairs, Traversal};
 use super::{CompoundAnswer, CompoundCache};
+use crate::height_field::HeightField;
+use crate::height_field::walk::Walk;
 use crate::pose::Pose;
 use crate::shapes::Shape;
 use crate::solver::cast::cast as cast_pair;
+use crate::solver::motion::Path;
 use crate::solver::ray::ray as cast_ray;
 use crate::solver::ray_triangle::ray_triangle;
 use crate::solver::{CastSettings, Impact, Motion, Ray, RayHit, Status};
@@ -109,12 +112,12 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<RayHit> {
     let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
     let placement = Placement::new(a.nodes(), origin, Pose::from_checked(ray.origin()));
-    let CompoundAnswer { answer, hulls, pairs, boxes } = first_hit(placement, ray.motion(), settings, |pair| {
+    let cast_part = |part: usize| {
         // NaN takes the branch that misses.
-        if a.front(pair[0]).is_some_and(|front| !(front.dot(ray.direction()) < 0.0)) {
+        if a.front(part).is_some_and(|front| !(front.dot(ray.direction()) < 0.0)) {
             return None;
         }
-        let part = a.part(pair[0])?;
+        let part = a.part(part)?;
         let sure = part.triangle().and_then(|corners| ray_triangle(corners, ray, settings));
         let found = sure.unwrap_or_else(|| cast_ray(&part, ray, settings));
         let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } = found;
@@ -130,7 +133,14 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
             iterations,
             support_calls,
         })
-    });
+    };
+    let CompoundAnswer { answer, hulls, pairs, boxes } = match (a.nodes().field(), ray.motion().path()) {
+        (Some(field), Some(path)) => {
+            let line = [ray.origin(), path.direction];
+            first_in_field(field, line, placement.rounding_error(), path, settings, cast_part)
+        }
+        _ => first_hit(placement, ray.motion(), settings, |pair| cast_part(pair[0])),
+    };
     let answer = if a.part_count() == 0 { Impact::default() } else { answer };
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = answer;
     let point = if hit { answer.point_a } else { ray.origin() };
@@ -178,10 +188,8 @@ fn first_hit(
     let path = motion.path();
     let mut traversal = Traversal::new(Swept { placement, inverse: path.map(|path| path.direction.recip()) });
     loop {
-        // How far B moves until the first certain hit. Without motion this is 0, even for an
-        // infinite time.
-        let until = settings.limit().min(first.certain_upper);
-        let reach = path.map_or(0.0, |path| path.length(until) * (1.0 + LENGTH_ERROR));
+        // Without motion this is 0, even for an infinite time.
+        let reach = path.map_or(0.0, |path| first.reach(&path, settings));
         let Some(pair) = traversal.next(reach) else { break };
         if let Some(found) = query(pair) {
             first.add(&found, pair);
@@ -189,6 +197,28 @@ fn first_hit(
     }
     let (answer, hulls) = first.answer();
     CompoundAnswer { answer, hulls, pairs: first.pairs, boxes: traversal.boxes() }
+}
+
+/// The first hit of a ray on a height field: by a walk over its cells, which costs less than the
+/// tree. `query` casts the ray on a triangle.
+fn first_in_field(
+    field: &HeightField,
+    line: [DVec3; 2],
+    margin: f64,
+    path: Path,
+    settings: &CastSettings,
+    mut query: impl FnMut(usize) -> Option<Impact>,
+) -> CompoundAnswer<Impact> {
+    let mut first = First::default();
+    let reach = first.reach(&path, settings);
+    let boxes = Walk::run(field, line, margin, reach, |triangle| {
+        if let Some(found) = query(triangle) {
+            first.add(&found, [triangle, 0]);
+        }
+        first.reach(&path, settings)
+    });
+    let (answer, hulls) = first.answer();
+    CompoundAnswer { answer, hulls, pairs: first.pairs, boxes }
 }
 
 /// The first of several hits.
@@ -224,6 +254,11 @@ impl Default for First {
 }
 
 impl First {
+    /// Length of a path until the first certain hit, or until its end.
+    fn reach(&self, path: &Path, settings: &CastSettings) -> f64 {
+        path.length(settings.limit().min(self.certain_upper)) * (1.0 + LENGTH_ERROR)
+    }
+
     pub(super) fn add(&mut self, found: &Impact, pair: [usize; 2]) {
         self.pairs += 1;
         self.iterations = self.iterations.saturating_add(found.iterations);
@@ -270,5 +305,130 @@ impl First {
             };
         }
         (answer, pair)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+    use crate::height_field::{Diagonal, Layout};
+
+    /// The answer by the tree, of which only the counts may differ from that of the walk.
+    fn by_tree(field: &HeightField, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<Impact> {
+        let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
+        let placement = Placement::new(Nodes::of_field(field), origin, Pose::from_checked(ray.origin()));
+        first_hit(placement, ray.motion(), settings, |[part, _]| {
+            let part = field.triangle(part)?;
+            let sure = ray_triangle(part.corners(), ray, settings);
+            let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } =
+                sure.unwrap_or_else(|| cast_ray(&part, ray, settings));
+            let [point_a, point_b] = [point; 2];
+            Some(Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls })
+        })
+    }
+
+    fn fields(rng: &mut SplitMix64) -> Vec<HeightField> {
+        let mut of = |columns: usize, rows: usize, spacing: [f64; 2], origin: [f64; 2], height: f64, holes: f64| {
+            let diagonal = Diagonal::ALL[columns % 2];
+            let layout = Layout { columns, rows, origin, spacing, diagonal };
+            // Waves, and noise.
+            let wave = |i: usize| (i as f64 * 0.1).sin();
+            let at = |i: usize| wave(i % columns) + wave(i / columns);
+            let heights: Vec<f32> = (0..columns * rows).map(|i| (height * (at(i) + 0.3 * rng.unit())) as f32).collect();
+            let holes: Vec<bool> = (1..(columns - 1) * (rows - 1)).map(|_| rng.unit() < holes).collect();
+            let holes = [&[false], holes.as_slice()].concat();
+            let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &holes, materials: &[] });
+            HeightField::from_bytes(&write_height_field(baked.unwrap(), &Default::default()).unwrap()).unwrap()
+        };
+        vec![
+            of(2, 2, [1.0, 1.0], [0.0, 0.0], 1.0, 0.0),
+            of(9, 10, [1.0, 0.3], [-3.0, 4.0], 0.5, 0.2),
+            of(40, 3, [0.1, 0.7], [0.0, 0.0], 0.0, 0.0),
+            of(300, 2, [1.0, 1.0], [0.0, 0.0], 0.2, 0.05),
+            of(2, 301, [1.0, 7.0], [0.0, 0.0], 0.2, 0.05),
+            of(200, 170, [0.5, 0.5], [-50.0, -40.0], 1.0, 0.01),
+            of(131, 257, [1e-4, 1e-4], [0.0, 0.0], 1e-4, 0.3),
+            of(90, 90, [1e3, 2e3], [3e6, -7e6], 2e3, 0.0),
+            // The spacing is 16 units in the last place of the coordinates.
+            of(20, 17, [1.0, 1.0], [2_f64.powi(48), 0.0], 1.0, 0.1),
+            // Cells that are narrow for their heights.
+            of(120, 100, [0.01, 0.01], [0.0, 0.0], 10.0, 0.0),
+        ]
+    }
+
+    /// Rays through anything, along edges, through vertices, along axes, in the plane of the
+    /// ground, of huge and of tiny lengths, and from far away.
+    fn draw_ray(field: &HeightField, round: usize, rng: &mut SplitMix64) -> (Ray, f64) {
+        let [low, high] = field.bounds();
+        let size = (high - low).max(DVec3::splat(0.05 * (high - low).max_element()));
+        let mut place = |grow: f64| {
+            let share = DVec3::new(rng.unit(), rng.unit(), rng.unit()) * (1.0 + grow) - 0.5 * grow;
+            low + share * size
+        };
+        let (mut from, mut to) = (place(0.5), place(0.2));
+        let Layout { columns, rows, .. } = *field.layout();
+        let vertex = |rng: &mut SplitMix64| field.vertex(rng.below(columns), rng.below(rows)).unwrap();
+        match round % 10 {
+            0 => from.z = high.z + size.z,
+            1 => to = from.with_z(low.z - size.z),
+            2 => (from, to) = (vertex(rng), vertex(rng)),
+            3 => (from, to) = (vertex(rng) + size.with_x(0.0).with_y(0.0), vertex(rng)),
+            // Along a row or a column of vertices, above the ground and in it.
+            4 => {
+                let at = vertex(rng);
+                let along = if rng.unit() < 0.5 { DVec3::X } else { DVec3::Y };
+                (from, to) = (at - size * along, at + size * along);
+                from.z += if rng.unit() < 0.5 { size.z } else { 0.0 };
+            }
+            // Down on a vertex, and on an edge.
+            5 => {
+                to = vertex(rng);
+                from = to + DVec3::new(0.0, 0.0, 2.0 * size.z);
+            }
+            6 => {
+                let triangle = (0..9).find_map(|_| field.triangle(rng.below(field.triangle_count())));
+                let [a, b, c] = triangle.map_or([from; 3], |triangle| triangle.corners());
+                to = a.midpoint(b);
+                from = if rng.unit() < 0.5 { to + (to - c).with_z(3.0 * size.z) } else { c };
+            }
+            7 => to.z = from.z,
+            8 => from = to + (from - to) * 1e6,
+            _ => {}
+        }
+        let length = [1.0, 1e-3, 1e3, 1e-300, 1e20][rng.below(5)];
+        let direction = if from == to { DVec3::X } else { (to - from) * length };
+        let until = [f64::INFINITY, f64::INFINITY, 1.0, 0.3, 0.0][rng.below(5)];
+        (Ray::new(from, direction).unwrap(), until / length)
+    }
+
+    #[test]
+    fn a_walk_over_cells_finds_what_the_tree_finds() {
+        let seed = 0x3a7;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let fields = fields(&mut rng);
+        let (mut hits, mut grazes, mut boxes, rounds) = (0, 0, [0_u64; 2], 30_000);
+        for round in 0..rounds {
+            let field = &fields[round / 10 % fields.len()];
+            let (line, max_t) = draw_ray(field, round, &mut rng);
+            let settings = CastSettings { max_t, ..CastSettings::default() };
+            let (found, expected) = (ray(field, &line, &settings), by_tree(field, &line, &settings));
+            boxes[0] += u64::from(found.boxes);
+            boxes[1] += u64::from(expected.boxes);
+            let RayHit { hit, status, t, t_lower, t_upper, normal, point, .. } = found.answer;
+            let Impact { point_a, .. } = expected.answer;
+            let point_of_tree = if expected.answer.hit { point_a } else { line.origin() };
+            let own = format!("{:?}", (found.hulls, hit, status, t, t_lower, t_upper, normal, point));
+            let Impact { hit, status, t, t_lower, t_upper, normal, .. } = expected.answer;
+            let tree = format!("{:?}", (expected.hulls, hit, status, t, t_lower, t_upper, normal, point_of_tree));
+            assert_eq!(own, tree, "round {round}: {line:?}, {settings:?}");
+            hits += usize::from(hit);
+            grazes += usize::from(status == Status::Touching);
+        }
+        println!("{hits} hits, {grazes} grazes, {boxes:?} boxes");
+        assert!(hits > rounds / 4 && hits < rounds * 3 / 4 && grazes > rounds / 50);
     }
 }

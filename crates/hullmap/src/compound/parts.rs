@@ -51,7 +51,10 @@ pub trait Tree {
 
     /// The part with this index as a hull, if it is a hull of a pack: the cascade has more stages
     /// for hulls.
-    fn part_as_hull(&self, index: usize) -> Option<Hull<'_>>;
+    fn part_as_hull(&self, index: usize) -> Option<Hull<'_>> {
+        let _ = index;
+        None
+    }
 
     /// A unit normal of the part with this index, if it is a piece of a sheet, which has two faces.
     fn sheet_normal(&self, index: usize) -> Option<DVec3> {
@@ -118,10 +121,6 @@ impl Tree for TriangleMesh {
         self.triangle(index)
     }
 
-    fn part_as_hull(&self, _: usize) -> Option<Hull<'_>> {
-        None
-    }
-
     fn sheet_normal(&self, index: usize) -> Option<DVec3> {
         self.normal(index)
     }
@@ -149,10 +148,6 @@ impl Tree for HeightField {
         self.triangle(index)
     }
 
-    fn part_as_hull(&self, _: usize) -> Option<Hull<'_>> {
-        None
-    }
-
     fn sheet_normal(&self, index: usize) -> Option<DVec3> {
         self.normal(index)
     }
@@ -174,10 +169,6 @@ impl<S: Shape + ?Sized> Tree for S {
 
     fn part(&self, index: usize) -> Option<&S> {
         (index == 0).then_some(self)
-    }
-
-    fn part_as_hull(&self, _: usize) -> Option<Hull<'_>> {
-        None
     }
 
     fn nodes(&self) -> Nodes<'_> {

@@ -8,7 +8,7 @@ use std::{fs::File, path::Path};
 
 use hullmap_format::header::{FileKind, Header, HeaderError};
 
-use super::Bytes;
+use super::{Bytes, checked::Checked};
 use crate::pack::OpenError;
 
 /// Maps a file of this kind, and reads the header at its start. Nothing else is checked.
@@ -33,4 +33,14 @@ pub(crate) unsafe fn map(path: &Path, kind: FileKind) -> Result<(Header, Bytes),
     let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
     let header = Header::read_kind(&map, kind).map_err(invalid)?;
     Ok((header, Bytes::File(map)))
+}
+
+/// Maps a file and checks all of it.
+///
+/// # Safety
+/// As for [`map`].
+pub(crate) unsafe fn open<F: Checked>(path: &Path) -> Result<F, OpenError> {
+    // SAFETY: the caller upholds the contract of this function, which is that of `map`.
+    let (header, bytes) = unsafe { map(path, F::KIND)? };
+    F::check(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
 }

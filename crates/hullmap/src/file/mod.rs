@@ -1,5 +1,6 @@
 //! The bytes of a file, in a memory map or in memory of this process.
 
+pub(crate) mod checked;
 #[cfg(feature = "mmap")]
 pub(crate) mod map;
 
@@ -11,7 +12,7 @@ use std::{
 
 use hullmap_format::{
     check::MAX_PACK_LEN,
-    header::{FileKind, HEADER_LEN, Header},
+    header::{FileKind, HEADER_LEN, Header, options_hash},
 };
 use rkyv::util::AlignedVec;
 
@@ -146,6 +147,12 @@ pub(crate) fn read(path: &Path, kind: FileKind) -> Result<(Header, Bytes), OpenE
 pub(crate) fn check_checksum(header: &Header, payload: &[u8]) -> Result<(), InvalidPack> {
     let (expected, found) = (header.checksum, header.checksum_of(payload));
     if found == expected { Ok(()) } else { Err(InvalidPack::Checksum { expected, found }) }
+}
+
+/// Compares the hash of the options in the header with that of their record.
+pub(crate) fn check_options(header: &Header, text: &str) -> Result<(), InvalidPack> {
+    let (expected, found) = (header.options_hash, options_hash(text));
+    if found == expected { Ok(()) } else { Err(InvalidPack::Options { expected, found }) }
 }
 
 #[cfg(all(test, feature = "mmap"))]

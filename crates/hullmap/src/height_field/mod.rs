@@ -47,7 +47,7 @@
 //! ```
 
 mod ground;
-mod storage;
+pub(crate) mod walk;
 
 use std::path::Path;
 
@@ -55,10 +55,10 @@ use glam::{DVec2, DVec3};
 pub use ground::Ground;
 pub use hullmap_format::height_field::layout::{Diagonal, Layout};
 use hullmap_format::{
-    header::{FileKind, Header, options_hash},
+    header::{FileKind, Header},
     height_field::{
         check,
-        pyramid::{Extent, Pyramid},
+        pyramid::{Cells, Extent, Pyramid},
         ranges::{self, EMPTY, Heights},
         sections::Sections,
     },
@@ -67,11 +67,21 @@ use hullmap_format::{
 };
 use rkyv::rend::u16_le;
 
-use crate::file::{self, Bytes, check_checksum};
+use crate::file::checked::{self, Checked};
+use crate::file::{Bytes, check_options};
 use crate::pack::{InvalidPack, OpenError};
 use crate::shapes::Triangle;
 use crate::vector::unit;
-use storage::Storage;
+
+self_cell::self_cell!(
+    /// The bytes of a file, which no other process may change, and the sections in them.
+    struct Storage {
+        owner: Bytes,
+        #[covariant]
+        dependent: Sections,
+    }
+    impl {Debug}
+);
 
 /// A static height field, opened. See the [module](self).
 ///
@@ -96,6 +106,22 @@ pub struct HeightField {
     heights: [f32; 2],
 }
 
+impl Checked for HeightField {
+    const KIND: FileKind = FileKind::HeightField;
+
+    fn new(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
+        let storage =
+            Storage::try_new(bytes, |bytes| Sections::read(bytes.payload())).map_err(check::FieldError::from)?;
+        let sections = storage.borrow_dependent();
+        let layout = check::check(sections, storage.borrow_owner().payload())?;
+        check_options(&header, sections.options_text())?;
+        let heights = sections.height_range().unwrap_or_default();
+        let [low, high] = heights;
+        let pyramid = Pyramid::new(layout.cells());
+        Ok(Self { storage, header, layout, pyramid, scale: Scale::new(low, high), heights })
+    }
+}
+
 impl HeightField {
     /// Reads the file into memory of this process and checks all of it.
     ///
@@ -105,9 +131,7 @@ impl HeightField {
     /// # Complexity
     /// One read and a few passes over the file.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        let path = path.as_ref();
-        let (header, bytes) = file::read(path, FileKind::HeightField)?;
-        Self::from_checked(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+        checked::open(path.as_ref())
     }
 
     /// Copies the bytes of a whole file and checks all of them.
@@ -118,25 +142,7 @@ impl HeightField {
     /// # Complexity
     /// One copy, and a few passes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
-        let header = Header::read_kind(bytes, FileKind::HeightField)?;
-        Self::from_checked(header, file::copy_of(bytes))
-    }
-
-    fn from_checked(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
-        header.check_length(bytes.as_slice().len() as u64)?;
-        // A damaged file is reported as damaged even if the damage is in the root.
-        check_checksum(&header, bytes.payload())?;
-        let storage = Storage::new(bytes).map_err(check::FieldError::from)?;
-        let sections = storage.sections();
-        let layout = check::check(sections, storage.bytes().payload())?;
-        let (expected, found) = (header.options_hash, options_hash(sections.options_text()));
-        if found != expected {
-            return Err(InvalidPack::Options { expected, found });
-        }
-        let heights = sections.height_range().unwrap_or_default();
-        let [low, high] = heights;
-        let pyramid = Pyramid::new(layout.cells());
-        Ok(Self { storage, header, layout, pyramid, scale: Scale::new(low, high), heights })
+        checked::from_bytes(bytes)
     }
 
     /// The grid: numbers of columns and rows, origin, spacing, and the diagonal of the cells.
@@ -292,12 +298,12 @@ impl HeightField {
 
     /// Bytes of the whole file.
     pub fn bytes(&self) -> &[u8] {
-        self.storage.bytes().as_slice()
+        self.storage.borrow_owner().as_slice()
     }
 
     #[inline]
     fn sections(&self) -> &Sections<'_> {
-        self.storage.sections()
+        self.storage.borrow_dependent()
     }
 
     /// Whether a triangle exists, and is not in a hole.
@@ -335,6 +341,13 @@ impl HeightField {
                 return Some([a.min(b).min(c), a.max(b).max(c)]);
             }
         };
+        self.box_of(cells, node)
+    }
+
+    /// Corners of the box around a rectangle of cells; `None` if all are holes. The heights are
+    /// those of this node of the tree, if they are stored.
+    #[inline]
+    fn box_of(&self, cells: Cells, node: u32) -> Option<[DVec3; 2]> {
         let [low, high] = match self.sections().ranges.get(node as usize) {
             Some(stored) => {
                 let [low, high] = stored.map(u16_le::to_native);

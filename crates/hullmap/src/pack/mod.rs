@@ -54,13 +54,13 @@ use std::path::Path;
 use hullmap_format::{
     archive::ArchivedBvhNode,
     check,
-    header::{FileKind, Header, options_hash},
+    header::{FileKind, Header},
     repeats,
     sections::Sections,
 };
 
 use crate::facets::table::FacetTable;
-use crate::file::{self, Bytes, check_checksum};
+use crate::file::{self, Bytes, check_checksum, check_options};
 use crate::hull::Hull;
 pub use error::{InvalidPack, NoSuchHull, OpenError};
 use storage::Storage;
@@ -132,8 +132,7 @@ fn check_contents(header: &Header, storage: &Storage) -> Result<(), InvalidPack>
     let sections = storage.sections();
     check::structure(sections, storage.payload())?;
     check::contents(sections)?;
-    let (expected, found) = (header.options_hash, options_hash(sections.options_text()));
-    if found == expected { Ok(()) } else { Err(InvalidPack::Options { expected, found }) }
+    check_options(header, sections.options_text())
 }
 
 /// Checks the checksum and the contents. If both fail, the checksum is reported.

@@ -4,10 +4,8 @@
 
 use std::path::Path;
 
-use hullmap_format::header::FileKind;
-
 use super::TriangleMesh;
-use crate::file::map::map;
+use crate::file::map;
 use crate::pack::OpenError;
 
 impl TriangleMesh {
@@ -46,9 +44,7 @@ impl TriangleMesh {
     /// # }
     /// ```
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        let path = path.as_ref();
-        // SAFETY: the caller upholds the contract of this function, which is that of `map`.
-        let (header, bytes) = unsafe { map(path, FileKind::TriangleMesh)? };
-        Self::from_checked(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+        // SAFETY: the caller upholds the contract of this function, which is that of `open`.
+        unsafe { map::open(path.as_ref()) }
     }
 }

@@ -39,14 +39,13 @@
 mod in_box;
 #[cfg(feature = "mmap")]
 mod map;
-mod storage;
 pub(crate) mod winding;
 
 use std::path::Path;
 
 use glam::DVec3;
 use hullmap_format::{
-    header::{FileKind, Header, options_hash},
+    header::{FileKind, Header},
     triangle_mesh::{
         archive::{ArchivedRecord, NO_NEIGHBOUR},
         check,
@@ -57,11 +56,21 @@ use hullmap_format::{
 };
 use rkyv::rend::{f32_le, u16_le, u32_le};
 
-use crate::file::{self, Bytes, check_checksum};
+use crate::file::checked::{self, Checked};
+use crate::file::{Bytes, check_options};
 use crate::pack::{InvalidPack, OpenError};
 use crate::shapes::Triangle;
 use crate::vector::unit;
-use storage::Storage;
+
+self_cell::self_cell!(
+    /// The bytes of a file, which no other process may change, and the sections in them.
+    struct Storage {
+        owner: Bytes,
+        #[covariant]
+        dependent: Sections,
+    }
+    impl {Debug}
+);
 
 /// A static triangle mesh, opened. See the [module](self).
 ///
@@ -110,6 +119,23 @@ fn phrase(edge: EdgeClass) -> &'static str {
     if edge == EdgeClass::Border { "a border" } else { edge.as_str() }
 }
 
+impl Checked for TriangleMesh {
+    const KIND: FileKind = FileKind::TriangleMesh;
+
+    fn new(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
+        let storage =
+            Storage::try_new(bytes, |bytes| Sections::read(bytes.payload())).map_err(check::MeshError::from)?;
+        let sections = storage.borrow_dependent();
+        check::check(sections, storage.borrow_owner().payload())?;
+        check_options(&header, sections.options_text())?;
+        let [low, high] = bounds(sections);
+        let grid = Grid::new(low, high);
+        let mut mesh = Self { storage, header, grid, open_edge: None };
+        mesh.open_edge = mesh.first_open_edge();
+        Ok(mesh)
+    }
+}
+
 impl TriangleMesh {
     /// Reads the file into memory of this process and checks all of it.
     ///
@@ -119,9 +145,7 @@ impl TriangleMesh {
     /// # Complexity
     /// One read and a few passes over the file.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        let path = path.as_ref();
-        let (header, bytes) = file::read(path, FileKind::TriangleMesh)?;
-        Self::from_checked(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+        checked::open(path.as_ref())
     }
 
     /// Copies the bytes of a whole file and checks all of them.
@@ -132,27 +156,7 @@ impl TriangleMesh {
     /// # Complexity
     /// One copy, and a few passes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
-        let header = Header::read_kind(bytes, FileKind::TriangleMesh)?;
-        Self::from_checked(header, file::copy_of(bytes))
-    }
-
-    /// Checks all bytes of a file.
-    fn from_checked(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
-        header.check_length(bytes.as_slice().len() as u64)?;
-        // A damaged file is reported as damaged even if the damage is in the root.
-        check_checksum(&header, bytes.payload())?;
-        let storage = Storage::new(bytes).map_err(check::MeshError::from)?;
-        let sections = storage.sections();
-        check::check(sections, storage.bytes().payload())?;
-        let (expected, found) = (header.options_hash, options_hash(sections.options_text()));
-        if found != expected {
-            return Err(InvalidPack::Options { expected, found });
-        }
-        let [low, high] = bounds(sections);
-        let grid = Grid::new(low, high);
-        let mut mesh = Self { storage, header, grid, open_edge: None };
-        mesh.open_edge = mesh.first_open_edge();
-        Ok(mesh)
+        checked::from_bytes(bytes)
     }
 
     /// Number of triangles, at least 1.
@@ -287,12 +291,12 @@ impl TriangleMesh {
 
     /// Bytes of the whole file.
     pub fn bytes(&self) -> &[u8] {
-        self.storage.bytes().as_slice()
+        self.storage.borrow_owner().as_slice()
     }
 
     #[inline]
     fn sections(&self) -> &Sections<'_> {
-        self.storage.sections()
+        self.storage.borrow_dependent()
     }
 
     fn record(&self) -> Option<&ArchivedRecord> {

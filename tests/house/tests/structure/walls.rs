@@ -228,11 +228,13 @@ fn unsafe_code_is_in_few_files() {
         "crates/hullmap-c/src/border.rs",
         "crates/hullmap-c/src/exports/batch.rs",
         "crates/hullmap-c/src/exports/cache.rs",
+        "crates/hullmap-c/src/exports/height_field.rs",
         "crates/hullmap-c/src/exports/manifold.rs",
         "crates/hullmap-c/src/exports/pack.rs",
         "crates/hullmap-c/src/exports/pose.rs",
         "crates/hullmap-c/src/exports/query.rs",
         "crates/hullmap-c/src/exports/shape.rs",
+        "crates/hullmap-c/src/exports/sheet.rs",
         "crates/hullmap-c/src/exports/triangle_mesh.rs",
         "crates/hullmap-c/src/exports/version.rs",
         // Calls of the exported functions.

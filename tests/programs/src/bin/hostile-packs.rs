@@ -1,4 +1,4 @@
-//! Tries any number of hostile packs.
+//! Tries any number of hostile files: packs, triangle meshes and height fields.
 
 use std::{
     path::Path,
@@ -14,14 +14,17 @@ use clap::{Parser, ValueEnum};
 use hullmap::Pack;
 use hullmap_tests::hostile::{
     inquiry::{Extent, Inquiry},
+    kinds::AnyInquiry,
     large::{self, Large},
     samples::{self, Sample},
     series::{Series, Subject},
+    sheets,
     trial::{self, Tally},
     unchecked::{self, Findings},
 };
 
-/// Changes packs in many ways, and runs 1000 support queries and 20 contacts on each that opens.
+/// Changes packs, triangle meshes and height fields in many ways. Runs 1000 support queries and 20
+/// contacts on each pack that opens, and queries at 8 places on each mesh or field.
 ///
 /// Counts go to standard output, progress to standard error. A panic or a hang ends the run and
 /// names the change.
@@ -30,7 +33,7 @@ use hullmap_tests::hostile::{
     after_help = "Example:\n  cargo run --release -p hullmap-programs --bin hostile-packs -- --flips 10000000 --seed 1 --threads 2"
 )]
 struct Arguments {
-    /// Number of bits to flip: all bits of the small packs, then all bits of random packs
+    /// Number of bits to flip: all bits of the small files, then all bits of random ones
     #[arg(long, default_value_t = 10_000_000)]
     flips: usize,
     /// Seed of the random packs and changes
@@ -39,15 +42,18 @@ struct Arguments {
     /// Number of threads
     #[arg(long, default_value_t = 2)]
     threads: usize,
-    /// Index of the first pack; earlier packs count as done
+    /// Index of the first file; earlier files count as done
     #[arg(long, default_value_t = 0)]
     first: u64,
-    /// Number of random changes for each small pack
+    /// Number of random changes for each small file
     #[arg(long, default_value_t = 4_000)]
     drawn: usize,
     /// Series of changes to try [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<Kind>,
+    /// Files to change
+    #[arg(long, value_enum, default_value_t = Files::All)]
+    files: Files,
     /// Try one change in N of each series
     #[arg(long, default_value_t = 1)]
     every: usize,
@@ -55,6 +61,16 @@ struct Arguments {
     /// 64, baking the prism takes many minutes
     #[arg(long, default_value_t = 16)]
     largest: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Files {
+    /// All kinds
+    All,
+    /// Packs
+    Packs,
+    /// Triangle meshes and height fields
+    Sheets,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -67,7 +83,7 @@ enum Kind {
     Words,
     /// Several words at once
     Drawn,
-    /// Flipped bits in files that are opened without checks
+    /// Flipped bits in packs that are opened without checks
     Unchecked,
     /// Flipped bits, with the old and with a correct checksum
     Flips,
@@ -76,9 +92,16 @@ enum Kind {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     println!("seed {}", arguments.seed);
-    let small = samples::small();
-    let bytes: usize = small.iter().map(|sample| sample.file.len()).sum();
-    println!("{} small packs, {bytes} bytes", small.len());
+    let (packs, sheets) = (samples::small(), sheets::small());
+    for (name, samples) in [("packs", &packs), ("meshes and fields", &sheets)] {
+        let bytes: usize = samples.iter().map(|sample| sample.file.len()).sum();
+        println!("{} small {name}, {bytes} bytes", samples.len());
+    }
+    let small = match arguments.files {
+        Files::All => [packs.clone(), sheets].concat(),
+        Files::Packs => packs.clone(),
+        Files::Sheets => sheets,
+    };
     for kind in Kind::value_variants() {
         if !arguments.only.is_empty() && !arguments.only.contains(kind) {
             continue;
@@ -88,7 +111,7 @@ fn main() -> ExitCode {
             Kind::Lengths => total("lengths", Series::Lengths, &small, &arguments),
             Kind::Words => total("words", Series::Words, &small, &arguments),
             Kind::Drawn => total("several words", Series::Drawn, &small, &arguments),
-            Kind::Unchecked => unchecked(&small, &arguments),
+            Kind::Unchecked => unchecked(&packs, &arguments),
             Kind::Flips => flips(&small, &arguments),
         }
     }
@@ -123,7 +146,7 @@ fn large(largest_mb: usize) {
     assert!(ratio <= large::MAX_RATIO, "malicious packs are too slow for their size");
 }
 
-/// One series over all small packs.
+/// One series over all small files.
 fn total(name: &str, series: Series, small: &[Sample], arguments: &Arguments) {
     let mut sum = Tally::default();
     for sample in small {
@@ -136,42 +159,43 @@ fn total(name: &str, series: Series, small: &[Sample], arguments: &Arguments) {
 }
 
 fn try_series(subject: &Subject, series: Series, count: usize, arguments: &Arguments) -> Tally {
-    let pack = Pack::from_bytes(&subject.sample.file).expect("a sample opens");
-    let inquiry = Inquiry::new(&pack, Extent::FULL);
+    let inquiry = AnyInquiry::new(&subject.sample.file, Extent::FULL);
     let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
     trial::run(&format!("{series:?}, {}", subject.sample.name), &indices, arguments.threads, |index, file| {
         subject.change(series, index, file);
-        let Ok(pack) = Pack::from_bytes(file) else { return false };
-        assert!(!series.is_always_rejected(), "a file that must be rejected opened");
-        inquiry.run(&pack);
-        true
+        let has_opened = inquiry.run(file).is_ok();
+        assert!(!has_opened || !series.is_always_rejected(), "a file that must be rejected opened");
+        has_opened
     })
 }
 
 fn flips(small: &[Sample], arguments: &Arguments) {
-    let (mut plain, mut sealed, mut packs, mut passed) = (Tally::default(), Tally::default(), 0, 0);
+    let (mut plain, mut sealed, mut files, mut passed) = (Tally::default(), Tally::default(), 0, 0);
     let start = Instant::now();
     while passed < arguments.flips {
         let drawn;
-        let sample = match small.get(packs as usize) {
+        let sample = match small.get(files as usize) {
             Some(sample) => sample,
             None => {
-                drawn = samples::drawn(arguments.seed, packs);
+                drawn = match arguments.files {
+                    Files::Sheets => sheets::drawn(arguments.seed, files),
+                    Files::All | Files::Packs => samples::drawn(arguments.seed, files),
+                };
                 &drawn
             }
         };
         let count = (8 * sample.file.len()).min(arguments.flips - passed);
         passed += count;
-        packs += 1;
-        if packs <= arguments.first {
+        files += 1;
+        if files <= arguments.first {
             continue;
         }
         let subject = Subject::new(sample, arguments.seed);
         plain += try_series(&subject, Series::Bits, count, arguments);
         sealed += try_series(&subject, Series::SealedBits, count, arguments);
-        eprintln!("{:6.0} s  pack {packs}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
+        eprintln!("{:6.0} s  file {files}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
     }
-    println!("flipped bits of {} packs, old checksum: {plain}", packs - arguments.first.min(packs));
+    println!("flipped bits of {} files, old checksum: {plain}", files - arguments.first.min(files));
     println!("flipped bits, correct checksum: {sealed}");
 }
 

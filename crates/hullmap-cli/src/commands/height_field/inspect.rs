@@ -8,23 +8,15 @@ use serde::Serialize;
 use super::open::open;
 use crate::args::InspectArgs;
 use crate::outcome::{Exit, Failure};
+use crate::sheet_description::{FileDescription, Row, count_materials, list_materials};
 use crate::table::grouped;
 use crate::terminal::{self, Output};
-
-/// Maximum number of materials in the text.
-const MATERIALS_IN_TEXT: usize = 8;
 
 /// Description of a height field. Field names are the JSON's; lengths are in source units.
 #[derive(Debug, Serialize)]
 struct Description {
-    file: String,
-    format_version: u32,
-    bytes: u64,
-    source: String,
-    /// The recorded build options.
-    options: String,
-    /// XXH3-128 of the source, 32 hexadecimal digits.
-    source_hash: String,
+    #[serde(flatten)]
+    file: FileDescription,
     height_field: Contents,
 }
 
@@ -68,34 +60,24 @@ pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
         if index > 0 {
             out.line("")?;
         }
-        write_text(&description, out)?;
+        description.file.write_text(description.rows(), out)?;
     }
     Ok(exit)
 }
 
 fn describe(file: String, field: &HeightField, has_vertices: bool) -> Description {
-    let (header, layout) = (field.header(), field.layout());
-    let (mut edges, mut materials) = (BTreeMap::new(), BTreeMap::new());
-    for triangle in 0..field.triangle_count() {
-        for class in field.edge_classes(triangle).into_iter().flatten() {
-            *edges.entry(EdgeClass::as_str(class)).or_default() += 1;
-        }
-        if triangle.is_multiple_of(2)
-            && let Some(material) = field.material(triangle)
-        {
-            *materials.entry(material).or_default() += 1;
-        }
+    let (layout, triangles) = (field.layout(), 0..field.triangle_count());
+    let mut edges = BTreeMap::new();
+    for class in triangles.clone().filter_map(|triangle| field.edge_classes(triangle)).flatten() {
+        *edges.entry(EdgeClass::as_str(class)).or_default() += 1;
     }
+    // One triangle of each cell.
+    let materials = count_materials(triangles.step_by(2).filter_map(|triangle| field.material(triangle)));
     let places = || (0..layout.rows).flat_map(|row| (0..layout.columns).map(move |column| (column, row)));
     let heights = || places().filter_map(|(column, row)| field.vertex(column, row)).map(|vertex| vertex.z).collect();
     let holes = field.hole_count();
     Description {
-        file,
-        format_version: header.format_version,
-        bytes: field.bytes().len() as u64,
-        source: field.source_path().to_owned(),
-        options: field.options().to_owned(),
-        source_hash: format!("{:032x}", header.source_hash),
+        file: FileDescription::new(file, field.header(), field.bytes().len(), field.source_path(), field.options()),
         height_field: Contents {
             columns: layout.columns,
             rows: layout.rows,
@@ -113,26 +95,18 @@ fn describe(file: String, field: &HeightField, has_vertices: bool) -> Descriptio
 }
 
 /// Names and values of the facts about a height field.
-pub fn facts(file: &str, field: &HeightField) -> Vec<(String, String)> {
-    describe(file.to_owned(), field, false).facts()
+pub fn facts(file: &str, field: &HeightField) -> Vec<Row> {
+    describe(file.to_owned(), field, false).rows()
 }
 
 impl Description {
-    fn facts(&self) -> Vec<(String, String)> {
+    fn rows(&self) -> Vec<Row> {
         let Contents { columns, rows, origin, spacing, diagonal, heights, holes, triangles, edges, materials, .. } =
             &self.height_field;
         let number = |value: usize| grouped(value as u64);
         let cells = (columns - 1) * (rows - 1);
-        let each = self.bytes as f64 / cells as f64;
         let edges: Vec<String> = edges.iter().map(|(class, count)| format!("{} {class}", number(*count))).collect();
-        let listed = materials.iter().take(MATERIALS_IN_TEXT);
-        let listed: Vec<String> = listed.map(|(material, count)| format!("{} of {material}", number(*count))).collect();
-        let more = if materials.len() > MATERIALS_IN_TEXT { ", …" } else { "" };
-        let facts = [
-            ("format version", format!("{}, a height field", self.format_version)),
-            ("bytes", format!("{} ({each:.1} per cell)", grouped(self.bytes))),
-            ("source", format!("{} (xxh3 {})", self.source, self.source_hash)),
-            ("options", self.options.clone()),
+        let contents = [
             ("vertices", format!("{} along x, {} along y", number(*columns), number(*rows))),
             ("origin", format!("{} {}", origin[0], origin[1])),
             ("spacing", format!("{} {}", spacing[0], spacing[1])),
@@ -141,16 +115,10 @@ impl Description {
             ("holes", format!("{} of {} cells", number(*holes), number(cells))),
             ("triangles", number(*triangles)),
             ("edges of triangles", edges.join(", ")),
-            ("materials", format!("{}{more}", listed.join(", "))),
+            ("materials", list_materials(materials)),
         ];
-        facts.map(|(name, value)| (name.to_owned(), value)).into()
+        let mut rows = self.file.rows("height field", self.file.options.clone(), ("cell", cells)).to_vec();
+        rows.extend(contents.map(|(name, value)| (name.to_owned(), value)));
+        rows
     }
-}
-
-fn write_text(description: &Description, out: &mut Output) -> Result<(), Failure> {
-    out.line(&description.file)?;
-    for (name, value) in description.facts() {
-        out.line(format_args!("  {name:<18} {value}"))?;
-    }
-    Ok(())
 }

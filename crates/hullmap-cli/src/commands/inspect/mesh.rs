@@ -1,30 +1,20 @@
 //! `bake inspect`: the description of a triangle mesh.
 
-use std::collections::BTreeMap;
-
 use hullmap::TriangleMesh;
 use serde::Serialize;
 
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
+use crate::sheet_description::{FileDescription, count_materials, list_materials};
 use crate::table::{grouped, shortest};
 use crate::terminal::Output;
 use crate::triangle_mesh::{MeshSummary, t_junctions_of};
 
-/// Maximum number of materials in the text.
-const MATERIALS_IN_TEXT: usize = 8;
-
 /// Description of a triangle mesh. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 pub struct MeshDescription {
-    file: String,
-    format_version: u32,
-    bytes: u64,
-    source: String,
-    /// The recorded build options.
-    options: String,
-    /// XXH3-128 of the source, 32 hexadecimal digits.
-    source_hash: String,
+    #[serde(flatten)]
+    file: FileDescription,
     /// The recorded warnings.
     warnings: Vec<String>,
     triangle_mesh: MeshContents,
@@ -55,22 +45,13 @@ struct MaterialCount {
 
 /// Describes a mesh. T-junctions are counted here, because the file does not state them.
 pub fn describe(file: String, mesh: &TriangleMesh, warnings: Vec<String>, has_vertices: bool) -> MeshDescription {
-    let header = mesh.header();
     let triangles = 0..mesh.triangle_count();
-    let mut materials: BTreeMap<u16, usize> = BTreeMap::new();
-    for material in triangles.clone().filter_map(|triangle| mesh.material(triangle)) {
-        *materials.entry(material).or_default() += 1;
-    }
+    let materials = count_materials(triangles.clone().filter_map(|triangle| mesh.material(triangle)));
     let summary = MeshSummary { t_junctions: Some(t_junctions_of(mesh).count), ..MeshSummary::of_file(mesh) };
     let positions = || (0..mesh.vertex_count()).filter_map(|at| mesh.vertex(at)).map(|at| at.to_array()).collect();
     let classes = |triangle: usize| mesh.edge_classes(triangle).map(|own| own.map(hullmap::EdgeClass::as_str));
     MeshDescription {
-        file,
-        format_version: header.format_version,
-        bytes: mesh.bytes().len() as u64,
-        source: mesh.source_path().to_owned(),
-        options: mesh.options().to_owned(),
-        source_hash: format!("{:032x}", header.source_hash),
+        file: FileDescription::new(file, mesh.header(), mesh.bytes().len(), mesh.source_path(), mesh.options()),
         warnings,
         triangle_mesh: MeshContents {
             summary,
@@ -92,32 +73,27 @@ pub fn write_text(report: &MeshDescription, out: &mut Output) -> Result<(), Fail
     let number = |value: usize| grouped(value as u64);
     let [low, high] = bounds.map(|corner| corner.map(shortest).join(" "));
     let edges = &summary.edges;
-    out.line(format_args!("{}", report.file))?;
-    out.line(format_args!("  format version     {}, a triangle mesh", report.format_version))?;
-    let each = report.bytes as f64 / summary.triangles.max(1) as f64;
-    out.line(format_args!("  bytes              {} ({each:.1} per triangle)", grouped(report.bytes)))?;
-    out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
-    let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
-    out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
-    for warning in &report.warnings {
-        out.line(format_args!("  warning            {warning}"))?;
-    }
-    out.line(format_args!("  triangles          {}", number(summary.triangles)))?;
-    out.line(format_args!("  vertices           {}, {} merged", number(summary.vertices), number(summary.merged)))?;
-    out.line(format_args!("  bounds             {low} to {high}"))?;
-    out.line(format_args!("  flaws              {}", summary.flaws()))?;
-    out.line(format_args!(
-        "  edges of triangles {} border, {} flat, {} convex, {} concave, {} non-manifold, {} reversed",
-        number(edges.border),
-        number(edges.flat),
-        number(edges.convex),
-        number(edges.concave),
-        number(edges.non_manifold),
-        number(edges.reversed)
-    ))?;
-    let listed = material_counts.iter().take(MATERIALS_IN_TEXT);
-    let listed: Vec<String> =
-        listed.map(|material| format!("{} of {}", number(material.triangles), material.number)).collect();
-    let more = if material_counts.len() > MATERIALS_IN_TEXT { ", …" } else { "" };
-    Ok(out.line(format_args!("  materials          {}{more}", listed.join(", ")))?)
+    let recorded = &report.file.options;
+    let options = BuildOptions::from_recorded(recorded).map_or_else(|| recorded.clone(), |options| options.in_words());
+    let mut rows = report.file.rows("triangle mesh", options, ("triangle", summary.triangles)).to_vec();
+    rows.extend(report.warnings.iter().map(|warning| ("warning".to_owned(), warning.clone())));
+    let edges = [
+        (edges.border, "border"),
+        (edges.flat, "flat"),
+        (edges.convex, "convex"),
+        (edges.concave, "concave"),
+        (edges.non_manifold, "non-manifold"),
+        (edges.reversed, "reversed"),
+    ];
+    let materials = material_counts.iter().map(|material| (material.number, material.triangles)).collect();
+    let contents = [
+        ("triangles", number(summary.triangles)),
+        ("vertices", format!("{}, {} merged", number(summary.vertices), number(summary.merged))),
+        ("bounds", format!("{low} to {high}")),
+        ("flaws", summary.flaws().to_string()),
+        ("edges of triangles", edges.map(|(count, class)| format!("{} {class}", number(count))).join(", ")),
+        ("materials", list_materials(&materials)),
+    ];
+    rows.extend(contents.map(|(name, value)| (name.to_owned(), value)));
+    report.file.write_text(rows, out)
 }

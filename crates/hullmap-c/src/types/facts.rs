@@ -1,0 +1,165 @@
+//! Facts and arrays of a hull, and mass properties of a pack.
+
+use super::geometry::{Bounds, Vec3};
+
+/// Kind of solid that convex parts were measured against: HullmapHullFacts.solid.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solid {
+    /// The hull was not measured: it is not a part, or its mesh was not known.
+    Unmeasured = 0,
+    /// The mesh is closed.
+    Watertight = 1,
+    /// The mesh has holes, which were closed.
+    Closed = 2,
+    /// The mesh has no inside.
+    Sheet = 3,
+}
+
+impl From<Option<hullmap::SolidKind>> for Solid {
+    fn from(kind: Option<hullmap::SolidKind>) -> Self {
+        match kind {
+            None => Self::Unmeasured,
+            Some(hullmap::SolidKind::Watertight) => Self::Watertight,
+            Some(hullmap::SolidKind::Closed) => Self::Closed,
+            Some(hullmap::SolidKind::Sheet) => Self::Sheet,
+        }
+    }
+}
+
+/// Text in UTF-8. It is not terminated, and may hold any character.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Text {
+    /// First byte; never NULL.
+    pub data: *const std::ffi::c_char,
+    /// Number of bytes.
+    pub length: usize,
+}
+
+/// Facts that the bake recorded about a hull. Points are in the hull's frame, which is the source
+/// mesh's; lengths are in its unit.
+///
+/// Set struct_size to sizeof(HullmapHullFacts) before the call. Later versions may add fields at
+/// the end.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct HullFacts {
+    /// Set by the caller.
+    pub struct_size: usize,
+    /// Name; valid as long as the pack, or a shape made from it, exists.
+    pub name: Text,
+    /// Number of vertices, at least 1.
+    pub vertex_count: usize,
+    /// Number of faces: both sides of a polygon, 0 for a segment or a point.
+    pub face_count: usize,
+    /// Dimension: 3 for a solid, 2 for a polygon, 1 for a segment, 0 for a point.
+    pub rank: u32,
+    /// Index of the hull among the convex parts of its source object.
+    pub part: u32,
+    /// Volume; 0 below rank 3.
+    pub volume: f64,
+    /// Surface area: both sides of a polygon, 0 below rank 2.
+    pub surface_area: f64,
+    /// Centre of mass at uniform density.
+    pub centroid: Vec3,
+    /// Inertia tensor about the centroid at density 1, row by row; symmetric. For a density d or a
+    /// mass m, multiply it by d, or by m / volume.
+    pub inertia: [f64; 9],
+    /// Box around the vertices.
+    pub bounds: Bounds,
+    /// Maximum distance between two vertices.
+    pub diameter: f64,
+    /// A point in the hull, far from its surface.
+    pub interior_point: Vec3,
+    /// Radius of a ball around interior_point that the hull contains; 0 for a flat hull.
+    pub inner_radius: f64,
+    /// Radius of a ball around interior_point that contains the hull.
+    pub outer_radius: f64,
+    /// Maximum distance of a source point from the hull, divided by the diameter; at most 1e-7.
+    pub containment_error: f64,
+    /// Maximum distance by which the hull reaches beyond the convex hull of its source; 0 for an
+    /// exact hull.
+    pub outer_error: f64,
+    /// Origin of the hull's frame in the source file's frame; zero unless the bake recentred.
+    pub origin: Vec3,
+    /// Number of convex parts of its source object; 0 for a hull that is not a part.
+    pub part_count: u32,
+    /// A HullmapSolid: kind of solid that the part was measured against. With
+    /// HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
+    pub solid: u32,
+    /// Upper bound on how far a point of the mesh's surface lies outside all of its parts.
+    pub uncovered: f64,
+    /// Upper bound on how far a point of the part lies outside the mesh's solid.
+    pub protrusion: f64,
+    /// The point of the part that protrudes most, as far as the bake found.
+    pub protrusion_at: Vec3,
+    /// Share of the mesh's solid that is in no part, from 0 to 1; -1 if it is not recorded.
+    pub voids: f64,
+    /// Error of voids, from 0 to 1.
+    pub voids_error: f64,
+}
+
+/// The solid that mass properties describe: HullmapMassProperties.source.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MassSource {
+    /// The hulls. Parts of a mesh overlap, so their mass is too large, up to about twice.
+    Hulls = 0,
+    /// The mesh that the hulls were baked from.
+    Mesh = 1,
+}
+
+impl From<hullmap::MassSource> for MassSource {
+    fn from(source: hullmap::MassSource) -> Self {
+        match source {
+            hullmap::MassSource::Hulls => Self::Hulls,
+            hullmap::MassSource::Mesh => Self::Mesh,
+        }
+    }
+}
+
+/// Mass properties of a rigid body, from hullmap_pack_mass_properties.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct MassProperties {
+    /// Mass: density times volume.
+    pub mass: f64,
+    /// Centre of mass, in the frame of the pack.
+    pub center_of_mass: Vec3,
+    /// Inertia tensor about the centre of mass, row by row; symmetric.
+    pub inertia: [f64; 9],
+    /// A HullmapMassSource.
+    pub source: u32,
+}
+
+/// The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the
+/// pack, or a shape made from it, exists. All are aligned to 4 bytes.
+///
+/// A run of face_vertices or neighbours ends where the next one starts, the last one at the end of
+/// the array.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct HullArrays {
+    /// Positions: three numbers x, y, z for each vertex.
+    pub vertices: *const f32,
+    /// For each vertex, its index in the source file; UINT32_MAX for a vertex that the bake
+    /// created.
+    pub source_vertices: *const u32,
+    /// For each vertex, where its run of neighbours starts.
+    pub neighbour_starts: *const u32,
+    /// Number of vertices.
+    pub vertex_count: usize,
+    /// Indices of the vertices that share an edge with each vertex, ascending.
+    pub neighbours: *const u32,
+    /// Length of neighbours.
+    pub neighbour_count: usize,
+    /// For each face, where its run of face_vertices starts.
+    pub face_starts: *const u32,
+    /// Number of faces.
+    pub face_count: usize,
+    /// Indices of the vertices of the faces, counter-clockwise seen from outside.
+    pub face_vertices: *const u32,
+    /// Length of face_vertices.
+    pub face_vertex_count: usize,
+}

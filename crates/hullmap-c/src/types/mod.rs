@@ -1,0 +1,23 @@
+//! Structs and enums of the header: plain numbers, laid out as C does.
+//!
+//! Documentation comments become comments of the header, so they speak of C names.
+
+#![forbid(unsafe_code)]
+
+mod answers;
+mod facts;
+mod geometry;
+mod manifold;
+mod result;
+mod settings;
+mod sheet;
+mod status;
+
+pub use answers::{Contact, Distance, Impact, Intersection, RayHit, SignedDistance, Support};
+pub use facts::{HullArrays, HullFacts, MassProperties, MassSource, Solid, Text};
+pub use geometry::{Bounds, Pose, Quat, Vec3};
+pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
+pub use result::{ABI_VERSION, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result};
+pub use settings::{CastSettings, ManifoldSettings, Prediction, Settings};
+pub use sheet::{Diagonal, EdgeClass, FieldLayout, Ground, MeshTriangle};
+pub use status::{Overlap, Status};

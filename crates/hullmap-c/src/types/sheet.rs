@@ -1,0 +1,137 @@
+//! Triangles of meshes and of height fields, and the grid of a field.
+
+use super::geometry::Vec3;
+
+/// What an edge of a triangle is, seen from the front: HullmapMeshTriangle.edge_classes.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeClass {
+    /// No other triangle has the edge.
+    Border = 0,
+    /// The neighbour continues in the same plane.
+    Flat = 1,
+    /// A ridge.
+    Convex = 2,
+    /// A valley.
+    Concave = 3,
+    /// More than two triangles have the edge.
+    NonManifold = 4,
+    /// The neighbour has the other side in front.
+    Reversed = 5,
+}
+
+impl From<hullmap::EdgeClass> for EdgeClass {
+    fn from(class: hullmap::EdgeClass) -> Self {
+        match class {
+            hullmap::EdgeClass::Border => Self::Border,
+            hullmap::EdgeClass::Flat => Self::Flat,
+            hullmap::EdgeClass::Convex => Self::Convex,
+            hullmap::EdgeClass::Concave => Self::Concave,
+            hullmap::EdgeClass::NonManifold => Self::NonManifold,
+            hullmap::EdgeClass::Reversed => Self::Reversed,
+        }
+    }
+}
+
+/// A triangle of a mesh or of a height field. Edge i goes from corner i to the next one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshTriangle {
+    /// Its corners, counter-clockwise seen from the front, which is above for a field.
+    pub corners: [Vec3; 3],
+    /// Indices of the corners among the vertices of the mesh. Of a field: row times columns plus
+    /// column.
+    pub vertices: [u32; 3],
+    /// The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
+    pub neighbours: [u32; 3],
+    /// Classes of its edges: a HullmapEdgeClass each.
+    pub edge_classes: [u32; 3],
+    /// Its index in the mesh that was baked; of a field, its own index.
+    pub source_triangle: u32,
+    /// Its material; 0 without one.
+    pub material: u32,
+}
+
+impl MeshTriangle {
+    pub(crate) fn of(mesh: &hullmap::TriangleMesh, index: usize) -> Option<Self> {
+        Some(Self {
+            corners: mesh.triangle(index)?.corners().map(Into::into),
+            vertices: mesh.corners(index)?,
+            neighbours: mesh.neighbours(index)?.map(|neighbour| neighbour.unwrap_or(u32::MAX)),
+            edge_classes: mesh.edge_classes(index)?.map(|class| EdgeClass::from(class) as u32),
+            source_triangle: mesh.source_triangle(index)?,
+            material: u32::from(mesh.material(index)?),
+        })
+    }
+
+    pub(crate) fn of_field(field: &hullmap::HeightField, index: usize) -> Option<Self> {
+        let layout = field.layout();
+        Some(Self {
+            corners: field.triangle(index)?.corners().map(Into::into),
+            vertices: layout.corners(index).map(|[column, row]| layout.vertex(column, row) as u32),
+            neighbours: field.neighbours(index)?.map(|neighbour| neighbour.map_or(u32::MAX, |own| own as u32)),
+            edge_classes: field.edge_classes(index)?.map(|class| EdgeClass::from(class) as u32),
+            source_triangle: index as u32,
+            material: u32::from(field.material(index)?),
+        })
+    }
+}
+
+/// The diagonal that divides each cell of a height field: HullmapFieldLayout.diagonal.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Diagonal {
+    /// From the vertex with the least x and y to that with the greatest.
+    Rising = 0,
+    /// From the greatest x and least y to the least x and greatest y.
+    Falling = 1,
+}
+
+/// The grid of a height field. Vertex (column, row) is at x = origin[0] + column times spacing[0],
+/// and y = origin[1] + row times spacing[1]; heights are along z. Cell (column, row) has the index
+/// i = row times (columns - 1) + column, and the triangles 2 i and 2 i + 1.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldLayout {
+    /// Number of vertices along x, at least 2.
+    pub columns: usize,
+    /// Number of vertices along y, at least 2.
+    pub rows: usize,
+    /// x and y of the first vertex.
+    pub origin: [f64; 2],
+    /// Distance of neighbouring vertices along x and along y.
+    pub spacing: [f64; 2],
+    /// A HullmapDiagonal.
+    pub diagonal: u32,
+    /// Number of cells that are holes. A hole has no triangles, but their indices are reserved.
+    pub holes: usize,
+}
+
+impl FieldLayout {
+    pub(crate) fn of(field: &hullmap::HeightField) -> Self {
+        let hullmap::height_field::Layout { columns, rows, origin, spacing, diagonal } = *field.layout();
+        let diagonal = match diagonal {
+            hullmap::height_field::Diagonal::Rising => Diagonal::Rising,
+            hullmap::height_field::Diagonal::Falling => Diagonal::Falling,
+        };
+        Self { columns, rows, origin, spacing, diagonal: diagonal as u32, holes: field.hole_count() }
+    }
+}
+
+/// The ground of a height field at a point of the plane.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// z of the surface.
+    pub height: f64,
+    /// Upward unit normal of the triangle.
+    pub normal: Vec3,
+    /// The triangle.
+    pub triangle: usize,
+}
+
+impl From<hullmap::height_field::Ground> for Ground {
+    fn from(found: hullmap::height_field::Ground) -> Self {
+        Self { height: found.height, normal: found.normal.into(), triangle: found.triangle }
+    }
+}

@@ -1,0 +1,102 @@
+//! A triangle mesh or a height field as one type, which its users share.
+
+#![forbid(unsafe_code)]
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::bvh::Nodes;
+use super::parts::Tree;
+use crate::height_field::HeightField;
+use crate::shapes::Triangle;
+use crate::triangle_mesh::TriangleMesh;
+
+/// A triangle mesh or a height field: one side of a query of programs that open both. A cheap copy.
+///
+/// # Examples
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use std::sync::Arc;
+///
+/// use hullmap::compound::{self, SharedSheet};
+/// use hullmap::glam::DVec3;
+/// use hullmap::{CastSettings, Ray, TriangleMesh};
+/// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+/// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0]];
+/// # let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &[[0, 1, 2]], materials: &[] })?;
+/// # let file = write_triangle_mesh(baked, &Default::default())?;
+///
+/// let level = SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(&file)?));
+/// let down = Ray::new(DVec3::new(1.0, -2.0, 5.0), DVec3::NEG_Z)?;
+/// assert_eq!(compound::ray(&level, &down, &CastSettings::default()).answer.t, 5.0);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub enum SharedSheet {
+    /// A triangle mesh.
+    Mesh(Arc<TriangleMesh>),
+    /// A height field.
+    Field(Arc<HeightField>),
+}
+
+impl SharedSheet {
+    /// What it is, with its article.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Mesh(_) => "a triangle mesh",
+            Self::Field(_) => "a height field",
+        }
+    }
+
+    /// Number of triangles, those of holes of a field included.
+    pub fn triangle_count(&self) -> usize {
+        self.part_count()
+    }
+
+    /// The triangle with this index; `None` in a hole, and if the index is not below
+    /// [`triangle_count`](Self::triangle_count).
+    pub fn triangle(&self, index: usize) -> Option<Triangle> {
+        self.part(index)
+    }
+}
+
+impl Tree for SharedSheet {
+    type Part<'p> = Triangle;
+
+    fn part_count(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangle_count(),
+            Self::Field(field) => field.triangle_count(),
+        }
+    }
+
+    fn part(&self, index: usize) -> Option<Triangle> {
+        match self {
+            Self::Mesh(mesh) => mesh.triangle(index),
+            Self::Field(field) => field.triangle(index),
+        }
+    }
+
+    fn sheet_normal(&self, index: usize) -> Option<DVec3> {
+        match self {
+            Self::Mesh(mesh) => mesh.normal(index),
+            Self::Field(field) => field.normal(index),
+        }
+    }
+
+    fn nodes(&self) -> Nodes<'_> {
+        match self {
+            Self::Mesh(mesh) => mesh.nodes(),
+            Self::Field(field) => field.nodes(),
+        }
+    }
+
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+        match self {
+            Self::Mesh(mesh) => Tree::any_in_box(mesh.as_ref(), bounds, visit),
+            Self::Field(field) => Tree::any_in_box(field.as_ref(), bounds, visit),
+        }
+    }
+}
