@@ -21,6 +21,8 @@ pub mod cache;
 
 pub mod query;
 
+pub mod motion;
+
 pub mod manifold;
 
 pub mod batch;
