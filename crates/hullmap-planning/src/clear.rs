@@ -59,8 +59,8 @@ pub struct EdgeClearance {
     /// Whether the edge is free, and with which clearance; or where the first hit is. Times are shares of
     /// the edge. `support_calls` is 0.
     pub answer: Clearance,
-    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair came
-    /// near enough for a query.
+    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair is
+    /// known to be.
     pub colliders: Option<[usize; 2]>,
 }
 
@@ -92,7 +92,7 @@ impl Robot {
             ends: [start, end],
             magnitudes,
             margin,
-            target: margin,
+            share: 0.0,
             resolution: settings.resolution.max(0.0),
             budget: settings.max_queries,
             until: f64::INFINITY,
@@ -115,10 +115,8 @@ impl Robot {
         search.magnitudes = magnitudes;
         search.run(memory);
         let mut found = search.answer(settings);
-        let share = settings.share.clamp(0.0, MAX_SHARE).max(0.0);
-        let target = share * search.nearest.0;
-        if found.answer.verdict == Verdict::Free && found.answer.clearance < target && target > margin {
-            search.target = target;
+        search.share = settings.share.clamp(0.0, MAX_SHARE).max(0.0);
+        if found.answer.verdict == Verdict::Free && found.answer.clearance < search.target() {
             search.clearance = f64::INFINITY;
             search.run(memory);
             if search.until == f64::INFINITY && search.open_from.is_none() {
@@ -138,8 +136,8 @@ struct Search<'s> {
     /// Sums of the displacements of both ends, for rounding errors.
     magnitudes: [f64; 2],
     margin: f64,
-    /// The distance that pairs are to be proven to exceed.
-    target: f64,
+    /// Pairs are to be proven to be farther apart than this share of the least distance; 0 at first.
+    share: f64,
     resolution: f64,
     budget: u32,
     /// The earliest time at which a pair surely is within the margin.
@@ -181,9 +179,14 @@ impl Search<'_> {
         self.visit([0.0, 1.0], MAX_DEPTH, count, memory);
     }
 
+    /// The distance that pairs are to be proven to exceed. It never rises.
+    fn target(&self) -> f64 {
+        if self.share > 0.0 { self.margin.max(self.share * self.nearest.0) } else { self.margin }
+    }
+
     /// Whether nothing that is left can change the answer.
     fn is_done(&self) -> bool {
-        self.open_from.is_some() && (self.until < f64::INFINITY || self.budget == 0 || self.target > self.margin)
+        self.open_from.is_some() && (self.until < f64::INFINITY || self.budget == 0 || self.share > 0.0)
     }
 
     /// Decides the last `count` open pairs in an interval, whose start surely is free.
@@ -260,8 +263,12 @@ impl Search<'_> {
         if self.proves(gap - motion) {
             return true;
         }
+        let far = robot.reach(pair, memory);
+        if let Some(far) = far.filter(|far| *far < self.nearest.0) {
+            self.nearest = (far, Some(index));
+        }
         // Balls that are apart do not hit, and points of the bodies may be too near for a proof.
-        let is_hopeless = gap > self.margin && robot.reach(pair, memory).is_some_and(|far| far - motion <= self.target);
+        let is_hopeless = gap > self.margin && far.is_some_and(|far| far - motion <= self.target());
         if is_hopeless || self.budget == 0 {
             return false;
         }
@@ -275,7 +282,7 @@ impl Search<'_> {
     /// Takes over a bound of a distance, if it exceeds the target.
     fn proves(&mut self, least: f64) -> bool {
         // NaN takes the failing branch.
-        let is_proof = least > self.target;
+        let is_proof = least > self.target();
         if is_proof {
             self.clearance = self.clearance.min(least);
         }
