@@ -1,10 +1,11 @@
-//! Whether an edge in joint space is free: proven for all of its configurations, and not for samples.
+//! Whether an edge in joint space is free: proven for all of its configurations, and not for
+//! samples.
 //!
 //! # Steps
 //! 1. Both ends. An end that surely touches is a hit.
-//! 2. An interval of the edge: the configuration in its middle, and a bound on how far each body moves from
-//!    there (`motion_bound`). A pair whose distance exceeds the motion of both is apart in the whole
-//!    interval.
+//! 2. An interval of the edge: the configuration in its middle, and a bound on how far each body
+//!    moves from there (`motion_bound`). A pair whose distance exceeds the motion of both is apart
+//!    in the whole interval.
 //! 3. The pairs that are left are tested in both halves of the interval, the earlier half first.
 //! 4. If the edge is free, and the clearance that is proven is low, once more with a higher target.
 //!
@@ -25,25 +26,25 @@ const MAX_DEPTH: u32 = 40;
 /// Settings of the distances.
 const DISTANCES: Settings = Settings { tolerance: 1e-3, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
 
-/// Greatest share of the least distance that a clearance is proven for: at 1, there would be no room for
-/// motion.
+/// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
+/// room for motion.
 const MAX_SHARE: f64 = 0.95;
 
 /// What [`Robot::clear`] proves, and at what cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSettings {
-    /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and negative values
-    /// count as 0.
+    /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and
+    /// negative values count as 0.
     pub margin: f64,
-    /// The interval of the first hit is at most this wide, if the limit of queries is not reached. It is a
-    /// share of the edge; the default is 1e-3. NaN and negative values count as 0.
+    /// The interval of the first hit is at most this wide, if the limit of queries is not reached.
+    /// It is a share of the edge; the default is 1e-3. NaN and negative values count as 0.
     pub resolution: f64,
-    /// The clearance of a free edge is at least this share of the least distance that was computed, unless
-    /// the limit of queries is reached. The default is 0.5. 0 saves the second search. NaN and negative
-    /// values count as 0, values above 0.95 as 0.95.
+    /// The clearance of a free edge is at least this share of the least distance that was computed,
+    /// unless the limit of queries is reached. The default is 0.5. 0 saves the second search. NaN
+    /// and negative values count as 0, values above 0.95 as 0.95.
     pub share: f64,
-    /// Maximum number of distance and contact queries. The default is 10,000. If it is reached, the edge may
-    /// be open.
+    /// Maximum number of distance and contact queries. The default is 10,000. If it is reached, the
+    /// edge may be open.
     pub max_queries: u32,
 }
 
@@ -56,28 +57,28 @@ impl Default for EdgeSettings {
 /// Answer of [`Robot::clear`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeClearance {
-    /// Whether the edge is free, and with which clearance; or where the first hit is. Times are shares of
-    /// the edge. `support_calls` is 0.
+    /// Whether the edge is free, and with which clearance; or where the first hit is. Times are
+    /// shares of the edge. `support_calls` is 0.
     pub answer: Clearance,
-    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair is
-    /// known to be.
+    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair
+    /// is known to be.
     pub colliders: Option<[usize; 2]>,
 }
 
 impl Robot {
-    /// Whether the robot stays clear of itself and of all obstacles along an edge: while the numbers of its
-    /// configuration change linearly from `start` to `end`.
+    /// Whether the robot stays clear of itself and of all obstacles along an edge: while the
+    /// numbers of its configuration change linearly from `start` to `end`.
     ///
-    /// A *free* edge is free in each of its configurations. For a *hit*, the first touch is in the interval
-    /// from `t_lower` to `t_upper`. An *open* edge is free up to `t_lower`; what follows grazes, or the limit
-    /// of queries was reached.
+    /// A *free* edge is free in each of its configurations. For a *hit*, the first touch is in the
+    /// interval from `t_lower` to `t_upper`. An *open* edge is free up to `t_lower`; what follows
+    /// grazes, or the limit of queries was reached.
     ///
     /// # Errors
     /// `start` or `end` has another length than there are joints, or a number is out of range.
     ///
     /// # Complexity
-    /// One or two configurations for an edge that is short for its clearance; about as many as the length
-    /// of the edge has clearances otherwise. No allocation after the first calls.
+    /// One or two configurations for an edge that is short for its clearance; about as many as the
+    /// length of the edge has clearances otherwise. No allocation after the first calls.
     pub fn clear(
         &self,
         start: &[f64],
@@ -136,7 +137,8 @@ struct Search<'s> {
     /// Sums of the displacements of both ends, for rounding errors.
     magnitudes: [f64; 2],
     margin: f64,
-    /// Pairs are to be proven to be farther apart than this share of the least distance; 0 at first.
+    /// Pairs are to be proven to be farther apart than this share of the least distance; 0 at
+    /// first.
     share: f64,
     resolution: f64,
     budget: u32,
@@ -237,7 +239,8 @@ impl Search<'_> {
         memory.edge.stamp += 1;
     }
 
-    /// Upper bound of how far a body moves in the interval by the joints of its path from `shared` on.
+    /// Upper bound of how far a body moves in the interval by the joints of its path from `shared`
+    /// on.
     fn motion(&self, body: usize, shared: usize, memory: &mut Memory) -> f64 {
         if memory.edge.stamps[body] != memory.edge.stamp {
             let robot = self.robot;

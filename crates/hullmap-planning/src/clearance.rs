@@ -1,10 +1,10 @@
-//! The clearance of a robot in one configuration: how far the nearest pair is apart, or how deep the
-//! deepest one overlaps, and its derivatives.
+//! The clearance of a robot in one configuration: how far the nearest pair is apart, or how deep
+//! the deepest one overlaps, and its derivatives.
 //!
 //! # Steps
 //! 1. A lower bound of the distance of each couple of links, by the balls around them.
-//! 2. The distance of the couple with the least bound, then of those whose bound is lower than the least
-//!    distance so far.
+//! 2. The distance of the couple with the least bound, then of those whose bound is lower than the
+//!    least distance so far.
 //! 3. If bodies overlap, the depths of all pairs whose balls overlap.
 
 use glam::DVec3;
@@ -19,10 +19,11 @@ use crate::robot::{Partner, Robot};
 /// Clearance of a robot in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RobotClearance {
-    /// Lower bound of the clearance of the whole robot, with allowance for rounding: no pair is nearer.
+    /// Lower bound of the clearance of the whole robot, with allowance for rounding: no pair is
+    /// nearer.
     ///
-    /// The clearance is the least distance of all pairs that are tested. If pairs overlap, it is the
-    /// negative depth of the deepest pair. It is infinite if there is no pair.
+    /// The clearance is the least distance of all pairs that are tested. If pairs overlap, it is
+    /// the negative depth of the deepest pair. It is infinite if there is no pair.
     pub lower: f64,
     /// Upper bound: the pair that decides is this near.
     pub upper: f64,
@@ -32,8 +33,8 @@ pub struct RobotClearance {
     pub status: Status,
     /// Unit vector from the first collider to the second one, in the world.
     pub normal: DVec3,
-    /// Points of the colliders that are closest to each other, or deepest inside of each other, in the
-    /// world.
+    /// Points of the colliders that are closest to each other, or deepest inside of each other, in
+    /// the world.
     pub points: [DVec3; 2],
 }
 
@@ -103,8 +104,8 @@ impl Robot {
     /// `q` has another length than there are joints, or a number is out of range.
     ///
     /// # Complexity
-    /// A few comparisons for each couple of links, and a distance query for each pair that may be the
-    /// nearest. No allocation after the first calls.
+    /// A few comparisons for each couple of links, and a distance query for each pair that may be
+    /// the nearest. No allocation after the first calls.
     pub fn clearance(
         &self,
         q: &[f64],
@@ -129,12 +130,13 @@ impl Robot {
         Ok(self.decide(settings, memory).map_or(RobotClearance::NO_PAIR, |found| self.answer(&found, memory)))
     }
 
-    /// The clearance in a configuration, and its derivatives by the numbers of the configuration, which
-    /// are written to `gradient`: metres for each radian of a hinge and for each metre of a slider.
+    /// The clearance in a configuration, and its derivatives by the numbers of the configuration,
+    /// which are written to `gradient`: metres for each radian of a hinge and for each metre of a
+    /// slider.
     ///
-    /// If the status is not [`Unique`](Differentiability::Unique), they are a direction for an optimiser,
-    /// and no derivatives: see [`Derivatives`]. Another pair that is as near within the interval is
-    /// [`Normals`](Differentiability::Normals).
+    /// If the status is not [`Unique`](Differentiability::Unique), they are a direction for an
+    /// optimiser, and no derivatives: see [`Derivatives`]. Another pair that is as near within the
+    /// interval is [`Normals`](Differentiability::Normals).
     ///
     /// # Errors
     /// As for [`clearance`](Self::clearance), or `gradient` has another length than `q`.

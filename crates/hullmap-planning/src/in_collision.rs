@@ -7,16 +7,16 @@ use crate::memory::Memory;
 use crate::robot::Robot;
 
 impl Robot {
-    /// Whether two links that are tested, or a link and an obstacle, touch or are within `margin` of each
-    /// other. Pairs that only touch, and those that the solver cannot decide, count as touching. NaN and
-    /// negative margins count as 0.
+    /// Whether two links that are tested, or a link and an obstacle, touch or are within `margin`
+    /// of each other. Pairs that only touch, and those that the solver cannot decide, count as
+    /// touching. NaN and negative margins count as 0.
     ///
     /// # Errors
     /// `q` has another length than there are joints, or a number is out of range.
     ///
     /// # Complexity
-    /// A few comparisons for each pair of links, and a query for each pair whose balls overlap, up to the
-    /// first one that touches. No allocation after the first calls.
+    /// A few comparisons for each pair of links, and a query for each pair whose balls overlap, up
+    /// to the first one that touches. No allocation after the first calls.
     pub fn in_collision(&self, q: &[f64], margin: f64, memory: &mut Memory) -> Result<bool, PlanningError> {
         self.place(q, memory)?;
         Ok(self.touching_pair(margin, memory).is_some())

@@ -6,7 +6,8 @@
 //! 2. Each of them is placed in its parent by its frame at rest, then by each of its joints.
 //!
 //! A configuration has one number for each hinge and each slider that follows no other joint. Ball
-//! joints and free joints stay where they are at rest; whoever moves them passes the poses of links.
+//! joints and free joints stay where they are at rest; whoever moves them passes the poses of
+//! links.
 
 use glam::{DQuat, DVec3};
 use hullmap_robot::{Chain, Coupling, Frame, Motion};
@@ -79,8 +80,8 @@ impl Placement {
         [self.turn, self.slide]
     }
 
-    /// Counts rounding errors as for these magnitudes: of the ends of an edge, if this configuration is
-    /// between them.
+    /// Counts rounding errors as for these magnitudes: of the ends of an edge, if this
+    /// configuration is between them.
     pub fn set_magnitudes(&mut self, [turn, slide]: [f64; 2]) {
         (self.turn, self.slide) = (turn, slide);
     }

@@ -1,8 +1,9 @@
 //! Whole robots for motion planning, on exact convex hulls.
 //!
-//! A [`Robot`] is read from a URDF or MJCF file. It answers for configurations of its joints whether it
-//! touches itself or an obstacle, and its clearance, with the pair that decides and the derivatives by the
-//! joints. It answers for edges in joint space whether they are free, for all of their configurations.
+//! A [`Robot`] is read from a URDF or MJCF file. It answers for configurations of its joints
+//! whether it touches itself or an obstacle, and its clearance, with the pair that decides and the
+//! derivatives by the joints. It answers for edges in joint space whether they are free, for all of
+//! their configurations.
 //!
 //! | module | concept |
 //! |---|---|

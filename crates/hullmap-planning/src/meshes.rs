@@ -14,8 +14,9 @@ use crate::solids::hull_of;
 
 /// Where the hulls of meshes come from.
 ///
-/// The pack of `meshes/hand.stl` is the file `hand.hullmap` in one of the folders, if there is one. It must have
-/// been baked from that mesh. Without a pack, the mesh is read, and stands for its convex hull.
+/// The pack of `meshes/hand.stl` is the file `hand.hullmap` in one of the folders, if there is one.
+/// It must have been baked from that mesh. Without a pack, the mesh is read, and stands for its
+/// convex hull.
 #[derive(Default)]
 pub struct Packs {
     /// Folders of packs, the first one first.

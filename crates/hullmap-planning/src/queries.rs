@@ -191,8 +191,8 @@ impl Pairing<'_> {
             Other::Compound(a) => own.derivatives(&a.hull(found.part).ok()?, b, b_in_a, settings, &mut cache),
             Other::Mesh(a) => own.derivatives(&a.triangle(found.part)?, b, b_in_a, settings, &mut cache),
             Other::HalfSpace(_) => {
-                // The depth in a half-space is smooth across the plane: the negative distance of the
-                // lowest point, as for a plane that is just below it.
+                // The depth in a half-space is smooth across the plane: the negative distance of
+                // the lowest point, as for a plane that is just below it.
                 let below = Distance {
                     status: hullmap::Status::Exact,
                     distance: 1.0,
@@ -218,8 +218,8 @@ fn negative(derivative: hullmap::PoseDerivative) -> hullmap::PoseDerivative {
 }
 
 /// Derivatives for a plane with this normal through `foot`, the foot of the lowest point of `b`: as
-/// those for the face of a box there, since a half-space has no support mapping. By the pose of A they
-/// are about the foot, and obstacles do not move.
+/// those for the face of a box there, since a half-space has no support mapping. By the pose of A
+/// they are about the foot, and obstacles do not move.
 fn on_face(
     normal: DVec3,
     foot: DVec3,

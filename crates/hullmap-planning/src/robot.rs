@@ -99,11 +99,12 @@ pub struct JointFacts {
 
 /// A robot, as planners ask about it.
 ///
-/// The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a joint
-/// connects, or none, are not tested against each other, nor are pairs that are allowed to touch.
+/// The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a
+/// joint connects, or none, are not tested against each other, nor are pairs that are allowed to
+/// touch.
 ///
-/// Lengths are in metres and angles in radians, as in the description. The world is the frame of the
-/// description's root.
+/// Lengths are in metres and angles in radians, as in the description. The world is the frame of
+/// the description's root.
 #[derive(Clone)]
 pub struct Robot {
     pub(crate) links: Vec<String>,
@@ -126,8 +127,8 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Reads a robot from a URDF, MJCF or SDF file. `places` says where its packages lie, and `packs` where
-    /// the hulls of its meshes come from.
+    /// Reads a robot from a URDF, MJCF or SDF file. `places` says where its packages lie, and
+    /// `packs` where the hulls of its meshes come from.
     ///
     /// # Errors
     /// The description or a mesh cannot be read, or a collision has no shape that can be queried.
@@ -242,8 +243,8 @@ impl Robot {
         self.bodies.len()
     }
 
-    /// The pairs of colliders that are tested, as indices of [`collider`](Self::collider), the lower
-    /// one first.
+    /// The pairs of colliders that are tested, as indices of [`collider`](Self::collider), the
+    /// lower one first.
     pub fn tested(&self) -> Vec<[usize; 2]> {
         self.couples.iter().map(|couple| self.colliders(couple.a, couple.b)).collect()
     }
@@ -314,8 +315,8 @@ impl Robot {
         names.enumerate().map(|(index, name)| (name, index)).collect()
     }
 
-    /// Memory for queries of this robot, by one thread. It must not be used after obstacles or allowed
-    /// pairs have changed.
+    /// Memory for queries of this robot, by one thread. It must not be used after obstacles or
+    /// allowed pairs have changed.
     pub fn memory(&self) -> Memory {
         Memory {
             at: Default::default(),
@@ -459,7 +460,8 @@ impl Robot {
         }
     }
 
-    /// Upper bound of the distance of two bodies, by points inside of them; `None` if it is not known.
+    /// Upper bound of the distance of two bodies, by points inside of them; `None` if it is not
+    /// known.
     pub(crate) fn reach(&self, pair: &Pair, memory: &Memory) -> Option<f64> {
         let inside =
             |body: usize| self.body_frame(body, memory).apply(self.bodies[body].solid.shape().interior_point());

@@ -22,8 +22,8 @@ fn robot(name: &str, text: &str) -> Robot {
     Robot::read(&path, &Places::beside(&path).unwrap(), &mut Packs::default()).unwrap()
 }
 
-/// Two links of length 1 in a plane, with balls of radius 0.1 at the base and of 0.2 at the tip. Their
-/// centres are 2 |cos(b/2)| apart, for the angle b of the elbow.
+/// Two links of length 1 in a plane, with balls of radius 0.1 at the base and of 0.2 at the tip.
+/// Their centres are 2 |cos(b/2)| apart, for the angle b of the elbow.
 fn balls() -> Robot {
     robot(
         "balls.xml",
@@ -143,7 +143,8 @@ fn wrong_configurations_are_errors() {
     assert!(arm.in_collision_at(&[Pose::IDENTITY], 0.0, &mut memory).is_err());
 }
 
-/// A random tree of links, with hinges, sliders, two joints on a link, and joints that follow others.
+/// A random tree of links, with hinges, sliders, two joints on a link, and joints that follow
+/// others.
 fn random_text(random: &mut SplitMix64) -> String {
     let mut number = |low: f64, high: f64| format!("{:.4}", random.between(low, high));
     let count = 5;
