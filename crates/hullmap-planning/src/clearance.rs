@@ -193,7 +193,10 @@ impl Robot {
                 let found = self.pairing(index, memory).distance(settings, &mut memory.caches);
                 let noise = self.pair_noise(pair, memory);
                 if found.answer.status == Status::Overlapping {
-                    return self.deepest(index, settings, memory);
+                    // If no depth is certain, nothing is known but that the pair overlaps.
+                    let (lower, upper) = (f64::NEG_INFINITY, noise);
+                    let unknown = Decided { pair: index, answer: Answer::Apart(found), lower, upper, is_tied: false };
+                    return self.deepest(index, settings, memory).or(Some(unknown));
                 }
                 least.add(found.answer.lower - noise, index);
                 let upper = found.answer.upper + noise;

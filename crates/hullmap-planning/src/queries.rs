@@ -5,7 +5,7 @@ use hullmap::cascade::{self, Stages};
 use hullmap::compound;
 use hullmap::shapes::{Cuboid, HalfSpace};
 use hullmap::{
-    Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Overlap, Pack, Pose, Settings, TriangleMesh,
+    Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Overlap, Pack, Pose, Settings, Status, TriangleMesh,
 };
 
 use crate::obstacle::ObstacleShape;
@@ -91,7 +91,7 @@ impl<T> From<compound::CompoundAnswer<T>> for Found<T> {
 
 /// A distance of which nothing is known.
 const UNKNOWN: Distance = Distance {
-    status: hullmap::Status::Stalled,
+    status: Status::Stalled,
     distance: 0.0,
     lower: 0.0,
     upper: f64::INFINITY,
@@ -139,9 +139,10 @@ impl Pairing<'_> {
     }
 
     pub(crate) fn contact(&self, settings: &Settings, caches: &mut Caches) -> Found<Contact> {
-        let apart = Found { answer: Contact::default(), part: 0 };
-        let Some(b_in_a) = self.b_in_a else { return apart };
         let alone = |answer| Found { answer, part: 0 };
+        // A contact that claims nothing.
+        let Some(b_in_a) = self.b_in_a else { return alone(Contact::default()) };
+        let apart = alone(Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..Contact::default() });
         match (self.a, self.b) {
             (Other::Convex(Convex::Hull(a)), Convex::Hull(b)) => {
                 alone(hullmap::contact(a.hull(), b.hull(), b_in_a, settings, caches.convex(self.index)))
@@ -194,7 +195,7 @@ impl Pairing<'_> {
                 // The depth in a half-space is smooth across the plane: the negative distance of
                 // the lowest point, as for a plane that is just below it.
                 let below = Distance {
-                    status: hullmap::Status::Exact,
+                    status: Status::Exact,
                     distance: 1.0,
                     lower: 1.0,
                     upper: 1.0,

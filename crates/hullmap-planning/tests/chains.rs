@@ -336,3 +336,23 @@ fn links_that_a_joint_connects_and_excluded_pairs_are_not_tested() {
     arm.allow_srdf(&srdf).unwrap();
     assert_eq!(names(&arm), [["world", "c"], ["a", "c"]]);
 }
+
+/// Separated parts of an obstacle once counted as a contact of unknown depth.
+#[test]
+fn parts_that_are_apart_have_no_depth() {
+    let mut arm = balls();
+    let corner =
+        |at: usize, x: f32| [(at & 1) as f32 * 0.2 + x, (at >> 1 & 1) as f32 * 0.2 + 0.5, (at >> 2) as f32 * 0.2];
+    let cube = |x: f32| {
+        let positions = (0..8).map(|at| corner(at, x)).collect();
+        let points = hullmap_bake::PointSet { positions, source_vertices: (0..8).collect(), ..Default::default() };
+        hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::Tree).unwrap()
+    };
+    let bytes = hullmap_bake::write_pack(&[cube(0.0), cube(3.0)], &Default::default()).unwrap();
+    let shape = ObstacleShape::Compound(std::sync::Arc::new(hullmap::Pack::from_bytes(&bytes).unwrap()));
+    arm.add_obstacles([Obstacle { name: "cubes".to_owned(), shape, pose: Pose::IDENTITY }]).unwrap();
+    // The balls at the base and at the tip overlap, and the tip is inside of the box around the cubes.
+    let found = arm.clearance(&[0.0, 3.1], &Settings::default(), &mut arm.memory()).unwrap();
+    let truth = 2.0 * 1.55_f64.cos() - 0.3;
+    assert!(found.lower <= truth && truth <= found.upper && found.upper - found.lower < 1e-4, "{truth} {found:?}");
+}

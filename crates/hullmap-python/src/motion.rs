@@ -266,30 +266,15 @@ pub fn cast_motion<'py>(
     fill::<Impacts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
 }
 
-/// A part of a side. `None` for a half-space, which has no support mapping.
-enum Part<'s> {
-    Hull(core::Hull<'s>),
-    Convex(&'s crate::shape::AnyConvex),
-    Triangle(core::shapes::Triangle),
-}
-
-fn part(side: &Side, index: u32) -> Option<Part<'_>> {
-    Some(match side {
-        Side::Hull(hull) => Part::Convex(hull),
-        Side::Convex(shape) => Part::Convex(&**shape),
-        Side::Compound(pack) => Part::Hull(pack.hull(index as usize).ok()?),
-        Side::Mesh(mesh) => Part::Triangle(mesh.triangle(index as usize)?),
-        Side::HalfSpace(_) => return None,
-    })
-}
-
-impl Part<'_> {
-    fn shape(&self) -> &dyn core::Shape {
-        match self {
-            Self::Hull(hull) => hull,
-            Self::Convex(shape) => *shape,
-            Self::Triangle(triangle) => triangle,
-        }
+/// The part of a side that decides, or the side itself, for a function of support mappings. `None`
+/// for a half-space, which has none.
+fn with_part<T>(side: &Side, index: u32, run: impl FnOnce(&dyn core::Shape) -> Option<T>) -> Option<T> {
+    match side {
+        Side::Hull(hull) => run(hull),
+        Side::Convex(shape) => run(&**shape),
+        Side::Compound(pack) => run(&pack.hull(index as usize).ok()?),
+        Side::Mesh(mesh) => run(&mesh.triangle(index as usize)?),
+        Side::HalfSpace(_) => None,
     }
 }
 
@@ -299,8 +284,7 @@ fn derivatives_of_time(
     parts: [u32; 2],
     [motion_a, motion_b]: [&RigidMotion; 2],
 ) -> Option<Derivatives> {
-    let (a, b) = (part(a, parts[0])?, part(b, parts[1])?);
-    Some(found.derivatives(a.shape(), motion_a, b.shape(), motion_b))
+    with_part(a, parts[0], |a| with_part(b, parts[1], |b| Some(found.derivatives(a, motion_a, b, motion_b))))
 }
 
 /// Whether shapes that move and turn stay clear of each other. The settings are margin, tolerance,

@@ -71,8 +71,7 @@ impl Columns for Gradients {
 
     fn into_arrays(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let arrays = self.fixed.into_arrays(py)?;
-        if self.width > 0 {
-            let rows = self.gradient.len() / self.width;
+        if let Some(rows) = self.gradient.len().checked_div(self.width) {
             let gradient = PyArray1::from_vec(py, self.gradient).reshape([rows, self.width])?;
             arrays.set_item("gradient", gradient)?;
         }

@@ -109,7 +109,7 @@ def test_edges(balls: hullmap.Robot) -> None:
 def test_poses_of_the_caller(arm: hullmap.Robot) -> None:
     """Link poses by NumPy, and `Pairs` over the same shapes."""
     rng = np.random.default_rng(3)
-    q = rng.uniform(-3, 3, (300, 2))
+    q = rng.uniform(-3.14, 3.14, (300, 2))
     poses = np.tile(np.eye(4), (300, 4, 1, 1))
     for at, (a, b) in enumerate(q):
         turn_a, turn_b, slide = np.eye(4), np.eye(4), np.eye(4)

@@ -45,7 +45,7 @@ def indices(name: str, array: npt.NDArray[Any], noun: str) -> Counts:
     if low < 0 or high >= 2**32:
         raise ArrayError(f"{name}: index {low if low < 0 else high} is out of range: {noun} are counted from 0")
     # `ascontiguousarray` does not copy an array of this type that starts at an odd byte.
-    return np.require(array.reshape(-1), np.uint32, "CA")
+    return np.require(array.reshape(-1), np.uint32, ["C", "A"])
 
 
 def number(name: str, value: float) -> float:

@@ -247,8 +247,8 @@ def derivatives(
     >>> found = hullmap.derivatives(cube, ball, hullmap.poses([4, 0.5, 0]))
     >>> found.by_b.round(6) + 0.0
     array([1., 0., 0., 0., 0., 0.])
-    >>> found.differentiability == hullmap.Differentiability.UNIQUE
-    True
+    >>> hullmap.Differentiability.words(found.differentiability)
+    ['unique']
     """
     if of not in ("distance", "depth"):
         raise ArrayError(f"of: expected 'distance' or 'depth', found {of!r}")
