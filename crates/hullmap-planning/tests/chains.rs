@@ -351,7 +351,8 @@ fn parts_that_are_apart_have_no_depth() {
     let bytes = hullmap_bake::write_pack(&[cube(0.0), cube(3.0)], &Default::default()).unwrap();
     let shape = ObstacleShape::Compound(std::sync::Arc::new(hullmap::Pack::from_bytes(&bytes).unwrap()));
     arm.add_obstacles([Obstacle { name: "cubes".to_owned(), shape, pose: Pose::IDENTITY }]).unwrap();
-    // The balls at the base and at the tip overlap, and the tip is inside of the box around the cubes.
+    // The balls at the base and at the tip overlap, and the tip is inside of the box around the
+    // cubes.
     let found = arm.clearance(&[0.0, 3.1], &Settings::default(), &mut arm.memory()).unwrap();
     let truth = 2.0 * 1.55_f64.cos() - 0.3;
     assert!(found.lower <= truth && truth <= found.upper && found.upper - found.lower < 1e-4, "{truth} {found:?}");
