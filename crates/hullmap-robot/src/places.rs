@@ -68,7 +68,7 @@ impl Places {
     /// # Errors
     /// The folder cannot be read.
     pub fn beside(description: &Path) -> std::io::Result<Self> {
-        let folder = crate::description::folder_of(description).canonicalize()?;
+        let folder = folder_of(description).canonicalize()?;
         let marks = [Scheme::Package, Scheme::Model].map(Scheme::mark);
         let is_package = |above: &&Path| marks.iter().any(|mark| above.join(mark).is_file());
         let package = folder.ancestors().take(MAX_ABOVE).find(is_package).map(Path::to_owned);
@@ -175,6 +175,14 @@ impl Places {
         }
         found.extend(unmarked);
         found
+    }
+}
+
+/// The folder of a file.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
     }
 }
 
