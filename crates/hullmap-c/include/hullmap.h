@@ -9,9 +9,9 @@
 // height fields, too, with triangles in place of hulls.
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
-// Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
-// of unit length. Lengths are in the unit of the shapes, whatever it is. Numbers are double
-// precision.
+// Points, normals and directions of answers are in A's frame, or in that which motions are in; a
+// normal points from A to B, and is of unit length. Lengths are in the unit of the shapes, whatever
+// it is. Numbers are double precision.
 //
 // Errors. Functions return a HullmapResult, HULLMAP_RESULT_OK on success; hullmap_last_error() has
 // the message of the last failure on the calling thread. A call that fails writes nothing to its
@@ -155,6 +155,58 @@ typedef uint32_t HullmapStatus;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Whether a value has a derivative, or the reason why it has none.
+enum HullmapDifferentiability
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // There is one pair of points and one normal: the numbers are derivatives.
+    HULLMAP_DIFFERENTIABILITY_UNIQUE = 0,
+    // The shapes touch: distance and depth have a kink at 0.
+    HULLMAP_DIFFERENTIABILITY_TOUCHING = 1,
+    // Faces or edges are parallel, so several pairs of points have the same distance.
+    HULLMAP_DIFFERENTIABILITY_PARALLEL = 2,
+    // Several normals have the same depth, or a line meets a vertex or an edge.
+    HULLMAP_DIFFERENTIABILITY_NORMALS = 3,
+    // A motion is parallel to the surface where it meets it.
+    HULLMAP_DIFFERENTIABILITY_GRAZING = 4,
+    // There is nothing to differentiate: no hit, an overlap at the start of a motion, or a
+    // separated pair of which the depth is wanted. The numbers are 0.
+    HULLMAP_DIFFERENTIABILITY_MISSING = 5,
+    // The answer is less accurate than its settings ask for.
+    HULLMAP_DIFFERENTIABILITY_INACCURATE = 6,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapDifferentiability HullmapDifferentiability;
+#else
+typedef uint32_t HullmapDifferentiability;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is known about a motion.
+enum HullmapVerdict
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The shapes certainly are farther apart than the margin at all times.
+    HULLMAP_VERDICT_FREE = 0,
+    // They certainly are within the margin at some time.
+    HULLMAP_VERDICT_HIT = 1,
+    // Neither is known: they graze the margin within rounding error, or the limit of queries was
+    // reached.
+    HULLMAP_VERDICT_OPEN = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapVerdict HullmapVerdict;
+#else
+typedef uint32_t HullmapVerdict;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Kind of feature that a manifold point lies on.
 enum HullmapFeatureKind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -238,6 +290,29 @@ enum HullmapMassSource
 typedef enum HullmapMassSource HullmapMassSource;
 #else
 typedef uint32_t HullmapMassSource;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How a HullmapMotion moves a shape over the times 0 to 1.
+enum HullmapMotionKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // It stays at the start.
+    HULLMAP_MOTION_KIND_STILL = 0,
+    // From the start to the end: the origin of its frame along a straight line, its rotation by
+    // spherical interpolation, the shorter way.
+    HULLMAP_MOTION_KIND_BETWEEN = 1,
+    // The point that is at `center` at time 0 moves by `linear`, and the shape turns about it by
+    // the rotation vector `angular`, in radians. More than a full turn is allowed.
+    HULLMAP_MOTION_KIND_SCREW = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapMotionKind HullmapMotionKind;
+#else
+typedef uint32_t HullmapMotionKind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -683,6 +758,120 @@ typedef struct {
     HullmapVec3 normal;
 } HullmapSignedDistance;
 
+// A rigid motion of a shape over the times 0 to 1, in a frame that is common to both shapes.
+//
+// Members that its kind does not name are not read.
+typedef struct {
+    // A HullmapMotionKind.
+    uint32_t kind;
+    // Pose at time 0.
+    HullmapPose start;
+    // Pose at time 1: HULLMAP_MOTION_KIND_BETWEEN.
+    HullmapPose end;
+    // Displacement of the point at `center`: HULLMAP_MOTION_KIND_SCREW.
+    HullmapVec3 linear;
+    // Rotation vector: HULLMAP_MOTION_KIND_SCREW.
+    HullmapVec3 angular;
+    // The point about which the shape turns, at time 0: HULLMAP_MOTION_KIND_SCREW.
+    HullmapVec3 center;
+} HullmapMotion;
+
+// Limits and accuracy of a motion. Start from HULLMAP_MOTION_SETTINGS_DEFAULT.
+typedef struct {
+    // sizeof(HullmapMotionSettings)
+    size_t struct_size;
+    // The shapes meet when their distance is at most this. The default is 0. NaN and negative
+    // values count as 0.
+    double target_distance;
+    // At the lower bound of the time of impact, the distance exceeds the target by at most this
+    // fraction of the sum of the outer radii. The default is 1e-6.
+    double tolerance;
+    // Maximum number of distance and contact queries. The default is 200.
+    uint32_t max_iterations;
+} HullmapMotionSettings;
+
+// When and where two moving shapes first meet. Points and normal are in the common frame.
+typedef struct {
+    // False only if the shapes certainly do not meet until time 1.
+    bool hit;
+    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes meet at the start.
+    HullmapStatus status;
+    // For a compound, the hull that meets first; otherwise 0.
+    uint32_t hull_a;
+    // For a compound, the hull that meets first; otherwise 0.
+    uint32_t hull_b;
+    // Number of distance and contact queries.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // Time of impact; infinite if there is no hit.
+    double t;
+    // Until this time, the shapes certainly are farther apart than the target distance.
+    double t_lower;
+    // At this time, the shapes certainly are within the target distance. Infinite if no such time
+    // was found.
+    double t_upper;
+    // Unit vector from A to B at t_lower.
+    HullmapVec3 normal;
+    // Point of A closest to B at t_lower.
+    HullmapVec3 point_a;
+    // Point of B closest to A at t_lower.
+    HullmapVec3 point_b;
+} HullmapTimeOfImpact;
+
+// Derivatives of a length or a time by the poses of both shapes.
+//
+// A twist moves a shape by a vector and turns it by a rotation vector about the origin of its own
+// frame; both are in the frame of the answer. Numbers 0 to 2 are by the vector, 3 to 5 by the
+// rotation vector. Unless the differentiability is HULLMAP_DIFFERENTIABILITY_UNIQUE, the numbers
+// are a direction for an optimiser, and no derivative.
+typedef struct {
+    // Whether these are derivatives.
+    HullmapDifferentiability differentiability;
+    // By a twist of A.
+    double by_a[6];
+    // By a twist of B.
+    double by_b[6];
+} HullmapDerivatives;
+
+// What hullmap_clear() proves. Start from HULLMAP_CLEAR_SETTINGS_DEFAULT.
+typedef struct {
+    // sizeof(HullmapClearSettings)
+    size_t struct_size;
+    // Shapes that come within this distance hit each other. The default is 0.
+    double margin;
+    // As in HullmapMotionSettings.
+    double tolerance;
+    // The clearance of a free motion is at least this share of the least distance found, unless
+    // the limit of queries is reached. The default is 0.5; 0 is the fastest.
+    double share;
+    // As in HullmapMotionSettings.
+    uint32_t max_iterations;
+} HullmapClearSettings;
+
+// Whether a motion is free, and with which clearance.
+typedef struct {
+    // Whether the motion is free.
+    HullmapVerdict verdict;
+    // For a compound that hits, the hull that meets first; otherwise 0.
+    uint32_t hull_a;
+    // For a compound that hits, the hull that meets first; otherwise 0.
+    uint32_t hull_b;
+    // Number of distance and contact queries.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // Lower bound of the least distance during a free motion; 0 if it is not known to be free.
+    double clearance;
+    // Upper bound of the least distance: the shapes are this near at some time that was tried.
+    double nearest;
+    // Until this time, the shapes certainly are farther apart than the margin. Infinite if they
+    // are at all times.
+    double t_lower;
+    // At this time, the shapes certainly are within the margin. Infinite if no such time is known.
+    double t_upper;
+} HullmapClearance;
+
 // Settings of a contact manifold. Start from HULLMAP_MANIFOLD_SETTINGS_DEFAULT.
 typedef struct {
     // sizeof(HullmapManifoldSettings)
@@ -1066,6 +1255,51 @@ HullmapResult hullmap_signed_distance(const HullmapShape *shape,
                                       HullmapCache *cache,
                                       HullmapSignedDistance *out);
 
+// When A and B, which move and turn, first come within a distance of each other. Motions are in a
+// common frame, as is the answer.
+//
+// derivatives may be NULL. If not, they are those of the time, by twists that displace the whole
+// motion of a shape, and turn it about where the origin of its frame is at the impact.
+// settings and cache may be NULL.
+HullmapResult hullmap_cast_motion(const HullmapShape *a,
+                                  const HullmapMotion *motion_a,
+                                  const HullmapShape *b,
+                                  const HullmapMotion *motion_b,
+                                  const HullmapMotionSettings *settings,
+                                  HullmapCache *cache,
+                                  HullmapTimeOfImpact *out,
+                                  HullmapDerivatives *derivatives);
+
+// Whether A and B, which move and turn, stay farther apart than a margin, and which clearance is
+// proven. Motions are in a common frame. Not for half-spaces. settings and cache may be NULL.
+HullmapResult hullmap_clear(const HullmapShape *a,
+                            const HullmapMotion *motion_a,
+                            const HullmapShape *b,
+                            const HullmapMotion *motion_b,
+                            const HullmapClearSettings *settings,
+                            HullmapCache *cache,
+                            HullmapClearance *out);
+
+// Distance of two convex shapes, and its derivatives by the poses of both, in A's frame. settings
+// and cache may be NULL.
+HullmapResult hullmap_distance_derivatives(const HullmapShape *a,
+                                           const HullmapShape *b,
+                                           const HullmapPose *b_in_a,
+                                           const HullmapSettings *settings,
+                                           HullmapCache *cache,
+                                           HullmapDistance *out,
+                                           HullmapDerivatives *derivatives);
+
+// Contact of two convex shapes, and the derivatives of its depth by the poses of both, in A's
+// frame. settings and cache may be NULL.
+HullmapResult hullmap_contact_derivatives(const HullmapShape *a,
+                                          const HullmapShape *b,
+                                          const HullmapPose *b_in_a,
+                                          const HullmapSettings *settings,
+                                          HullmapCache *cache,
+                                          HullmapContact *out,
+                                          HullmapDerivatives *derivatives);
+
 // Makes a manifold without points, for one ordered pair of shapes. `max_pairs` is the maximum
 // number of pairs of hulls of two compounds that may touch at the same time; for convex shapes,
 // pass 1. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.
@@ -1141,3 +1375,7 @@ HullmapResult hullmap_batch_manifolds(const HullmapPair *pairs,
 
 #define HULLMAP_MANIFOLD_SETTINGS_DEFAULT \
     {sizeof(HullmapManifoldSettings), 1e-5, 1000, HULLMAP_PREDICTION_RELATIVE, 0.02}
+
+#define HULLMAP_MOTION_SETTINGS_DEFAULT {sizeof(HullmapMotionSettings), 0.0, 1e-6, 200}
+
+#define HULLMAP_CLEAR_SETTINGS_DEFAULT {sizeof(HullmapClearSettings), 0.0, 1e-6, 0.5, 200}

@@ -33,6 +33,12 @@ using Contact = HullmapContact;
 using RayHit = HullmapRayHit;
 using Impact = HullmapImpact;
 using SignedDistance = HullmapSignedDistance;
+using Motion = HullmapMotion;
+using MotionSettings = HullmapMotionSettings;
+using ClearSettings = HullmapClearSettings;
+using TimeOfImpact = HullmapTimeOfImpact;
+using Clearance = HullmapClearance;
+using Derivatives = HullmapDerivatives;
 using ManifoldPoint = HullmapManifoldPoint;
 using ManifoldPoints = HullmapManifoldPoints;
 using HullFacts = HullmapHullFacts;
@@ -316,6 +322,40 @@ inline Impact cast(const Shape &a, const Shape &b, const Pose &b_in_a, Vec3 velo
                    const CastSettings *settings = nullptr) {
     Impact found{};
     check(hullmap_cast(a.get(), b.get(), &b_in_a, velocity, settings, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+inline TimeOfImpact cast_motion(const Shape &a, const Motion &motion_a, const Shape &b, const Motion &motion_b,
+                                Cache *cache = nullptr, const MotionSettings *settings = nullptr,
+                                Derivatives *derivatives = nullptr) {
+    TimeOfImpact found{};
+    check(hullmap_cast_motion(a.get(), &motion_a, b.get(), &motion_b, settings, cache ? cache->get() : nullptr, &found,
+                              derivatives));
+    return found;
+}
+
+inline Clearance clear(const Shape &a, const Motion &motion_a, const Shape &b, const Motion &motion_b,
+                       Cache *cache = nullptr, const ClearSettings *settings = nullptr) {
+    Clearance found{};
+    check(hullmap_clear(a.get(), &motion_a, b.get(), &motion_b, settings, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+// The distance, and its derivatives in `derivatives`.
+inline Distance distance(const Shape &a, const Shape &b, const Pose &b_in_a, Derivatives &derivatives,
+                         Cache *cache = nullptr, const Settings *settings = nullptr) {
+    Distance found{};
+    check(hullmap_distance_derivatives(a.get(), b.get(), &b_in_a, settings, cache ? cache->get() : nullptr, &found,
+                                       &derivatives));
+    return found;
+}
+
+// The contact, and the derivatives of its depth in `derivatives`.
+inline Contact contact(const Shape &a, const Shape &b, const Pose &b_in_a, Derivatives &derivatives,
+                       Cache *cache = nullptr, const Settings *settings = nullptr) {
+    Contact found{};
+    check(hullmap_contact_derivatives(a.get(), b.get(), &b_in_a, settings, cache ? cache->get() : nullptr, &found,
+                                      &derivatives));
     return found;
 }
 

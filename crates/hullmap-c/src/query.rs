@@ -17,7 +17,7 @@ use crate::handles::{Kind, Memory, Points, Shape};
 use crate::types;
 
 /// A query, for each kind of pair.
-trait ShapeQuery {
+pub(crate) trait ShapeQuery {
     type Answer;
 
     fn convex<A, B>(self, a: &A, b: &B) -> Fallible<Self::Answer>
@@ -38,7 +38,7 @@ pub(crate) fn check_sides(b: &Shape) -> Fallible<()> {
 }
 
 #[inline(always)]
-fn run<Q: ShapeQuery>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
+pub(crate) fn run<Q: ShapeQuery>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
     match (&a.kind, &b.kind) {
         (Kind::Hull(a), Kind::Hull(b)) => query.convex(a.hull(), b.hull()),
         (Kind::HalfSpace(a), Kind::Compound(b)) => query.plane_and_parts(a, &Compound::new(b)),

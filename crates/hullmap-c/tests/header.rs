@@ -87,6 +87,15 @@ fn defaults_match_the_crate_for_rust() {
     assert!(cast.max_t.is_infinite());
     let expected = format!("{{sizeof(HullmapCastSettings), HUGE_VAL, {:e}, {}}}", cast.tolerance, cast.max_iterations);
     assert_eq!(value("HULLMAP_CAST_SETTINGS_DEFAULT"), expected);
+    let (motion, clear) = (hullmap::MotionSettings::default(), hullmap::ClearSettings::default());
+    assert_eq!((motion.target_distance, clear.motion), (0.0, motion));
+    let expected = format!("{{sizeof(HullmapMotionSettings), 0.0, {:e}, {}}}", motion.tolerance, motion.max_iterations);
+    assert_eq!(value("HULLMAP_MOTION_SETTINGS_DEFAULT"), expected);
+    let expected = format!(
+        "{{sizeof(HullmapClearSettings), 0.0, {:e}, {}, {}}}",
+        motion.tolerance, clear.share, motion.max_iterations
+    );
+    assert_eq!(value("HULLMAP_CLEAR_SETTINGS_DEFAULT"), expected);
     let hullmap::Prediction::Relative(prediction) = hullmap::ManifoldSettings::default().prediction else {
         panic!("another kind of default");
     };

@@ -15,6 +15,8 @@
 //! | `solve` | arrays of poses, on all threads, with the GIL released |
 //! | `gpu` | the same on a GPU |
 //! | `manifolds` | the same for contact manifolds |
+//! | `motion` | the same for shapes that move and turn, and derivatives |
+//! | `robot` | whole robots |
 //! | `usd` | layers of Universal Scene Description |
 //! | `columns` | answers as columns |
 //! | `threads` | thread pools that survive `fork` |
@@ -29,10 +31,12 @@ mod gpu;
 mod manifolds;
 mod memory;
 mod mesh;
+mod motion;
 mod pack;
 mod pairs;
 mod pose;
 mod query;
+mod robot;
 mod shape;
 mod solve;
 mod task;
@@ -69,6 +73,7 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<field::HeightField>()?;
     module.add_class::<shape::Shape>()?;
     module.add_class::<pairs::Pairs>()?;
+    module.add_class::<robot::Robot>()?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;
     module.add_function(wrap_pyfunction!(bake::bake_arrays, module)?)?;
     module.add_function(wrap_pyfunction!(bake::bake_file, module)?)?;
@@ -81,6 +86,9 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(manifolds::manifold, module)?)?;
     module.add_function(wrap_pyfunction!(manifolds::manifolds, module)?)?;
     module.add_function(wrap_pyfunction!(solve::cast, module)?)?;
+    module.add_function(wrap_pyfunction!(motion::cast_motion, module)?)?;
+    module.add_function(wrap_pyfunction!(motion::clear, module)?)?;
+    module.add_function(wrap_pyfunction!(motion::derivatives, module)?)?;
     module.add_function(wrap_pyfunction!(solve::ray, module)?)?;
     module.add_function(wrap_pyfunction!(solve::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(solve::support, module)?)?;

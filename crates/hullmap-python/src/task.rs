@@ -52,7 +52,7 @@ impl Cut {
     }
 }
 
-/// Fills rows of columns. `solve` fills the rows of a piece that starts at the given row, and
+/// Fills rows of new columns. `solve` fills the rows of a piece that starts at the given row, and
 /// returns the first row that it rejects, with the reason.
 pub fn fill<C: Columns>(
     py: Python<'_>,
@@ -61,8 +61,20 @@ pub fn fill<C: Columns>(
     solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
     error: fn(String) -> PyErr,
 ) -> PyResult<C> {
+    let mut columns = C::zeros(cut.count)?;
+    fill_into(py, &mut columns, (cut, threads, None), solve, error)?;
+    Ok(columns)
+}
+
+/// Fills rows of columns. The function of the plan is called with the share that is done.
+pub fn fill_into<C: Columns>(
+    py: Python<'_>,
+    columns: &mut C,
+    (cut, threads, report): (Cut, Threads, Option<&Bound<'_, PyAny>>),
+    solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
+    error: fn(String) -> PyErr,
+) -> PyResult<()> {
     let Cut { count, piece, step } = cut;
-    let mut columns = C::zeros(count)?;
     let pool = if threads.is_one() || count.min(step) <= piece { None } else { Some(threads::pool(threads)?) };
     let mut start = 0;
     while start < count {
@@ -78,7 +90,7 @@ pub fn fill<C: Columns>(
                 }
             }
         };
-        let columns = &mut columns;
+        let columns = &mut *columns;
         py.detach(|| {
             let pieces = columns.pieces(start..end, piece);
             match &pool {
@@ -90,9 +102,12 @@ pub fn fill<C: Columns>(
             return Err(error(message));
         }
         py.check_signals()?;
+        if let Some(report) = report {
+            report.call1((end as f64 / count as f64,))?;
+        }
         start = end;
     }
-    Ok(columns)
+    Ok(())
 }
 
 /// Pairs, the poses of the second shapes in the frames of the first, and how to go through them.

@@ -163,7 +163,7 @@ impl Chain {
     }
 
     /// The joints, leaders before those that follow them. Circular ones are left out.
-    fn coupling_order(&self) -> Vec<usize> {
+    pub fn coupling_order(&self) -> Vec<usize> {
         let mut followers = vec![Vec::new(); self.joints.len()];
         let mut order = Vec::new();
         for (index, joint) in self.joints.iter().enumerate() {

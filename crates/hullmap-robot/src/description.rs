@@ -323,11 +323,3 @@ pub(crate) fn scheme_of(links: &[Link]) -> Option<Scheme> {
     });
     meshes.filter_map(|mesh| Scheme::of(&mesh.written)).map(|(scheme, _)| scheme).next()
 }
-
-/// The folder of a file.
-pub(crate) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
-}

@@ -15,6 +15,7 @@
 //! | `formats` | reading and editing in any format |
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `chain`, `frame` | joints, and where they move links |
+//! | `neighbours` | which links a joint connects |
 //! | `solid` | sizes of primitives |
 //! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
@@ -51,6 +52,7 @@ mod frame;
 mod lenient;
 mod links;
 mod mjcf;
+mod neighbours;
 mod places;
 mod sdf;
 mod solid;
@@ -64,6 +66,7 @@ pub use element::escaped;
 pub use error::RobotError;
 pub use frame::Frame;
 pub use glam;
+pub use neighbours::Neighbours;
 pub use places::{Places, Scheme, Unresolved, relative};
 pub use solid::{Primitive, Solid};
-pub use srdf::{DisabledPair, SRDF_FIRST_LINE, srdf};
+pub use srdf::{DisabledPair, SRDF_FIRST_LINE, disabled_pairs, srdf};

@@ -6,13 +6,13 @@ use roxmltree::Node;
 
 use crate::chain::Chain;
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, folder_of, mesh_use, scheme_of,
+    Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, mesh_use, scheme_of,
 };
 use crate::document::Document;
 use crate::element::{child, children};
 use crate::error::RobotError;
 use crate::frame::Frame;
-use crate::places::Places;
+use crate::places::{Places, folder_of};
 use crate::solid::{Primitive, Solid};
 
 /// How a format writes links.

@@ -63,6 +63,18 @@ impl Scheme {
 }
 
 impl Places {
+    /// Places of a description alone: its folder, and the package that it lies in.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn beside(description: &Path) -> std::io::Result<Self> {
+        let folder = folder_of(description).canonicalize()?;
+        let marks = [Scheme::Package, Scheme::Model].map(Scheme::mark);
+        let is_package = |above: &&Path| marks.iter().any(|mark| above.join(mark).is_file());
+        let package = folder.ancestors().take(MAX_ABOVE).find(is_package).map(Path::to_owned);
+        Ok(Self { packages: Vec::new(), roots: vec![package.unwrap_or(folder)] })
+    }
+
     /// The file that a name in a description in `folder` leads to.
     ///
     /// # Errors
@@ -163,6 +175,14 @@ impl Places {
         }
         found.extend(unmarked);
         found
+    }
+}
+
+/// The folder of a file.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
     }
 }
 

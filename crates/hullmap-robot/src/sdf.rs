@@ -11,13 +11,13 @@ use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, Submesh, folder_of, numbers, reference};
+use crate::description::{Change, Description, Format, Link, Reference, Submesh, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, escaped, lead, removed, rename, set, unique};
 use crate::error::RobotError;
 use crate::links::Dialect;
-use crate::places::Places;
+use crate::places::{Places, folder_of};
 
 const DIALECT: Dialect = Dialect {
     format: Format::Sdf,

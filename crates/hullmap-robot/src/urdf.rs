@@ -10,13 +10,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, folder_of, numbers, reference};
+use crate::description::{Change, Description, Format, Link, Reference, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, children, lead, removed, rename, set, unique};
 use crate::error::RobotError;
 use crate::links::Dialect;
-use crate::places::Places;
+use crate::places::{Places, folder_of};
 
 const DIALECT: Dialect = Dialect {
     format: Format::Urdf,

@@ -23,6 +23,8 @@ pub mod cache;
 
 pub mod query;
 
+pub mod motion;
+
 pub mod manifold;
 
 pub mod batch;

@@ -15,7 +15,7 @@ use crate::types::{
 
 /// Runs a query with the memory of a cache, or with an empty one.
 #[inline(always)]
-fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memory) -> Fallible<T>) -> Fallible<T> {
+pub(super) fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memory) -> Fallible<T>) -> Fallible<T> {
     let (mut guard, mut empty);
     let memory = match cache {
         Some(cache) => {

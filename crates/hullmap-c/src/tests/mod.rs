@@ -8,6 +8,7 @@ mod lifetimes;
 mod manifolds;
 mod meshes;
 mod misuse;
+mod motions;
 mod overhead;
 mod pairs;
 mod single;

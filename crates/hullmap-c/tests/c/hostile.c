@@ -508,6 +508,83 @@ static void threads(const HullmapPack *pack) {
     hullmap_shape_free(a);
 }
 
+/* Motions and derivatives: answers of a formula, and what is rejected. */
+static void moving(void) {
+    HullmapPack *pack;
+    HullmapShape *hull, *both, *rod, *wall, *floor, *ball;
+    HullmapVec3 up = {0.0, 0.0, 1.0};
+    OK(hullmap_pack_from_memory(file, length, 0, &pack));
+    OK(hullmap_shape_hull(pack, 0, &hull));
+    OK(hullmap_shape_compound(pack, &both));
+    OK(hullmap_shape_cuboid((HullmapVec3){1.0, 0.01, 0.01}, &rod));
+    OK(hullmap_shape_cuboid((HullmapVec3){5.0, 0.1, 5.0}, &wall));
+    OK(hullmap_shape_half_space(up, 0.0, &floor));
+    OK(hullmap_shape_sphere(0.5, &ball));
+    HullmapMotion turning = {HULLMAP_MOTION_KIND_SCREW, HULLMAP_POSE_IDENTITY, HULLMAP_POSE_IDENTITY,
+                             {0.0, 0.0, 0.0},           {0.0, 0.0, 1.0},       {0.0, 0.0, 0.0}};
+    HullmapMotion still = {HULLMAP_MOTION_KIND_STILL, HULLMAP_POSE_IDENTITY, HULLMAP_POSE_IDENTITY,
+                           {0.0, 0.0, 0.0},           {0.0, 0.0, 0.0},       {0.0, 0.0, 0.0}};
+    HullmapMotion between = still, bad = turning;
+    still.start.translation.y = 0.5;
+    HullmapTimeOfImpact found;
+    HullmapClearance clear;
+    HullmapDerivatives by;
+    /* The end of the rod is at height sin(t + 0.01) after the angle t, and the wall is at 0.4. */
+    OK(hullmap_cast_motion(rod, &turning, wall, &still, NULL, NULL, &found, &by));
+    EXPECT(found.hit && found.t_lower <= found.t && found.t <= found.t_upper);
+    EXPECT(found.t > 0.4014 && found.t < 0.4016);
+    EXPECT(by.differentiability <= HULLMAP_DIFFERENTIABILITY_INACCURATE);
+    OK(hullmap_clear(rod, &turning, wall, &still, NULL, NULL, &clear));
+    EXPECT(clear.verdict == HULLMAP_VERDICT_HIT && clear.t_lower <= found.t_upper);
+    still.start.translation.y = 1.5;
+    HullmapClearSettings clear_settings = HULLMAP_CLEAR_SETTINGS_DEFAULT;
+    clear_settings.margin = 0.1;
+    OK(hullmap_clear(rod, &turning, wall, &still, &clear_settings, NULL, &clear));
+    EXPECT(clear.verdict == HULLMAP_VERDICT_FREE && clear.clearance >= 0.2 && clear.clearance < 0.57);
+    /* A ball of radius 0.5 falls by 4 from the height 2. */
+    between.kind = HULLMAP_MOTION_KIND_BETWEEN;
+    between.start.translation.z = 2.0;
+    between.end.translation.z = -2.0;
+    still.start.translation.y = 0.0;
+    OK(hullmap_cast_motion(floor, &still, ball, &between, NULL, NULL, &found, NULL));
+    EXPECT(found.t > 0.37499 && found.t < 0.37501);
+    FAILS(HULLMAP_RESULT_UNSUPPORTED, "as A", hullmap_cast_motion(ball, &between, floor, &still, NULL, NULL, &found, NULL));
+    FAILS(HULLMAP_RESULT_UNSUPPORTED, "half-space", hullmap_clear(floor, &still, ball, &between, NULL, NULL, &clear));
+    OK(hullmap_clear(both, &still, hull, &still, NULL, NULL, &clear));
+    EXPECT(clear.verdict != HULLMAP_VERDICT_FREE);
+
+    bad.kind = 9;
+    FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "HullmapMotionKind", hullmap_clear(rod, &bad, wall, &still, NULL, NULL, &clear));
+    bad.kind = HULLMAP_MOTION_KIND_SCREW;
+    bad.angular.x = HUGE_VAL;
+    FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "motion_a",
+          hullmap_cast_motion(rod, &bad, wall, &still, NULL, NULL, &found, NULL));
+    FAILS(HULLMAP_RESULT_NULL, "motion_b", hullmap_clear(rod, &turning, wall, NULL, NULL, NULL, &clear));
+    FAILS(HULLMAP_RESULT_NULL, "out", hullmap_cast_motion(rod, &turning, wall, &still, NULL, NULL, NULL, &by));
+    clear_settings.struct_size = 0;
+    FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "struct_size",
+          hullmap_clear(rod, &turning, wall, &still, &clear_settings, NULL, &clear));
+    HullmapMotionSettings settings = HULLMAP_MOTION_SETTINGS_DEFAULT;
+    settings.struct_size = 1;
+    FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "struct_size",
+          hullmap_cast_motion(rod, &turning, wall, &still, &settings, NULL, &found, NULL));
+
+    HullmapPose pose = HULLMAP_POSE_IDENTITY;
+    HullmapDistance gap;
+    HullmapContact contact;
+    pose.translation.x = 3.0;
+    OK(hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, &by));
+    EXPECT(by.differentiability == HULLMAP_DIFFERENTIABILITY_UNIQUE);
+    EXPECT(fabs(gap.distance - 2.0) < 1e-12 && fabs(by.by_b[0] - 1.0) < 1e-12 && fabs(by.by_a[0] + 1.0) < 1e-12);
+    OK(hullmap_contact_derivatives(ball, ball, &pose, NULL, NULL, &contact, &by));
+    EXPECT(!contact.hit && by.differentiability == HULLMAP_DIFFERENTIABILITY_MISSING && by.by_b[0] == 0.0);
+    FAILS(HULLMAP_RESULT_UNSUPPORTED, "derivatives", hullmap_distance_derivatives(both, ball, &pose, NULL, NULL, &gap, &by));
+    FAILS(HULLMAP_RESULT_NULL, "derivatives", hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, NULL));
+    HullmapShape *shapes[6] = {hull, both, rod, wall, floor, ball};
+    for (size_t at = 0; at < 6; ++at) hullmap_shape_free(shapes[at]);
+    hullmap_pack_free(pack);
+}
+
 int main(int count, char **arguments) {
     if (count != 2) {
         fputs("usage: hostile PACK\n", stderr);
@@ -526,6 +603,7 @@ int main(int count, char **arguments) {
     packs(pack);
     shapes(pack);
     queries(pack);
+    moving();
     threads(pack);
     hullmap_pack_free(pack);
     free(file);

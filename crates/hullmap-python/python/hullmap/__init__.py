@@ -30,11 +30,13 @@ from ._hullmap import (
     ShapeError,
     __version__,
 )
+from ._motion import Clearance, Derivatives, Motion, TimeOfImpact, cast_motion, clear, derivatives
 from ._options import BakeOptions
 from ._pairs import Pairs
 from ._poses import poses, relative
 from ._results import (
     Contact,
+    Differentiability,
     Distance,
     Impact,
     Intersection,
@@ -47,7 +49,9 @@ from ._results import (
     SignedDistance,
     Status,
     Support,
+    Verdict,
 )
+from ._robot import Robot, RobotClearance, RobotEdges
 from ._shapes import (
     Box,
     Capsule,
@@ -74,10 +78,13 @@ __all__ = [
     "BakeWarning",
     "Box",
     "Capsule",
+    "Clearance",
     "Cone",
     "Contact",
     "ConvexShape",
     "Cylinder",
+    "Derivatives",
+    "Differentiability",
     "Distance",
     "Error",
     "HalfSpace",
@@ -89,6 +96,7 @@ __all__ = [
     "Lists",
     "Manifold",
     "MassProperties",
+    "Motion",
     "Overlap",
     "Pack",
     "PairManifolds",
@@ -96,6 +104,9 @@ __all__ = [
     "PoseError",
     "Primitive",
     "RayHit",
+    "Robot",
+    "RobotClearance",
+    "RobotEdges",
     "Segment",
     "Shape",
     "ShapeError",
@@ -103,12 +114,17 @@ __all__ = [
     "Sphere",
     "Status",
     "Support",
+    "TimeOfImpact",
     "Triangle",
     "TriangleMesh",
+    "Verdict",
     "__version__",
     "bake",
     "bake_file",
     "bake_parts",
+    "cast_motion",
+    "clear",
+    "derivatives",
     "from_bytes",
     "from_trimesh",
     "open",

@@ -121,6 +121,48 @@ class HeightField:
     def heights_at(self, points: _Floats) -> _Floats: ...
     def shape(self) -> Shape: ...
 
+class Robot:
+    format: str
+    notes: List[str]
+    body_count: int
+    @staticmethod
+    def read(path: str, packs: Sequence[str], packages: Sequence[str]) -> Robot: ...
+    def names(self) -> Tuple[List[str], List[str]]: ...
+    def joint_facts(self) -> List[Tuple[str, Optional[Tuple[float, float]], float, bool]]: ...
+    def pairs(self) -> List[Tuple[int, int]]: ...
+    def allowing(self, pairs: Sequence[Tuple[str, str]]) -> Robot: ...
+    def allowing_srdf(self, path: str) -> Robot: ...
+    def with_obstacles(self, obstacles: Sequence[Tuple[str, Shape, List[float]]]) -> Robot: ...
+    def without_obstacles(self) -> Robot: ...
+    def touching(self, q: _Floats) -> List[Tuple[int, int]]: ...
+    def in_collision(
+        self,
+        count: int,
+        q: Optional[_Floats],
+        poses: Optional[_Floats],
+        margin: float,
+        threads: Optional[int],
+        report: Optional[Callable[[float], object]],
+    ) -> _Columns: ...
+    def clearance(
+        self,
+        count: int,
+        q: Optional[_Floats],
+        poses: Optional[_Floats],
+        settings: Tuple[float, int],
+        gradient: bool,
+        threads: Optional[int],
+        report: Optional[Callable[[float], object]],
+    ) -> _Columns: ...
+    def clear(
+        self,
+        start: _Floats,
+        end: _Floats,
+        settings: Tuple[float, float, float, int],
+        threads: Optional[int],
+        report: Optional[Callable[[float], object]],
+    ) -> _Columns: ...
+
 def run_command(words: Sequence[str]) -> int: ...
 def bake_arrays(
     name: str,
@@ -182,6 +224,30 @@ def cast(
     velocities: _Floats,
     settings: Tuple[float, float, int],
     coherent: bool,
+    threads: Optional[int],
+) -> _Columns: ...
+def cast_motion(
+    a: Shape,
+    b: Shape,
+    motion_a: _Floats,
+    motion_b: _Floats,
+    settings: Tuple[float, float, int],
+    threads: Optional[int],
+) -> _Columns: ...
+def clear(
+    a: Shape,
+    b: Shape,
+    motion_a: _Floats,
+    motion_b: _Floats,
+    settings: Tuple[float, float, int, float],
+    threads: Optional[int],
+) -> _Columns: ...
+def derivatives(
+    a: Shape,
+    b: Shape,
+    b_in_a: _Floats,
+    of_depth: bool,
+    settings: Tuple[float, int],
     threads: Optional[int],
 ) -> _Columns: ...
 def ray(

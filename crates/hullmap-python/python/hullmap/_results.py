@@ -69,6 +69,47 @@ class Overlap(IntEnum):
         return [cls(int(code)).name.lower() for code in np.ravel(codes)]
 
 
+class Verdict(IntEnum):
+    """What is known about a motion or an edge."""
+
+    FREE = 0
+    """Certainly free at all times."""
+    HIT = 1
+    """Certainly a hit at some time."""
+    OPEN = 2
+    """Neither is known: it grazes within rounding error, or the limit of queries was reached."""
+
+    @classmethod
+    def words(cls, codes: npt.ArrayLike) -> List[str]:
+        """The words of codes, as Rust writes them."""
+        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
+
+
+class Differentiability(IntEnum):
+    """Whether a value has a derivative, or the reason why it has none. Then the numbers are a direction for an
+    optimiser, or 0 if there is nothing to differentiate."""
+
+    UNIQUE = 0
+    """There is one pair of points and one normal: this is the derivative."""
+    TOUCHING = 1
+    """The shapes touch, where distance and depth have a kink."""
+    PARALLEL = 2
+    """Faces or edges are parallel, so several pairs of points are as near."""
+    NORMALS = 3
+    """Several normals have the same depth, or several pairs of links are as near."""
+    GRAZING = 4
+    """A motion is parallel to the surface where it meets it."""
+    MISSING = 5
+    """There is nothing to differentiate: no hit, or no depth."""
+    INACCURATE = 6
+    """The value is less accurate than its settings ask for."""
+
+    @classmethod
+    def words(cls, codes: npt.ArrayLike) -> List[str]:
+        """The words of codes, as Rust writes them."""
+        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
+
+
 class _Answer:
     """Base of all answers: columns of one row for each pose.
 
@@ -88,7 +129,8 @@ class _Answer:
         return min((np.shape(column) for column in self._columns().values()), key=len)
 
     def _columns(self) -> Dict[str, Any]:
-        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        found = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return {name: column for name, column in found.items() if column is not None}
 
     def __len__(self) -> int:
         if not self.shape:

@@ -20,12 +20,12 @@ use std::path::Path;
 
 use crate::chain::{Chain, Joint};
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, Reference, Shape, folder_of, mesh_use, numbers, reference,
+    Description, Format, Geometry, Link, MeshNames, Reference, Shape, mesh_use, numbers, reference,
 };
 use crate::document::Document;
 use crate::error::RobotError;
 use crate::frame::Frame;
-use crate::places::Places;
+use crate::places::{Places, folder_of};
 use crate::solid::{Primitive, Solid};
 use classes::Classes;
 pub(crate) use edits::edits;

@@ -6,10 +6,9 @@ use std::path::PathBuf;
 use roxmltree::Node;
 
 use super::model::Includes;
-use crate::description::folder_of;
 use crate::document::Document;
 use crate::error::RobotError;
-use crate::places::{Places, Unresolved};
+use crate::places::{Places, Unresolved, folder_of};
 
 /// Maximum number of included files.
 const MAX_FILES: usize = 1000;

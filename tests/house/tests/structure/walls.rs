@@ -160,6 +160,17 @@ fn robot_descriptions_depend_neither_on_meshes_nor_on_the_command() {
     assert!(tree("hullmap-cli", "normal", &[]).contains("hullmap-robot"));
 }
 
+/// Whole robots are not in the runtime, and planners need no command.
+#[test]
+fn robots_for_planning_depend_on_the_runtime_and_not_on_the_command() {
+    assert_unseen("hullmap-planning", &["hullmap-cli", "hullmap-report", "clap", "parry3d", "indicatif", "tempfile"]);
+    let seen = tree("hullmap-planning", "normal", &[]);
+    for name in ["hullmap", "hullmap-bake", "hullmap-import", "hullmap-robot"] {
+        assert!(seen.contains(name), "{seen:?}");
+    }
+    assert_unseen("hullmap", &["hullmap-planning", "hullmap-robot"]);
+}
+
 /// Without the feature `command`, the package bakes in memory, also in WebAssembly.
 #[test]
 fn bakes_in_memory_do_not_depend_on_the_command() {
@@ -230,6 +241,7 @@ fn unsafe_code_is_in_few_files() {
         "crates/hullmap-c/src/exports/cache.rs",
         "crates/hullmap-c/src/exports/height_field.rs",
         "crates/hullmap-c/src/exports/manifold.rs",
+        "crates/hullmap-c/src/exports/motion.rs",
         "crates/hullmap-c/src/exports/pack.rs",
         "crates/hullmap-c/src/exports/pose.rs",
         "crates/hullmap-c/src/exports/query.rs",
@@ -245,6 +257,7 @@ fn unsafe_code_is_in_few_files() {
         "crates/hullmap-c/src/tests/meshes.rs",
         "crates/hullmap-c/src/tests/misuse.rs",
         "crates/hullmap-c/src/tests/mod.rs",
+        "crates/hullmap-c/src/tests/motions.rs",
         "crates/hullmap-c/src/tests/overhead.rs",
         "crates/hullmap-c/src/tests/pairs.rs",
         "crates/hullmap-c/src/tests/single.rs",

@@ -2,16 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use hullmap_planning::{Convex, hulls as hulls_of, solid};
 use hullmap_report::robot::{Excluded, Touching};
-use hullmap_robot::{Change, Description, DisabledPair, Format, Frame, Geometry, Shape, srdf};
+use hullmap_robot::{Change, Description, DisabledPair, Format, Frame, Geometry, Neighbours, Shape, srdf};
 use rayon::prelude::*;
 
-use super::bodies::{self, Piece};
+use super::bodies::Piece;
 use super::choice::{Choice, Choices};
 use super::hulls::Hulls;
 use super::meshes::Meshes;
 use super::sampling::{Seen, sample};
-use super::touching::{Bodies, Neighbours};
+use super::touching::Bodies;
 
 /// Maximum number of links whose pairs are tested.
 const MAX_LINKS: usize = 1500;
@@ -63,7 +64,7 @@ impl Pairs {
         let after = Bodies::new(after(description, choices, hulls, meshes));
         let neighbours = Neighbours::new(chain);
         let is_cut = description.links.len() > MAX_LINKS;
-        let all = if is_cut { Vec::new() } else { neighbours.pairs(&before, &after) };
+        let all = if is_cut { Vec::new() } else { neighbours.pairs(|link| before.count(link) + after.count(link) > 0) };
         let known: BTreeSet<[usize; 2]> = description.excluded.iter().map(|[a, b]| [*a.min(b), *a.max(b)]).collect();
         let tested: Vec<Touching> = all
             .par_iter()
@@ -143,7 +144,7 @@ fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: 
         let pieces = match (&own.choice, &shape.geometry) {
             (Choice::Removed, _) => Vec::new(),
             (Choice::Hulls(own), Geometry::Mesh(mesh)) if hulls[*own].fault.is_none() => {
-                pieces(shape, bodies::hulls(&hulls[*own].pack, mesh).unwrap_or_default())
+                pieces(shape, hulls_of(&hulls[*own].pack, mesh).unwrap_or_default())
             }
             _ => as_engines_do(shape, meshes),
         };
@@ -158,17 +159,15 @@ fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: 
 fn as_engines_do(shape: &Shape, meshes: &mut Meshes) -> Vec<Piece> {
     let shapes = match &shape.geometry {
         Geometry::Mesh(mesh) => {
-            meshes.get(mesh).and_then(|own| bodies::hulls(own.hull().ok()?, mesh).ok()).unwrap_or_default()
+            meshes.get(mesh).and_then(|own| hulls_of(own.hull().ok()?, mesh).ok()).unwrap_or_default()
         }
-        Geometry::Primitive(primitive) => {
-            primitive.solid.and_then(|solid| bodies::solid(solid).ok()).into_iter().collect()
-        }
+        Geometry::Primitive(primitive) => primitive.solid.and_then(|own| solid(own).ok()).into_iter().collect(),
         Geometry::Other(_) => Vec::new(),
     };
     pieces(shape, shapes)
 }
 
-fn pieces(shape: &Shape, shapes: Vec<bodies::AnyShape>) -> Vec<Piece> {
+fn pieces(shape: &Shape, shapes: Vec<Convex>) -> Vec<Piece> {
     let Some(in_link) = shape.pose else { return Vec::new() };
     shapes.into_iter().map(|own| Piece { shape: own, in_link, contact_bits: shape.contact_bits }).collect()
 }

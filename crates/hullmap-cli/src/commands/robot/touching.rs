@@ -1,7 +1,7 @@
 //! Pairs of links whose collisions touch.
 
 use hullmap::{Cache, Overlap, Pose};
-use hullmap_robot::{Chain, Frame};
+use hullmap_robot::Frame;
 
 use super::bodies::Piece;
 
@@ -51,7 +51,7 @@ impl Bodies {
                 let own = piece_a.in_link.inverse() * b_in_a * piece_b.in_link;
                 // Undecided pairs count as touching, as do poses that are too far for the solver.
                 let is_apart = Pose::new(own.translation, own.rotation).is_ok_and(|pose| {
-                    let found = hullmap::intersects(&*piece_a.shape, &*piece_b.shape, pose, &mut cache);
+                    let found = hullmap::intersects(piece_a.shape.shape(), piece_b.shape.shape(), pose, &mut cache);
                     found.status == Overlap::Separated
                 });
                 cache = Cache::new();
@@ -67,41 +67,4 @@ impl Bodies {
 /// Whether two balls have no point in common. NaN counts as touching.
 fn are_apart(a: glam::DVec3, radius_a: f64, b: glam::DVec3, radius_b: f64) -> bool {
     a.distance(b) > (radius_a + radius_b) * (1.0 + 1e-9)
-}
-
-/// Which links move against each other, and which are neighbours.
-pub struct Neighbours {
-    /// For each link, one that it is rigidly connected to.
-    rigid: Vec<usize>,
-    /// For each link, the rigid group of the parent of its own.
-    parent: Vec<Option<usize>>,
-    robots: Vec<usize>,
-    is_world: Vec<bool>,
-}
-
-impl Neighbours {
-    /// The neighbours of a chain.
-    pub fn new(chain: &Chain) -> Self {
-        let rigid = chain.rigid();
-        let parent = rigid.iter().map(|&own| chain.links[own].parent.map(|parent| rigid[parent])).collect();
-        let is_world = chain.links.iter().map(|link| link.is_world).collect();
-        Self { rigid, parent, robots: chain.robots(), is_world }
-    }
-
-    /// Whether two links are connected by one joint, or by none. Rigid connections count as one
-    /// link. The world is no neighbour, as in MuJoCo.
-    pub fn are_adjacent(&self, [a, b]: [usize; 2]) -> bool {
-        let [own_a, own_b] = [self.rigid[a], self.rigid[b]];
-        let joined = self.parent[a] == Some(own_b) || self.parent[b] == Some(own_a);
-        own_a == own_b || joined && !self.is_world[own_a] && !self.is_world[own_b]
-    }
-
-    /// All pairs of links with collisions, of one robot. The world is not a part of any.
-    pub fn pairs(&self, before: &Bodies, after: &Bodies) -> Vec<[usize; 2]> {
-        let has_pieces = |link: &usize| before.count(*link) + after.count(*link) > 0 && !self.is_world[*link];
-        let has_pieces: Vec<usize> = (0..self.rigid.len()).filter(has_pieces).collect();
-        let pairs =
-            has_pieces.iter().enumerate().flat_map(|(at, &a)| has_pieces[at + 1..].iter().map(move |&b| [a, b]));
-        pairs.filter(|[a, b]| self.robots[*a] == self.robots[*b]).collect()
-    }
 }

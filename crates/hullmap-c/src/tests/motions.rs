@@ -1,0 +1,178 @@
+//! Motions and derivatives: the bits of the crate for Rust.
+#![allow(unsafe_code)]
+
+use hullmap::RigidMotion;
+
+use super::*;
+use crate::exports::motion::*;
+use crate::motion_types::{self as motions, MotionKind};
+
+const NO_WHERE: types::Vec3 = types::Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+
+fn number_of(kind: MotionKind) -> u32 {
+    kind as u32
+}
+
+fn empty<T>() -> T {
+    // SAFETY: the types are plain numbers and enums with a variant 0.
+    unsafe { std::mem::zeroed() }
+}
+
+/// A random motion of each kind, and the same for C.
+fn random_motion(rng: &mut SplitMix64, kind: u32) -> (RigidMotion, motions::Motion) {
+    let (twin_start, start) = random_pose(rng, 2.5);
+    let (twin_end, end) = random_pose(rng, 2.5);
+    let mut next = |size: f64| rng.between(-size, size);
+    let [linear, angular, center] = [1.0, 4.0, 1.0].map(|size| DVec3::new(next(size), next(size), next(size)));
+    let twin = match kind {
+        0 => Ok(RigidMotion::still(twin_start)),
+        1 => RigidMotion::between(twin_start, twin_end),
+        _ => RigidMotion::screw(twin_start, linear, angular, center),
+    };
+    let [linear, angular, center] = [linear, angular, center].map(vector);
+    (twin.unwrap(), motions::Motion { kind, start, end, linear, angular, center })
+}
+
+#[test]
+fn motions_have_the_same_bits() {
+    let (pack, file) = (open(), file());
+    let twin_pack = hullmap::Pack::from_bytes(&file).unwrap();
+    let (shapes, twins) = (all_shapes(&pack), all_twins(&twin_pack));
+    let (other, twin_other) = (&shapes[1], &twins[1]);
+    let Twin::Convex(twin_other) = twin_other else { panic!("a hull") };
+    let mut rng = SplitMix64::new(17);
+    let (mut hits, mut free, mut unique) = (0, 0, 0);
+    for (shape, twin) in shapes.iter().zip(&twins) {
+        for case in 0..12 {
+            let ((twin_a, motion_a), (twin_b, motion_b)) =
+                (random_motion(&mut rng, case % 3), random_motion(&mut rng, 1 + case % 2));
+            let (mut found, mut by, mut clear): (motions::TimeOfImpact, motions::Derivatives, motions::Clearance) =
+                (empty(), empty(), empty());
+            // SAFETY: the pointers are valid.
+            let codes = unsafe {
+                let (a, b) = (&raw const motion_a, &raw const motion_b);
+                [
+                    hullmap_cast_motion(shape.0, a, other.0, b, null(), null_mut(), &raw mut found, &raw mut by),
+                    hullmap_clear(shape.0, a, other.0, b, null(), null_mut(), &raw mut clear),
+                ]
+            };
+            let settings = hullmap::MotionSettings::default();
+            let (mut cache, mut compounds) = (hullmap::Cache::new(), hullmap::CompoundCache::default());
+            let (expected, expected_clear) = match twin {
+                Twin::Convex(twin) => {
+                    let (a, b) = (&**twin, &**twin_other);
+                    let expected = hullmap::cast_motion(a, &twin_a, b, &twin_b, &settings, &mut cache);
+                    let slopes = expected.derivatives(a, &twin_a, b, &twin_b);
+                    assert_eq!(by, slopes.into());
+                    unique += usize::from(slopes.status == hullmap::Differentiability::Unique);
+                    let own = hullmap::ClearSettings::default();
+                    cache.clear();
+                    (expected, Some(hullmap::clear(a, &twin_a, b, &twin_b, &own, &mut cache)))
+                }
+                Twin::HalfSpace(twin) => {
+                    assert_eq!(by.differentiability, motions::Differentiability::Inaccurate);
+                    (twin.cast_motion(&twin_a, &**twin_other, &twin_b, &settings), None)
+                }
+                Twin::Compound(twin) => {
+                    let b = Compound::from(twin_pack.hull(1).unwrap());
+                    let expected = compound::cast_motion(&**twin, &twin_a, &b, &twin_b, &settings, &mut compounds);
+                    assert_eq!([found.hull_a, found.hull_b].map(|hull| hull as usize), expected.hulls);
+                    compounds.clear();
+                    let own = hullmap::ClearSettings::default();
+                    let clear = compound::clear(&**twin, &twin_a, &b, &twin_b, &own, &mut compounds);
+                    (expected.answer, Some(clear.answer))
+                }
+            };
+            same!(found, expected; t t_lower t_upper; normal point_a point_b; hit iterations support_calls);
+            hits += usize::from(found.hit);
+            match expected_clear {
+                Some(expected) => {
+                    assert_eq!(codes, [Code::Ok; 2]);
+                    assert_eq!(format!("{:?}", clear.verdict), format!("{:?}", expected.verdict));
+                    for (found, expected) in [
+                        (clear.clearance, expected.clearance),
+                        (clear.nearest, expected.nearest),
+                        (clear.t_lower, expected.t_lower),
+                        (clear.t_upper, expected.t_upper),
+                    ] {
+                        assert_eq!(found.to_bits(), expected.to_bits());
+                    }
+                    free += usize::from(expected.verdict == hullmap::Verdict::Free);
+                }
+                None => {
+                    assert_eq!(codes, [Code::Ok, Code::Unsupported]);
+                    assert!(message().contains("hullmap_cast_motion"), "{}", message());
+                }
+            }
+        }
+    }
+    assert!(hits > 40 && free > 20 && unique > 10, "{hits} hits, {free} free, {unique} with derivatives");
+}
+
+#[test]
+fn derivatives_have_the_same_bits() {
+    let (pack, file) = (open(), file());
+    let twin_pack = hullmap::Pack::from_bytes(&file).unwrap();
+    let (shapes, twins) = (all_shapes(&pack), all_twins(&twin_pack));
+    let Twin::Convex(twin_b) = &twins[1] else { panic!("a hull") };
+    let (mut rng, settings) = (SplitMix64::new(18), hullmap::Settings::default());
+    let mut unique = [0; 2];
+    for (shape, twin) in shapes.iter().zip(&twins) {
+        for _ in 0..10 {
+            let (twin_pose, pose) = random_pose(&mut rng, 1.2);
+            let (mut gap, mut contact): (types::Distance, types::Contact) = (empty(), empty());
+            let mut by: [motions::Derivatives; 2] = [empty(), empty()];
+            let [of_gap, of_depth] = &mut by;
+            // SAFETY: the pointers are valid.
+            let codes = unsafe {
+                let (b, pose, none) = (shapes[1].0, &raw const pose, null_mut());
+                [
+                    hullmap_distance_derivatives(shape.0, b, pose, null(), none, &raw mut gap, of_gap),
+                    hullmap_contact_derivatives(shape.0, b, pose, null(), none, &raw mut contact, of_depth),
+                ]
+            };
+            let Twin::Convex(a) = twin else {
+                assert_eq!(codes, [Code::Unsupported; 2]);
+                continue;
+            };
+            assert_eq!(codes, [Code::Ok; 2]);
+            let (a, b) = (&**a, &**twin_b);
+            let expected = hullmap::distance(a, b, twin_pose, &settings, &mut hullmap::Cache::new());
+            same_distance(&gap, &expected);
+            assert_eq!(by[0], expected.derivatives(a, b, twin_pose).into());
+            let mut cache = hullmap::Cache::new();
+            let expected = hullmap::contact(a, b, twin_pose, &settings, &mut cache);
+            same_contact(&contact, &expected);
+            assert_eq!(by[1], expected.derivatives(a, b, twin_pose, &settings, &mut cache).into());
+            for (count, by) in unique.iter_mut().zip(&by) {
+                *count += usize::from(by.differentiability == motions::Differentiability::Unique);
+            }
+        }
+    }
+    assert!(unique.iter().all(|count| *count > 10), "{unique:?}");
+}
+
+#[test]
+fn wrong_motions_are_errors() {
+    let pack = open();
+    let shapes = all_shapes(&pack);
+    let mut rng = SplitMix64::new(3);
+    let (_, fine) = random_motion(&mut rng, number_of(MotionKind::Screw));
+    let run = |motion_b: &motions::Motion, b: *const Shape| {
+        let mut found: motions::Clearance = empty();
+        // SAFETY: the pointers are valid or NULL.
+        unsafe { hullmap_clear(shapes[0].0, &raw const fine, b, motion_b, null(), null_mut(), &raw mut found) }
+    };
+    let wrong_kind = motions::Motion { kind: 3, ..fine };
+    assert_eq!(run(&wrong_kind, shapes[1].0), Code::InvalidArgument);
+    assert!(message().contains("motion_b") && message().contains("HullmapMotionKind"), "{}", message());
+    let infinite = motions::Motion { linear: types::Vec3 { x: f64::INFINITY, ..NO_WHERE }, ..fine };
+    assert_eq!(run(&infinite, shapes[1].0), Code::InvalidArgument);
+    let turned = types::Pose { translation: NO_WHERE, rotation: types::Quat::default() };
+    assert_eq!(run(&motions::Motion { start: turned, ..fine }, shapes[1].0), Code::InvalidArgument);
+    assert_eq!(run(&fine, null()), Code::Null);
+    assert_eq!(run(&fine, shapes.last().unwrap().0), Code::Unsupported);
+    // Members of other kinds are not read.
+    let still = motions::Motion { kind: number_of(MotionKind::Still), ..infinite };
+    assert_eq!(run(&still, shapes[1].0), Code::Ok);
+}

@@ -1,0 +1,344 @@
+//! Whether an edge in joint space is free: proven for all of its configurations, and not for
+//! samples.
+//!
+//! # Steps
+//! 1. Both ends. An end that surely touches is a hit.
+//! 2. An interval of the edge: the configuration in its middle, and a bound on how far each body
+//!    moves from there (`motion_bound`). A pair whose distance exceeds the motion of both is apart
+//!    in the whole interval.
+//! 3. The pairs that are left are tested in both halves of the interval, the earlier half first.
+//! 4. If the edge is free, and the clearance that is proven is low, once more with a higher target.
+//!
+//! # Reference
+//! Schwarzer, Saha, Latombe 2005. docs/intervals.md, section 17, has the proof.
+
+use hullmap::{Clearance, Settings, Status, Verdict};
+
+use crate::error::PlanningError;
+use crate::memory::Memory;
+use crate::motion_bound::motions;
+use crate::robot::{Partner, Robot};
+
+/// Number of times that an interval is halved at most. Then a link of a metre moves by less than a
+/// picometre for each radian of the edge.
+const MAX_DEPTH: u32 = 40;
+
+/// Settings of the distances.
+const DISTANCES: Settings = Settings { tolerance: 1e-3, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
+
+/// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
+/// room for motion.
+const MAX_SHARE: f64 = 0.95;
+
+/// What [`Robot::clear`] proves, and at what cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeSettings {
+    /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and
+    /// negative values count as 0.
+    pub margin: f64,
+    /// The interval of the first hit is at most this wide, if the limit of queries is not reached.
+    /// It is a share of the edge; the default is 1e-3. NaN and negative values count as 0.
+    pub resolution: f64,
+    /// The clearance of a free edge is at least this share of the least distance that was computed,
+    /// unless the limit of queries is reached. The default is 0.5. 0 saves the second search. NaN
+    /// and negative values count as 0, values above 0.95 as 0.95.
+    pub share: f64,
+    /// Maximum number of distance and contact queries. The default is 10,000. If it is reached, the
+    /// edge may be open.
+    pub max_queries: u32,
+}
+
+impl Default for EdgeSettings {
+    fn default() -> Self {
+        Self { margin: 0.0, resolution: 1e-3, share: 0.5, max_queries: 10_000 }
+    }
+}
+
+/// Answer of [`Robot::clear`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EdgeClearance {
+    /// Whether the edge is free, and with which clearance; or where the first hit is. Times are
+    /// shares of the edge. `support_calls` is 0.
+    pub answer: Clearance,
+    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair
+    /// is known to be.
+    pub colliders: Option<[usize; 2]>,
+}
+
+impl Robot {
+    /// Whether the robot stays clear of itself and of all obstacles along an edge: while the
+    /// numbers of its configuration change linearly from `start` to `end`.
+    ///
+    /// A *free* edge is free in each of its configurations. For a *hit*, the first touch is in the
+    /// interval from `t_lower` to `t_upper`. An *open* edge is free up to `t_lower`; what follows
+    /// grazes, or the limit of queries was reached.
+    ///
+    /// # Errors
+    /// `start` or `end` has another length than there are joints, or a number is out of range.
+    ///
+    /// # Complexity
+    /// One or two configurations for an edge that is short for its clearance; about as many as the
+    /// length of the edge has clearances otherwise. No allocation after the first calls.
+    pub fn clear(
+        &self,
+        start: &[f64],
+        end: &[f64],
+        settings: &EdgeSettings,
+        memory: &mut Memory,
+    ) -> Result<EdgeClearance, PlanningError> {
+        let mut magnitudes = [0.0; 2];
+        let margin = settings.margin.max(0.0);
+        let mut search = Search {
+            robot: self,
+            ends: [start, end],
+            magnitudes,
+            margin,
+            share: 0.0,
+            resolution: settings.resolution.max(0.0),
+            budget: settings.max_queries,
+            until: f64::INFINITY,
+            open_from: None,
+            clearance: f64::INFINITY,
+            nearest: (f64::INFINITY, None),
+            hit: None,
+        };
+        for (t, q) in [(0.0, start), (1.0, end)] {
+            self.place(q, memory)?;
+            let own = memory.at.magnitudes();
+            magnitudes = [magnitudes[0] + own[0], magnitudes[1] + own[1]];
+            search.try_end(t, memory);
+            if search.until == 0.0 {
+                // The other end is checked, too.
+                self.place(end, memory)?;
+                return Ok(search.answer(settings));
+            }
+        }
+        search.magnitudes = magnitudes;
+        search.run(memory);
+        let mut found = search.answer(settings);
+        search.share = settings.share.clamp(0.0, MAX_SHARE).max(0.0);
+        if found.answer.verdict == Verdict::Free && found.answer.clearance < search.target() {
+            search.clearance = f64::INFINITY;
+            search.run(memory);
+            if search.until == f64::INFINITY && search.open_from.is_none() {
+                found.answer.clearance = found.answer.clearance.max(search.clearance);
+            }
+            found.answer.iterations = settings.max_queries - search.budget;
+            found.answer.nearest = search.nearest.0;
+        }
+        Ok(found)
+    }
+}
+
+/// A search along an edge.
+struct Search<'s> {
+    robot: &'s Robot,
+    ends: [&'s [f64]; 2],
+    /// Sums of the displacements of both ends, for rounding errors.
+    magnitudes: [f64; 2],
+    margin: f64,
+    /// Pairs are to be proven to be farther apart than this share of the least distance; 0 at
+    /// first.
+    share: f64,
+    resolution: f64,
+    budget: u32,
+    /// The earliest time at which a pair surely is within the margin.
+    until: f64,
+    /// The start of the first interval that is not decided.
+    open_from: Option<f64>,
+    /// Pairs are proven to be farther apart than this.
+    clearance: f64,
+    /// The least upper bound of a distance, and its pair.
+    nearest: (f64, Option<usize>),
+    hit: Option<usize>,
+}
+
+impl Search<'_> {
+    /// Tests an end, at which the robot is placed, for a sure hit.
+    fn try_end(&mut self, t: f64, memory: &mut Memory) {
+        let robot = self.robot;
+        for couple in &robot.couples {
+            if robot.couple_gap(couple, memory) > self.margin {
+                continue;
+            }
+            for pair in couple.pairs.clone() {
+                if robot.pair_gap(&robot.pairs[pair], memory) > self.margin || self.budget == 0 {
+                    continue;
+                }
+                let found = self.query(pair, memory);
+                if found.is_hit {
+                    (self.until, self.hit) = (t, Some(pair));
+                    return;
+                }
+            }
+        }
+    }
+
+    fn run(&mut self, memory: &mut Memory) {
+        let count = self.robot.pairs.len();
+        memory.edge.open.clear();
+        memory.edge.open.extend(0..count as u32);
+        self.visit([0.0, 1.0], MAX_DEPTH, count, memory);
+    }
+
+    /// The distance that pairs are to be proven to exceed. It never rises.
+    fn target(&self) -> f64 {
+        if self.share > 0.0 { self.margin.max(self.share * self.nearest.0) } else { self.margin }
+    }
+
+    /// Whether nothing that is left can change the answer.
+    fn is_done(&self) -> bool {
+        self.open_from.is_some() && (self.until < f64::INFINITY || self.budget == 0 || self.share > 0.0)
+    }
+
+    /// Decides the last `count` open pairs in an interval, whose start surely is free.
+    fn visit(&mut self, [start, end]: [f64; 2], depth: u32, count: usize, memory: &mut Memory) {
+        if start >= self.until || self.is_done() {
+            return;
+        }
+        if self.budget == 0 {
+            self.open_from.get_or_insert(start);
+            return;
+        }
+        let mid = 0.5 * (start + end);
+        self.place(mid, 0.5 * (end - start), memory);
+        let first = memory.edge.open.len();
+        for at in first - count..first {
+            let pair = memory.edge.open[at];
+            if !self.is_proven(pair as usize, mid, memory) {
+                memory.edge.open.push(pair);
+            }
+        }
+        let left = memory.edge.open.len() - first;
+        if left > 0 {
+            let is_fine = self.until.min(end) - start <= self.resolution;
+            // Up to the first hit, as far as it matters; and to the end, where only hits matter.
+            let is_last = is_fine && (self.until <= end || self.open_from.is_some());
+            if depth == 0 || is_last {
+                self.open_from.get_or_insert(start);
+            } else {
+                self.visit([start, mid], depth - 1, left, memory);
+                self.visit([mid, end], depth - 1, left, memory);
+            }
+        }
+        memory.edge.open.truncate(first);
+    }
+
+    /// Places the robot at a time, with bounds for times that are at most `half` away.
+    fn place(&self, t: f64, half: f64, memory: &mut Memory) {
+        let (robot, [start, end]) = (self.robot, self.ends);
+        let mut q = std::mem::take(&mut memory.edge.q);
+        q.clear();
+        q.extend(start.iter().zip(end).map(|(start, end)| start + (end - start) * t));
+        robot.kinematics.place(&q, &mut memory.at);
+        memory.edge.q = q;
+        memory.at.set_magnitudes(self.magnitudes);
+        robot.place_links(memory);
+        let width = |variable: usize| (end[variable] - start[variable]).abs() * half;
+        robot.kinematics.spans(width, &memory.at, &mut memory.edge.spans);
+        memory.edge.stamp += 1;
+    }
+
+    /// Upper bound of how far a body moves in the interval by the joints of its path from `shared`
+    /// on.
+    fn motion(&self, body: usize, shared: usize, memory: &mut Memory) -> f64 {
+        if memory.edge.stamps[body] != memory.edge.stamp {
+            let robot = self.robot;
+            let own = &robot.bodies[body];
+            let frame = robot.body_frame(body, memory);
+            let path = (&robot.kinematics, robot.kinematics.path(own.link));
+            let placed = (frame, own.bounds, memory.noise[own.link]);
+            motions(path, placed, &memory.at, &memory.edge.spans, &mut memory.edge.motions[body]);
+            memory.edge.stamps[body] = memory.edge.stamp;
+        }
+        memory.edge.motions[body].get(shared).copied().unwrap_or(0.0)
+    }
+
+    /// Whether a pair surely is farther apart than the target in the interval around `mid`.
+    fn is_proven(&mut self, index: usize, mid: f64, memory: &mut Memory) -> bool {
+        let robot = self.robot;
+        let pair = &robot.pairs[index];
+        let mut motion = self.motion(pair.b, pair.shared, memory);
+        if let Partner::Body(a) = pair.a {
+            motion += self.motion(a, pair.shared, memory);
+        }
+        let gap = robot.pair_gap(pair, memory);
+        if self.proves(gap - motion) {
+            return true;
+        }
+        let far = robot.reach(pair, memory);
+        if let Some(far) = far.filter(|far| *far < self.nearest.0) {
+            self.nearest = (far, Some(index));
+        }
+        // Balls that are apart do not hit, and points of the bodies may be too near for a proof.
+        let is_hopeless = gap > self.margin && far.is_some_and(|far| far - motion <= self.target());
+        if is_hopeless || self.budget == 0 {
+            return false;
+        }
+        let found = self.query(index, memory);
+        if found.is_hit && mid < self.until {
+            (self.until, self.hit) = (mid, Some(index));
+        }
+        self.proves(found.lower - motion)
+    }
+
+    /// Takes over a bound of a distance, if it exceeds the target.
+    fn proves(&mut self, least: f64) -> bool {
+        // NaN takes the failing branch.
+        let is_proof = least > self.target();
+        if is_proof {
+            self.clearance = self.clearance.min(least);
+        }
+        is_proof
+    }
+
+    fn query(&mut self, index: usize, memory: &mut Memory) -> Queried {
+        let pair = &self.robot.pairs[index];
+        let noise = self.robot.pair_noise(pair, memory);
+        let pairing = self.robot.pairing(index, memory);
+        let gap = pairing.distance(&DISTANCES, &mut memory.caches).answer;
+        self.budget -= 1;
+        let upper = gap.upper + noise;
+        if upper < self.nearest.0 {
+            self.nearest = (upper, Some(index));
+        }
+        let mut is_hit = self.margin > 0.0 && upper <= self.margin;
+        if gap.status == Status::Overlapping && !is_hit && self.budget > 0 {
+            // The poses have rounding errors, too.
+            let found = pairing.contact(&DISTANCES, &mut memory.caches).answer;
+            self.budget -= 1;
+            is_hit = found.hit && found.depth_lower > noise;
+        }
+        Queried { lower: gap.lower - noise, is_hit }
+    }
+
+    fn answer(&self, settings: &EdgeSettings) -> EdgeClearance {
+        let iterations = settings.max_queries - self.budget;
+        let (nearest, near) = self.nearest;
+        let known = Clearance { nearest, iterations, ..Clearance::default() };
+        let colliders = |pair: Option<usize>| pair.map(|pair| self.robot.colliders_of(pair));
+        if self.until < f64::INFINITY {
+            let t_lower = self.open_from.map_or(self.until, |open| open.min(self.until));
+            let answer = Clearance { verdict: Verdict::Hit, t_lower, t_upper: self.until, ..known };
+            return EdgeClearance { answer, colliders: colliders(self.hit) };
+        }
+        let colliders = colliders(near);
+        match self.open_from {
+            Some(t_lower) => {
+                EdgeClearance { answer: Clearance { verdict: Verdict::Open, t_lower, ..known }, colliders }
+            }
+            None => {
+                let (clearance, t_lower) = (self.clearance, f64::INFINITY);
+                EdgeClearance { answer: Clearance { verdict: Verdict::Free, clearance, t_lower, ..known }, colliders }
+            }
+        }
+    }
+}
+
+/// A pair at one time.
+struct Queried {
+    /// Lower bound of its distance, with allowance for rounding.
+    lower: f64,
+    /// Whether it surely is within the margin.
+    is_hit: bool,
+}

@@ -1,0 +1,67 @@
+//! What is wrong with a robot or a configuration, and the remedy.
+
+use std::path::PathBuf;
+
+use hullmap_robot::RobotError;
+
+/// Why a robot cannot be made or queried.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanningError {
+    /// The description cannot be read, or is invalid.
+    #[error(transparent)]
+    Description(#[from] RobotError),
+    /// A collision has no shape that can be queried.
+    #[error("{}:{line}: link `{link}`: {cause}", file.display())]
+    Collision {
+        /// The description.
+        file: PathBuf,
+        /// The line of the collision in it.
+        line: u32,
+        /// The name of the link.
+        link: String,
+        /// The cause, and what to do.
+        cause: String,
+    },
+    /// A name is that of no link and no obstacle.
+    #[error("`{name}` is neither a link with a collision nor an obstacle; there are {}", listed(known))]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// Some of the names that there are.
+        known: Vec<String>,
+    },
+    /// An obstacle has a name that is in use.
+    #[error("obstacle `{name}` has the name of another obstacle or of a link; choose another one")]
+    NameInUse {
+        /// The name.
+        name: String,
+    },
+    /// A configuration has too few or too many numbers.
+    #[error("a configuration has {expected} numbers, one for each joint, found {found}")]
+    JointCount {
+        /// Number of joints.
+        expected: usize,
+        /// Number of values.
+        found: usize,
+    },
+    /// The poses of links are too few or too many.
+    #[error("there are {expected} links, found {found} poses; pass the pose of each link in the world")]
+    LinkCount {
+        /// Number of links.
+        expected: usize,
+        /// Number of poses.
+        found: usize,
+    },
+    /// A joint's position is not a number, or too large to have a meaning.
+    #[error("joint `{joint}`: {value} is no position; pass finite numbers below 1e15")]
+    Position {
+        /// The name of the joint.
+        joint: String,
+        /// The value.
+        value: f64,
+    },
+}
+
+fn listed(names: &[String]) -> String {
+    if names.is_empty() { "none".to_owned() } else { format!("`{}`", names.join("`, `")) }
+}

@@ -1,0 +1,372 @@
+//! Shapes that move and turn, and derivatives: one row for each motion or pose.
+
+use hullmap::compound::{self, Parts};
+use hullmap::glam::{DQuat, DVec3};
+use hullmap::shapes::HalfSpace;
+use hullmap::{
+    self as core, ClearSettings, Clearance, Compound, Derivatives, MotionSettings, Pose, RigidMotion, Settings,
+    TimeOfImpact,
+};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::error::{ArrayError, PoseError, ShapeError};
+use crate::pose::Rows;
+use crate::query::{Caches, Found, convex};
+use crate::robot::{differentiability_code, verdict_code};
+use crate::shape::{Shape, Side};
+use crate::solve::code;
+use crate::task::{Cut, fill};
+use crate::threads::Threads;
+
+/// Motions of a piece: some hundred microseconds of work.
+const PIECE: usize = 64;
+
+/// Numbers of a motion that stays at a pose, of one between two poses, and of a screw.
+const WIDTHS: [usize; 3] = [7, 14, 16];
+
+columns!(
+    /// Answers of `cast_motion`.
+    Impacts, ImpactRows {
+        hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
+        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
+        differentiability: u8 = 1, by_a: f64 = 6, by_b: f64 = 6,
+    }
+);
+
+columns!(
+    /// Answers of `clear`.
+    Verdicts, VerdictRows {
+        verdict: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1,
+        iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
+    }
+);
+
+columns!(
+    /// Answers of `derivatives`.
+    Slopes, SlopeRows { value: f64 = 1, differentiability: u8 = 1, by_a: f64 = 6, by_b: f64 = 6, status: u8 = 1 }
+);
+
+/// Motions of one argument, copied while the GIL was held.
+struct Motions {
+    name: &'static str,
+    numbers: Vec<f64>,
+    width: usize,
+}
+
+impl Motions {
+    fn new(name: &'static str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let width = array.shape().last().copied().unwrap_or(0);
+        let numbers = array.as_slice().map_err(|error| ArrayError::new_err(format!("{name}: {error}")))?;
+        if !WIDTHS.contains(&width) {
+            return Err(ArrayError::new_err(format!("{name}: a motion has {WIDTHS:?} numbers, found {width}")));
+        }
+        Ok(Self { name, numbers: numbers.to_vec(), width })
+    }
+
+    fn count(&self) -> usize {
+        self.numbers.len() / self.width
+    }
+
+    /// Motion `index`; a single motion serves for every index.
+    fn get(&self, index: usize) -> Result<RigidMotion, String> {
+        let row = if self.count() == 1 { 0 } else { index };
+        let numbers = self.numbers.get(row * self.width..(row + 1) * self.width).unwrap_or_default();
+        let named = |error: &dyn std::fmt::Display| format!("{}[{row}]: {error}", self.name);
+        let (start, rest) = numbers.split_at_checked(7).unwrap_or_default();
+        let start = pose(start).map_err(|error| named(&error))?;
+        match rest {
+            [] => Ok(RigidMotion::still(start)),
+            [linear @ .., a, b, c, d, e, f] if linear.len() == 3 => {
+                let linear = DVec3::from_slice(linear);
+                let (angular, center) = (DVec3::new(*a, *b, *c), DVec3::new(*d, *e, *f));
+                RigidMotion::screw(start, linear, angular, center).map_err(|error| named(&error))
+            }
+            end => {
+                let end = pose(end).map_err(|error| named(&error))?;
+                RigidMotion::between(start, end).map_err(|error| named(&error))
+            }
+        }
+    }
+}
+
+/// A pose from seven numbers.
+fn pose(numbers: &[f64]) -> Result<Pose, core::PoseError> {
+    match *numbers {
+        [x, y, z, i, j, k, w] => Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(i, j, k, w)),
+        _ => Pose::new(DVec3::NAN, DQuat::NAN),
+    }
+}
+
+/// The motions of both shapes, and their number.
+fn motions(a: &PyReadonlyArray2<'_, f64>, b: &PyReadonlyArray2<'_, f64>) -> PyResult<(Motions, Motions, usize)> {
+    let (a, b) = (Motions::new("motion_a", a)?, Motions::new("motion_b", b)?);
+    let count = if a.count() == 1 { b.count() } else { a.count() };
+    if b.count() != count && b.count() != 1 {
+        let message = format!("motion_a has {} motions, and motion_b {}: pass as many", a.count(), b.count());
+        return Err(ArrayError::new_err(message));
+    }
+    Ok((a, b, count))
+}
+
+/// A query of two moving shapes.
+trait MovingQuery: Sync {
+    type Answer;
+
+    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &self,
+        bodies: (&A, &B),
+        motions: [&RigidMotion; 2],
+        caches: &mut Caches,
+    ) -> Found<Self::Answer>;
+
+    /// `None` if there is no such query.
+    fn half_space<B: Parts + ?Sized>(
+        &self,
+        bodies: (&HalfSpace, &B),
+        motions: [&RigidMotion; 2],
+    ) -> Option<Found<Self::Answer>>;
+
+    /// The answer for one pair of sides.
+    fn answer(&self, a: &Side, b: &Side, motions: [&RigidMotion; 2], caches: &mut Caches) -> Option<Found<Self::Answer>>
+    where
+        Self: Sized,
+    {
+        match (a, b) {
+            (Side::HalfSpace(a), Side::Compound(b)) => self.half_space((a, &Compound::new(b)), motions),
+            (Side::HalfSpace(a), Side::Sheet(b)) => self.half_space((a, b), motions),
+            (Side::HalfSpace(a), _) => self.half_space((a, convex(b)?), motions),
+            (Side::Compound(a), _) => self.against(&Compound::new(a), b, motions, caches),
+            (Side::Sheet(a), _) => self.against(a, b, motions, caches),
+            (Side::Hull(a), Side::Hull(b)) => Some(self.parts((a, b), motions, caches)),
+            _ => self.against(convex(a)?, b, motions, caches),
+        }
+    }
+
+    fn against<A: Parts + ?Sized>(
+        &self,
+        a: &A,
+        b: &Side,
+        motions: [&RigidMotion; 2],
+        caches: &mut Caches,
+    ) -> Option<Found<Self::Answer>>
+    where
+        Self: Sized,
+    {
+        Some(match b {
+            Side::Compound(b) => self.parts((a, &Compound::new(b)), motions, caches),
+            Side::Sheet(b) => self.parts((a, b), motions, caches),
+            _ => self.parts((a, convex(b)?), motions, caches),
+        })
+    }
+}
+
+fn found<T>(found: compound::CompoundAnswer<T>) -> Found<T> {
+    Found { answer: found.answer, parts: found.hulls.map(|hull| u32::try_from(hull).unwrap_or(u32::MAX)) }
+}
+
+impl MovingQuery for MotionSettings {
+    type Answer = TimeOfImpact;
+
+    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &self,
+        (a, b): (&A, &B),
+        [motion_a, motion_b]: [&RigidMotion; 2],
+        caches: &mut Caches,
+    ) -> Found<TimeOfImpact> {
+        found(compound::cast_motion(a, motion_a, b, motion_b, self, caches.compound()))
+    }
+
+    fn half_space<B: Parts + ?Sized>(
+        &self,
+        (a, b): (&HalfSpace, &B),
+        [motion_a, motion_b]: [&RigidMotion; 2],
+    ) -> Option<Found<TimeOfImpact>> {
+        Some(found(compound::half_space::cast_motion(a, motion_a, b, motion_b, self)))
+    }
+}
+
+impl MovingQuery for ClearSettings {
+    type Answer = Clearance;
+
+    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &self,
+        (a, b): (&A, &B),
+        [motion_a, motion_b]: [&RigidMotion; 2],
+        caches: &mut Caches,
+    ) -> Found<Clearance> {
+        found(compound::clear(a, motion_a, b, motion_b, self, caches.compound()))
+    }
+
+    fn half_space<B: Parts + ?Sized>(&self, _: (&HalfSpace, &B), _: [&RigidMotion; 2]) -> Option<Found<Clearance>> {
+        None
+    }
+}
+
+/// Fails if the sides cannot be queried this way.
+fn check(query: &str, [a, b]: [&Side; 2], takes_half_spaces: bool) -> PyResult<()> {
+    if matches!(b, Side::HalfSpace(_)) {
+        return Err(ShapeError::new_err(format!("{query}: a half-space must be the first shape: exchange the two")));
+    }
+    if matches!(a, Side::HalfSpace(_)) && !takes_half_spaces {
+        let remedy = "call cast_motion, whose answer without a hit is free";
+        return Err(ShapeError::new_err(format!("{query} takes no half-space: {remedy}")));
+    }
+    Ok(())
+}
+
+/// When shapes that move and turn first meet. The settings are target distance, tolerance, and the
+/// limit of queries.
+#[pyfunction]
+#[pyo3(signature = (a, b, motion_a, motion_b, settings, threads))]
+pub fn cast_motion<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    motion_a: PyReadonlyArray2<'py, f64>,
+    motion_b: PyReadonlyArray2<'py, f64>,
+    settings: (f64, f64, u32),
+    threads: Threads,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (a, b) = (a.0.clone(), b.0.clone());
+    check("cast_motion", [&a, &b], true)?;
+    let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
+    let settings = MotionSettings { target_distance: settings.0, tolerance: settings.1, max_iterations: settings.2 };
+    let solve = |first: usize, count: usize, rows: ImpactRows<'_>| {
+        for at in 0..count {
+            let row = first + at;
+            let own = [&motions_a, &motions_b].map(|motions| motions.get(row));
+            let [Ok(motion_a), Ok(motion_b)] = &own else {
+                let message = own.into_iter().find_map(Result::err).unwrap_or_default();
+                return Err((row, message));
+            };
+            let mut caches = Caches::default();
+            let Some(found) = settings.answer(&a, &b, [motion_a, motion_b], &mut caches) else { continue };
+            let answer = &found.answer;
+            put(rows.hit, at, answer.hit);
+            put(rows.t, at, answer.t);
+            put(rows.t_lower, at, answer.t_lower);
+            put(rows.t_upper, at, answer.t_upper);
+            put(rows.status, at, code(answer.status));
+            put_vector(rows.normal, at, answer.normal);
+            put_vector(rows.point_a, at, answer.point_a);
+            put_vector(rows.point_b, at, answer.point_b);
+            put(rows.iterations, at, answer.iterations);
+            put(rows.support_calls, at, answer.support_calls);
+            put_all(rows.parts, at, &found.parts);
+            let by = derivatives_of_time(answer, [&a, &b], found.parts, [motion_a, motion_b]);
+            put(rows.differentiability, at, by.as_ref().map_or(6, |by| differentiability_code(by.status)));
+            put_all(rows.by_a, at, &by.as_ref().map_or([0.0; 6], |by| by.of_a.to_array()));
+            put_all(rows.by_b, at, &by.as_ref().map_or([0.0; 6], |by| by.of_b.to_array()));
+        }
+        Ok(())
+    };
+    fill::<Impacts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+}
+
+/// The part of a side that decides, or the side itself, for a function of support mappings. `None`
+/// for a half-space, which has none.
+fn with_part<T>(side: &Side, index: u32, run: impl FnOnce(&dyn core::Shape) -> Option<T>) -> Option<T> {
+    match side {
+        Side::Hull(hull) => run(hull),
+        Side::Convex(shape) => run(&**shape),
+        Side::Compound(pack) => run(&pack.hull(index as usize).ok()?),
+        Side::Sheet(sheet) => run(&sheet.triangle(index as usize)?),
+        Side::HalfSpace(_) => None,
+    }
+}
+
+fn derivatives_of_time(
+    found: &TimeOfImpact,
+    [a, b]: [&Side; 2],
+    parts: [u32; 2],
+    [motion_a, motion_b]: [&RigidMotion; 2],
+) -> Option<Derivatives> {
+    with_part(a, parts[0], |a| with_part(b, parts[1], |b| Some(found.derivatives(a, motion_a, b, motion_b))))
+}
+
+/// Whether shapes that move and turn stay clear of each other. The settings are margin, tolerance,
+/// the limit of queries, and the share.
+#[pyfunction]
+#[pyo3(signature = (a, b, motion_a, motion_b, settings, threads))]
+pub fn clear<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    motion_a: PyReadonlyArray2<'py, f64>,
+    motion_b: PyReadonlyArray2<'py, f64>,
+    settings: (f64, f64, u32, f64),
+    threads: Threads,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (a, b) = (a.0.clone(), b.0.clone());
+    check("clear", [&a, &b], false)?;
+    let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
+    let (target_distance, tolerance, max_iterations, share) = settings;
+    let motion = MotionSettings { target_distance, tolerance, max_iterations };
+    let settings = ClearSettings { motion, share };
+    let solve = |first: usize, count: usize, rows: VerdictRows<'_>| {
+        for at in 0..count {
+            let row = first + at;
+            let motion_a = motions_a.get(row).map_err(|message| (row, message))?;
+            let motion_b = motions_b.get(row).map_err(|message| (row, message))?;
+            let mut caches = Caches::default();
+            let Some(found) = settings.answer(&a, &b, [&motion_a, &motion_b], &mut caches) else { continue };
+            let answer = &found.answer;
+            put(rows.verdict, at, verdict_code(answer.verdict));
+            put(rows.clearance, at, answer.clearance);
+            put(rows.nearest, at, answer.nearest);
+            put(rows.t_lower, at, answer.t_lower);
+            put(rows.t_upper, at, answer.t_upper);
+            put(rows.iterations, at, answer.iterations);
+            put(rows.support_calls, at, answer.support_calls);
+            put_all(rows.parts, at, &found.parts);
+        }
+        Ok(())
+    };
+    fill::<Verdicts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+}
+
+/// Derivatives of the distance or of the depth of convex shapes, by both poses.
+#[pyfunction]
+#[pyo3(signature = (a, b, b_in_a, of_depth, settings, threads))]
+pub fn derivatives<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    b_in_a: PyReadonlyArray2<'py, f64>,
+    of_depth: bool,
+    settings: (f64, u32),
+    threads: Threads,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (a, b) = (a.0.clone(), b.0.clone());
+    let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
+    let (Some(own_a), Some(own_b)) = (convex(&a), convex(&b)) else {
+        let remedy = "query a pack or a mesh, and pass the hull or the triangle that decides";
+        return Err(ShapeError::new_err(format!("derivatives takes convex shapes: {remedy}")));
+    };
+    let poses = Rows::new("b_in_a", &b_in_a)?;
+    let solve = |first: usize, count: usize, rows: SlopeRows<'_>| {
+        for at in 0..count {
+            let row = first + at;
+            let pose = poses.get(row).map_err(|message| (row, message))?;
+            let mut cache = core::Cache::new();
+            let (value, status, by) = if of_depth {
+                let found = core::contact(own_a, own_b, pose, &settings, &mut cache);
+                let by = found.derivatives(own_a, own_b, pose, &settings, &mut cache);
+                (found.depth, found.status, by)
+            } else {
+                let found = core::distance(own_a, own_b, pose, &settings, &mut cache);
+                (found.distance, found.status, found.derivatives(own_a, own_b, pose))
+            };
+            put(rows.value, at, value);
+            put(rows.status, at, code(status));
+            put(rows.differentiability, at, differentiability_code(by.status));
+            put_all(rows.by_a, at, &by.of_a.to_array());
+            put_all(rows.by_b, at, &by.of_b.to_array());
+        }
+        Ok(())
+    };
+    fill::<Slopes>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+}
