@@ -526,8 +526,8 @@ typedef struct {
     uint32_t material;
 } HullmapMeshTriangle;
 
-// The grid of a height field. Vertex (column, row) is at x = origin[0] + column times spacing[0],
-// and y = origin[1] + row times spacing[1]; heights are along z. Cell (column, row) has the index
+// The grid of a height field. Vertex (column, row) is at origin + column times spacing along x,
+// and origin + row times spacing along y; heights are along z. Cell (column, row) has the index
 // i = row times (columns - 1) + column, and the triangles 2 i and 2 i + 1.
 typedef struct {
     // Number of vertices along x, at least 2.
@@ -1271,7 +1271,7 @@ HullmapResult hullmap_cast_motion(const HullmapShape *a,
                                   HullmapDerivatives *derivatives);
 
 // Whether A and B, which move and turn, stay farther apart than a margin, and which clearance is
-// proven. Motions are in a common frame. Not for half-spaces. settings and cache may be NULL.
+// proven. Motions are in a common frame. A half-space is always A. settings and cache may be NULL.
 HullmapResult hullmap_clear(const HullmapShape *a,
                             const HullmapMotion *motion_a,
                             const HullmapShape *b,

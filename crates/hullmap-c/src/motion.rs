@@ -6,7 +6,7 @@ use hullmap::compound::{self, CompoundAnswer, Parts, half_space};
 use hullmap::shapes::HalfSpace;
 use hullmap::{ClearSettings, MotionSettings, Pose, RigidMotion, Settings};
 
-use crate::failure::{Failure, Fallible};
+use crate::failure::Fallible;
 use crate::handles::{Kind, Memory, Shape};
 use crate::motion_types::{self as types, Derivatives};
 use crate::query::{ShapeQuery, convex_for, run};
@@ -69,11 +69,6 @@ fn with_part<T>(shape: &Shape, index: usize, run: impl FnOnce(&dyn hullmap::Shap
 
 struct Clear<'q>([&'q RigidMotion; 2], &'q ClearSettings, &'q mut Memory);
 
-#[cold]
-fn not_for_half_spaces() -> Failure {
-    Failure::unsupported("a half-space has no clearance: a hullmap_cast_motion without a hit is free")
-}
-
 impl ShapeQuery for Clear<'_> {
     type Answer = types::Clearance;
 
@@ -91,12 +86,13 @@ impl ShapeQuery for Clear<'_> {
         Ok(types::Clearance::new(found.answer, found.hulls))
     }
 
-    fn plane<B: hullmap::Shape + ?Sized>(self, _: &HalfSpace, _: &B) -> Fallible<Self::Answer> {
-        Err(not_for_half_spaces())
+    fn plane<B: hullmap::Shape + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
+        Ok(types::Clearance::new(a.clear(self.0[0], b, self.0[1], self.1), [0, 0]))
     }
 
-    fn plane_and_parts<B: Parts + ?Sized>(self, _: &HalfSpace, _: &B) -> Fallible<Self::Answer> {
-        Err(not_for_half_spaces())
+    fn plane_and_parts<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
+        let found = half_space::clear(a, self.0[0], b, self.0[1], self.1);
+        Ok(types::Clearance::new(found.answer, found.hulls))
     }
 }
 

@@ -122,12 +122,11 @@ trait MovingQuery: Sync {
         caches: &mut Caches,
     ) -> Found<Self::Answer>;
 
-    /// `None` if there is no such query.
     fn half_space<B: Parts + ?Sized>(
         &self,
         bodies: (&HalfSpace, &B),
         motions: [&RigidMotion; 2],
-    ) -> Option<Found<Self::Answer>>;
+    ) -> Found<Self::Answer>;
 
     /// The answer for one pair of sides.
     fn answer(&self, a: &Side, b: &Side, motions: [&RigidMotion; 2], caches: &mut Caches) -> Option<Found<Self::Answer>>
@@ -135,9 +134,9 @@ trait MovingQuery: Sync {
         Self: Sized,
     {
         match (a, b) {
-            (Side::HalfSpace(a), Side::Compound(b)) => self.half_space((a, &Compound::new(b)), motions),
-            (Side::HalfSpace(a), Side::Sheet(b)) => self.half_space((a, b), motions),
-            (Side::HalfSpace(a), _) => self.half_space((a, convex(b)?), motions),
+            (Side::HalfSpace(a), Side::Compound(b)) => Some(self.half_space((a, &Compound::new(b)), motions)),
+            (Side::HalfSpace(a), Side::Sheet(b)) => Some(self.half_space((a, b), motions)),
+            (Side::HalfSpace(a), _) => Some(self.half_space((a, convex(b)?), motions)),
             (Side::Compound(a), _) => self.against(&Compound::new(a), b, motions, caches),
             (Side::Sheet(a), _) => self.against(a, b, motions, caches),
             (Side::Hull(a), Side::Hull(b)) => Some(self.parts((a, b), motions, caches)),
@@ -183,8 +182,8 @@ impl MovingQuery for MotionSettings {
         &self,
         (a, b): (&HalfSpace, &B),
         [motion_a, motion_b]: [&RigidMotion; 2],
-    ) -> Option<Found<TimeOfImpact>> {
-        Some(found(compound::half_space::cast_motion(a, motion_a, b, motion_b, self)))
+    ) -> Found<TimeOfImpact> {
+        found(compound::half_space::cast_motion(a, motion_a, b, motion_b, self))
     }
 }
 
@@ -200,19 +199,19 @@ impl MovingQuery for ClearSettings {
         found(compound::clear(a, motion_a, b, motion_b, self, caches.compound()))
     }
 
-    fn half_space<B: Parts + ?Sized>(&self, _: (&HalfSpace, &B), _: [&RigidMotion; 2]) -> Option<Found<Clearance>> {
-        None
+    fn half_space<B: Parts + ?Sized>(
+        &self,
+        (a, b): (&HalfSpace, &B),
+        [motion_a, motion_b]: [&RigidMotion; 2],
+    ) -> Found<Clearance> {
+        found(compound::half_space::clear(a, motion_a, b, motion_b, self))
     }
 }
 
-/// Fails if the sides cannot be queried this way.
-fn check(query: &str, [a, b]: [&Side; 2], takes_half_spaces: bool) -> PyResult<()> {
+/// Fails if B cannot be queried this way.
+fn check(query: &str, b: &Side) -> PyResult<()> {
     if matches!(b, Side::HalfSpace(_)) {
         return Err(ShapeError::new_err(format!("{query}: a half-space must be the first shape: exchange the two")));
-    }
-    if matches!(a, Side::HalfSpace(_)) && !takes_half_spaces {
-        let remedy = "call cast_motion, whose answer without a hit is free";
-        return Err(ShapeError::new_err(format!("{query} takes no half-space: {remedy}")));
     }
     Ok(())
 }
@@ -231,7 +230,7 @@ pub fn cast_motion<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (a.0.clone(), b.0.clone());
-    check("cast_motion", [&a, &b], true)?;
+    check("cast_motion", &b)?;
     let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
     let settings = MotionSettings { target_distance: settings.0, tolerance: settings.1, max_iterations: settings.2 };
     let solve = |first: usize, count: usize, rows: ImpactRows<'_>| {
@@ -301,7 +300,7 @@ pub fn clear<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (a.0.clone(), b.0.clone());
-    check("clear", [&a, &b], false)?;
+    check("clear", &b)?;
     let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
     let (target_distance, tolerance, max_iterations, share) = settings;
     let motion = MotionSettings { target_distance, tolerance, max_iterations };

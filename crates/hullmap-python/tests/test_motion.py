@@ -88,8 +88,9 @@ def test_half_spaces_packs_and_wrong_input() -> None:
     floor, ball = hullmap.HalfSpace([0, 0, 1]), hullmap.Sphere(0.5)
     still, falling = hullmap.Motion.still(ORIGIN), hullmap.Motion.between(hullmap.poses([0, 0, 2]), hullmap.poses([0, 0, -2]))
     assert float(hullmap.cast_motion(floor, ball, still, falling).t) == pytest.approx(0.375, abs=1e-6)
-    with pytest.raises(hullmap.ShapeError, match="clear takes no half-space"):
-        hullmap.clear(floor, ball, still, falling)
+    assert hullmap.Verdict(int(hullmap.clear(floor, ball, still, falling).verdict)) == hullmap.Verdict.HIT
+    found = hullmap.clear(floor, ball, still, hullmap.Motion.between(hullmap.poses([0, 0, 2]), hullmap.poses([0, 0, 1])))
+    assert hullmap.Verdict(int(found.verdict)) == hullmap.Verdict.FREE and 0.25 <= float(found.clearance) <= 0.5
     with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
         hullmap.cast_motion(ball, floor, falling, still)
     pack = hullmap.bake_parts([(CUBE, None), (CUBE + [5, 0, 0], None)])

@@ -19,7 +19,7 @@
 //! - The winding number is constant between the triangles.
 //! - Where a point inside is farther from the solid than all points of the part's surface, the
 //!   distance has a local maximum inside. Boxes that are proven to contain none are left out
-//!   ([`peaks`](super::peaks)).
+//!   ([`peaks`]).
 //!
 //! # Complexity
 //! One nearest-triangle search per cell. The number of cells is bounded by the [`Accuracy`].

@@ -87,8 +87,8 @@ pub enum Diagonal {
     Falling = 1,
 }
 
-/// The grid of a height field. Vertex (column, row) is at x = origin[0] + column times spacing[0],
-/// and y = origin[1] + row times spacing[1]; heights are along z. Cell (column, row) has the index
+/// The grid of a height field. Vertex (column, row) is at origin + column times spacing along x,
+/// and origin + row times spacing along y; heights are along z. Cell (column, row) has the index
 /// i = row times (columns - 1) + column, and the triangles 2 i and 2 i + 1.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -549,7 +549,12 @@ static void moving(void) {
     OK(hullmap_cast_motion(floor, &still, ball, &between, NULL, NULL, &found, NULL));
     EXPECT(found.t > 0.37499 && found.t < 0.37501);
     FAILS(HULLMAP_RESULT_UNSUPPORTED, "as A", hullmap_cast_motion(ball, &between, floor, &still, NULL, NULL, &found, NULL));
-    FAILS(HULLMAP_RESULT_UNSUPPORTED, "half-space", hullmap_clear(floor, &still, ball, &between, NULL, NULL, &clear));
+    FAILS(HULLMAP_RESULT_UNSUPPORTED, "as A", hullmap_clear(ball, &between, floor, &still, NULL, NULL, &clear));
+    OK(hullmap_clear(floor, &still, ball, &between, NULL, NULL, &clear));
+    EXPECT(clear.verdict == HULLMAP_VERDICT_HIT);
+    between.end.translation.z = 1.0;
+    OK(hullmap_clear(floor, &still, ball, &between, NULL, NULL, &clear));
+    EXPECT(clear.verdict == HULLMAP_VERDICT_FREE && clear.clearance >= 0.25 && clear.clearance <= 0.5);
     OK(hullmap_clear(both, &still, hull, &still, NULL, NULL, &clear));
     EXPECT(clear.verdict != HULLMAP_VERDICT_FREE);
 

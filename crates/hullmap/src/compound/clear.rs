@@ -1,6 +1,6 @@
 //! Whether compounds stay clear of each other during a motion.
 
-use super::cast_motion::{Compounds, first_meeting};
+use super::cast_motion::{Bodies, Compounds, first_meeting};
 use super::parts::Parts;
 use super::{CompoundAnswer, CompoundCache};
 use crate::continuous::clear::judge;
@@ -56,9 +56,14 @@ pub fn clear<A: Parts + ?Sized, B: Parts + ?Sized>(
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
     let (tolerance, boxes) = (settings.motion.tolerance, Cache::new());
     let mut bodies = Compounds { a, b, motions, tolerance, cache, boxes };
+    judge_bodies(&mut bodies, settings)
+}
+
+/// The answer for two bodies made of parts.
+pub(super) fn judge_bodies<T: Bodies>(bodies: &mut T, settings: &ClearSettings) -> CompoundAnswer<Clearance> {
     let (mut hulls, mut pairs, mut boxes) = ([0, 0], 0, 0);
     let answer = judge(settings, |goal| {
-        let found = first_meeting(&mut bodies, goal);
+        let found = first_meeting(bodies, goal);
         (pairs, boxes) = (pairs + found.pairs, boxes + found.boxes);
         if found.answer.hit {
             hulls = found.hulls;

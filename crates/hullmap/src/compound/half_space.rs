@@ -6,9 +6,10 @@
 use super::CompoundAnswer;
 use super::bvh::{Child, Nodes};
 use super::cast_motion::{PlaneAndParts, first_meeting};
+use super::clear::judge_bodies;
 use super::motion::First;
 use super::parts::Parts;
-use crate::continuous::{MotionSettings, RigidMotion, TimeOfImpact};
+use crate::continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact};
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
 use crate::shapes::half_space::Lowest;
@@ -294,4 +295,46 @@ pub fn cast_motion<B: Parts + ?Sized>(
     let mut bodies = PlaneAndParts { plane: a, b, motions, tolerance: settings.tolerance };
     let found = first_meeting(&mut bodies, &mut settings.goal());
     CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
+}
+
+/// Whether `b`, which moves by `motion_b`, stays farther than a margin from the half-space, which
+/// moves by `motion_a`, and the least distance that is proven.
+///
+/// As [`compound::clear`](super::clear()). If the motion hits, `hulls` is `[0, i]` for the part i
+/// that meets the half-space first.
+///
+/// # Complexity
+/// That of [`cast_motion`], and for a free motion once more if [`share`](ClearSettings::share) is
+/// not 0. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::half_space;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::HalfSpace;
+/// use hullmap::{ClearSettings, Compound, Pose, RigidMotion, Verdict};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, that move along the wall at y = 3.
+/// let (wall, cubes) = (HalfSpace::new(DVec3::NEG_Y, -3.0)?, Compound::new(&pack));
+/// let along = RigidMotion::between(Pose::IDENTITY, Pose::from_translation(DVec3::X * 9.0)?)?;
+/// let resting = RigidMotion::still(Pose::IDENTITY);
+/// let found = half_space::clear(&wall, &resting, &cubes, &along, &ClearSettings::default()).answer;
+/// assert_eq!(found.verdict, Verdict::Free);
+/// assert!(1.0 <= found.clearance && found.clearance <= 2.0);
+/// # Ok(())
+/// # }
+/// ```
+pub fn clear<B: Parts + ?Sized>(
+    a: &HalfSpace,
+    motion_a: &RigidMotion,
+    b: &B,
+    motion_b: &RigidMotion,
+    settings: &ClearSettings,
+) -> CompoundAnswer<Clearance> {
+    let origin = motion_b.start();
+    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    judge_bodies(&mut PlaneAndParts { plane: a, b, motions, tolerance: settings.motion.tolerance }, settings)
 }

@@ -1,4 +1,4 @@
-//! Time of impact of a half-space and a shape that move and turn.
+//! Time of impact of a half-space and a shape that move and turn, and whether they stay clear.
 //!
 //! # Steps
 //! As for two shapes (`search`). The only direction is the normal of the plane, which turns with
@@ -6,6 +6,7 @@
 
 use super::advance::{Approach, Moving};
 use super::cast_motion::MotionSettings;
+use super::clear::{ClearSettings, Clearance, judge};
 use super::rigid_motion::RigidMotion;
 use super::search::{Goal, Queries, Search};
 use super::time_of_impact::TimeOfImpact;
@@ -53,6 +54,49 @@ impl HalfSpace {
         let origin = motion_b.start();
         let motions = [motion, motion_b].map(|motion| motion.relative_to(origin));
         self.search(b, motions, settings.tolerance, &mut settings.goal(), [0.0, 1.0]).relative_to(origin)
+    }
+
+    /// Whether `b`, which moves by `motion_b`, stays farther than a margin from the half-space,
+    /// which moves by `motion`, and the least distance that is proven.
+    ///
+    /// As [`clear`](crate::clear()).
+    ///
+    /// # Complexity
+    /// That of [`cast_motion`](Self::cast_motion), and for a free motion once more if
+    /// [`share`](ClearSettings::share) is not 0. No allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::{Cuboid, HalfSpace};
+    /// use hullmap::{ClearSettings, Pose, RigidMotion, Verdict};
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// // A cube of half length 1 rolls about its centre. Its edge is √2 from the centre.
+    /// let (floor, cube) = (HalfSpace::new(DVec3::Z, 0.0)?, Cuboid::new(DVec3::ONE)?);
+    /// let resting = RigidMotion::still(Pose::IDENTITY);
+    /// let rolling = |height: f64| -> Result<_, Box<dyn std::error::Error>> {
+    ///     let start = Pose::from_translation(DVec3::new(0.0, 0.0, height))?;
+    ///     Ok(RigidMotion::screw(start, DVec3::ZERO, DVec3::X * FRAC_PI_2, start.translation())?)
+    /// };
+    /// let found = floor.clear(&resting, &cube, &rolling(1.5)?, &ClearSettings::default());
+    /// let least = 1.5 - 2.0_f64.sqrt();
+    /// assert_eq!(found.verdict, Verdict::Free);
+    /// assert!(0.5 * least <= found.clearance && found.clearance <= least);
+    /// let found = floor.clear(&resting, &cube, &rolling(1.25)?, &ClearSettings::default());
+    /// assert_eq!(found.verdict, Verdict::Hit);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn clear<B: SupportMap + ?Sized>(
+        &self,
+        motion: &RigidMotion,
+        b: &B,
+        motion_b: &RigidMotion,
+        settings: &ClearSettings,
+    ) -> Clearance {
+        let origin = motion_b.start();
+        let motions = [motion, motion_b].map(|motion| motion.relative_to(origin));
+        judge(settings, |goal| self.search(b, motions, settings.motion.tolerance, goal, [0.0, 1.0]))
     }
 
     /// The search of the half-space and a shape in a `window` of time.
