@@ -4,8 +4,8 @@ use crate::compound::pack;
 use crate::motions_of_parts::motion;
 use glam::DVec3;
 use hullmap::batch::{self, MovingPair};
-use hullmap::compound::CompoundAnswer;
-use hullmap::shapes::{Cuboid, Sphere};
+use hullmap::compound::{CompoundAnswer, half_space};
+use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
     Cache, ClearSettings, Clearance, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings,
     Verdict, cast_motion, clear, compound, distance,
@@ -129,6 +129,32 @@ fn compounds_are_clear_if_all_their_parts_are() {
         assert_eq!(*found, single);
     }
     assert!(batch::clear_compounds(&pairs, &settings, &mut caches[1..], &mut found).is_err());
+}
+
+/// Hulls, and all hulls together, above planes that move, too.
+#[test]
+fn half_spaces_are_clear_if_the_lowest_vertices_are() {
+    let (mut rng, pack) = (SplitMix64::new(SEED + 3), pack(8, 1.0, 43));
+    let hulls: Vec<Hull<'_>> = pack.hulls().collect();
+    let all = Compound::new(&pack);
+    let mut counts = [0; 3];
+    for number in 0..400 {
+        let hull = &hulls[rng.below(8)];
+        let plane = HalfSpace::new(DVec3::from_array(rng.direction()), rng.between(-4.0, 0.0)).unwrap();
+        let (own, other) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
+        let margin = [0.0, 0.01, 0.3][number % 3];
+        let settings = settings(margin, [0.0, 0.5, 0.9][number / 3 % 3], 1_000);
+        let at = |t: f64| Pose::relative(own.at(t), other.at(t)).unwrap();
+        let what = format!("{number}, seed {SEED:#x}: {own:?} {other:?}");
+        let single = plane.clear(&own, hull, &other, &settings);
+        judge(&single, margin, |t| plane.distance(hull, at(t)), &what);
+        let whole = half_space::clear(&plane, &own, &all, &other, &settings);
+        judge(&whole.answer, margin, |t| half_space::distance(&plane, &all, at(t)).answer, &what);
+        counts[single.verdict as usize] += 1;
+        counts[whole.answer.verdict as usize] += 1;
+    }
+    println!("{counts:?}");
+    assert!(counts[0] > 100 && counts[1] > 100, "{counts:?}");
 }
 
 #[test]
