@@ -28,8 +28,8 @@ const TURNS: usize = 4;
 /// Radius of the boxes in which peaks are sought, relative to their least distance.
 const SMALLEST: f64 = 0.25;
 
-/// Number of boxes above which they are of no use, relative to the allowed measurements: each box is
-/// measured for each part.
+/// Number of boxes above which they are of no use, relative to the allowed measurements: each box
+/// is measured for each part.
 const MAX_BOXES: f64 = 1.0 / 64.0;
 
 /// Distance above a surface that is safely beside it, relative to the error of distances.

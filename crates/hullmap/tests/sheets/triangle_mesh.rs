@@ -128,7 +128,8 @@ pub fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
     }
 }
 
-/// Bodies that touch few triangles, none or many, also beside the mesh and on meshes of one triangle.
+/// Bodies that touch few triangles, none or many, also beside the mesh and on meshes of one
+/// triangle.
 #[test]
 fn manifolds_are_with_all_triangles_within_the_prediction() {
     println!("seed {SEED}");
