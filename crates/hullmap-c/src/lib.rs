@@ -12,7 +12,7 @@
 //! | `failure` | error codes, and the message of the last error |
 //! | `handles` | packs, shapes, caches and manifolds behind opaque pointers |
 //! | `query` | a query of two shapes of any kind |
-//! | `motion`, `motion_types` | shapes that move and turn, and derivatives |
+//! | `motion` | shapes that move and turn, and derivatives |
 //! | `batch` | many pairs on all cores |
 #![deny(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
@@ -24,7 +24,6 @@ pub mod exports;
 mod failure;
 pub mod handles;
 mod motion;
-pub mod motion_types;
 mod query;
 #[cfg(test)]
 mod tests;

@@ -8,8 +8,8 @@ use hullmap::{ClearSettings, MotionSettings, Pose, RigidMotion, Settings};
 
 use crate::failure::Fallible;
 use crate::handles::{Kind, Memory, Shape};
-use crate::motion_types::{self as types, Derivatives};
 use crate::query::{ShapeQuery, convex_for, run};
+use crate::types::{self, Derivatives};
 
 struct CastMotion<'q>([&'q RigidMotion; 2], &'q MotionSettings, &'q mut Memory);
 
@@ -112,10 +112,10 @@ pub(crate) fn distance_derivatives(
     b_in_a: Pose,
     settings: &Settings,
     memory: &mut Memory,
-) -> Fallible<(crate::types::Distance, Derivatives)> {
+) -> Fallible<(types::Distance, Derivatives)> {
     let (a, b) = (convex_for(a, "derivatives")?, convex_for(b, "derivatives")?);
     let found = hullmap::distance(a, b, b_in_a, settings, &mut memory.convex);
-    Ok((crate::types::Distance::new(found, [0, 0]), found.derivatives(a, b, b_in_a).into()))
+    Ok((types::Distance::new(found, [0, 0]), found.derivatives(a, b, b_in_a).into()))
 }
 
 /// Contact of two convex shapes, and the derivatives of its depth.
@@ -124,9 +124,9 @@ pub(crate) fn contact_derivatives(
     b_in_a: Pose,
     settings: &Settings,
     memory: &mut Memory,
-) -> Fallible<(crate::types::Contact, Derivatives)> {
+) -> Fallible<(types::Contact, Derivatives)> {
     let (a, b) = (convex_for(a, "derivatives")?, convex_for(b, "derivatives")?);
     let found = hullmap::contact(a, b, b_in_a, settings, &mut memory.convex);
     let by = found.derivatives(a, b, b_in_a, settings, &mut memory.convex);
-    Ok((crate::types::Contact::new(found, [0, 0]), by.into()))
+    Ok((types::Contact::new(found, [0, 0]), by.into()))
 }

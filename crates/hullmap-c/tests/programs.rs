@@ -9,7 +9,7 @@ use std::{
 };
 
 use hullmap_c::exports::batch::Pair;
-use hullmap_c::{motion_types, types};
+use hullmap_c::types;
 use hullmap_testkit::packs;
 
 /// Warnings that a user may have switched on.
@@ -149,16 +149,16 @@ fn structs_have_one_layout() {
         ManifoldPoints { points count touching dropped pairs iterations support_calls }
     }
     layout!(Pair, Pair { a b b_in_a });
-    layout!(motion_types::Motion, Motion { kind start end linear angular center });
-    layout!(motion_types::MotionSettings, MotionSettings { struct_size target_distance tolerance max_iterations });
-    layout!(motion_types::ClearSettings, ClearSettings { struct_size margin tolerance share max_iterations });
-    layout!(motion_types::TimeOfImpact, TimeOfImpact {
+    layout!(types::Motion, Motion { kind start end linear angular center });
+    layout!(types::MotionSettings, MotionSettings { struct_size target_distance tolerance max_iterations });
+    layout!(types::ClearSettings, ClearSettings { struct_size margin tolerance share max_iterations });
+    layout!(types::TimeOfImpact, TimeOfImpact {
         hit status hull_a hull_b iterations support_calls t t_lower t_upper normal point_a point_b
     });
-    layout!(motion_types::Clearance, Clearance {
+    layout!(types::Clearance, Clearance {
         verdict hull_a hull_b iterations support_calls clearance nearest t_lower t_upper
     });
-    layout!(motion_types::Derivatives, Derivatives { differentiability by_a by_b });
+    layout!(types::Derivatives, Derivatives { differentiability by_a by_b });
     for (name, value) in [
         ("RESULT_PANIC", types::Result::Panic as usize),
         ("STATUS_STALLED", types::Status::Stalled as usize),
@@ -166,9 +166,9 @@ fn structs_have_one_layout() {
         ("FEATURE_KIND_VERTEX", types::FeatureKind::Vertex as usize),
         ("PREDICTION_LENGTH", types::Prediction::Length as usize),
         ("DIAGONAL_FALLING", types::Diagonal::Falling as usize),
-        ("MOTION_KIND_SCREW", motion_types::MotionKind::Screw as usize),
-        ("VERDICT_OPEN", motion_types::Verdict::Open as usize),
-        ("DIFFERENTIABILITY_INACCURATE", motion_types::Differentiability::Inaccurate as usize),
+        ("MOTION_KIND_SCREW", types::MotionKind::Screw as usize),
+        ("VERDICT_OPEN", types::Verdict::Open as usize),
+        ("DIFFERENTIABILITY_INACCURATE", types::Differentiability::Inaccurate as usize),
     ] {
         expect(format!("HULLMAP_{name}"), value);
     }

@@ -8,8 +8,10 @@ use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::{Cache, Shape};
 use crate::motion;
-use crate::motion_types::{ClearSettings, Clearance, Derivatives, Motion, MotionKind, MotionSettings, TimeOfImpact};
-use crate::types::{Contact, Distance, Pose, Result, Settings};
+use crate::types::{
+    ClearSettings, Clearance, Contact, Derivatives, Distance, Motion, MotionKind, MotionSettings, Pose, Result,
+    Settings, TimeOfImpact,
+};
 
 /// A motion from C, checked.
 fn motion_of(name: &str, motion: Motion) -> Fallible<RigidMotion> {

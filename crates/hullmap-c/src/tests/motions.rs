@@ -5,7 +5,7 @@ use hullmap::RigidMotion;
 
 use super::*;
 use crate::exports::motion::*;
-use crate::motion_types::{self as motions, MotionKind};
+use crate::types::MotionKind;
 
 const NO_WHERE: types::Vec3 = types::Vec3 { x: 0.0, y: 0.0, z: 0.0 };
 
@@ -19,7 +19,7 @@ fn empty<T>() -> T {
 }
 
 /// A random motion of each kind, and the same for C.
-fn random_motion(rng: &mut SplitMix64, kind: u32) -> (RigidMotion, motions::Motion) {
+fn random_motion(rng: &mut SplitMix64, kind: u32) -> (RigidMotion, types::Motion) {
     let (twin_start, start) = random_pose(rng, 2.5);
     let (twin_end, end) = random_pose(rng, 2.5);
     let mut next = |size: f64| rng.between(-size, size);
@@ -30,7 +30,7 @@ fn random_motion(rng: &mut SplitMix64, kind: u32) -> (RigidMotion, motions::Moti
         _ => RigidMotion::screw(twin_start, linear, angular, center),
     };
     let [linear, angular, center] = [linear, angular, center].map(vector);
-    (twin.unwrap(), motions::Motion { kind, start, end, linear, angular, center })
+    (twin.unwrap(), types::Motion { kind, start, end, linear, angular, center })
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn motions_have_the_same_bits() {
         for case in 0..12 {
             let ((twin_a, motion_a), (twin_b, motion_b)) =
                 (random_motion(&mut rng, case % 3), random_motion(&mut rng, 1 + case % 2));
-            let (mut found, mut by, mut clear): (motions::TimeOfImpact, motions::Derivatives, motions::Clearance) =
+            let (mut found, mut by, mut clear): (types::TimeOfImpact, types::Derivatives, types::Clearance) =
                 (empty(), empty(), empty());
             // SAFETY: the pointers are valid.
             let codes = unsafe {
@@ -70,7 +70,7 @@ fn motions_have_the_same_bits() {
                     (expected, hullmap::clear(a, &twin_a, b, &twin_b, &own, &mut cache))
                 }
                 Twin::HalfSpace(twin) => {
-                    assert_eq!(by.differentiability, motions::Differentiability::Inaccurate);
+                    assert_eq!(by.differentiability, types::Differentiability::Inaccurate);
                     let own = hullmap::ClearSettings::default();
                     let clear = twin.clear(&twin_a, &**twin_other, &twin_b, &own);
                     (twin.cast_motion(&twin_a, &**twin_other, &twin_b, &settings), clear)
@@ -115,7 +115,7 @@ fn derivatives_have_the_same_bits() {
         for _ in 0..10 {
             let (twin_pose, pose) = random_pose(&mut rng, 1.2);
             let (mut gap, mut contact): (types::Distance, types::Contact) = (empty(), empty());
-            let mut by: [motions::Derivatives; 2] = [empty(), empty()];
+            let mut by: [types::Derivatives; 2] = [empty(), empty()];
             let [of_gap, of_depth] = &mut by;
             // SAFETY: the pointers are valid.
             let codes = unsafe {
@@ -139,7 +139,7 @@ fn derivatives_have_the_same_bits() {
             same_contact(&contact, &expected);
             assert_eq!(by[1], expected.derivatives(a, b, twin_pose, &settings, &mut cache).into());
             for (count, by) in unique.iter_mut().zip(&by) {
-                *count += usize::from(by.differentiability == motions::Differentiability::Unique);
+                *count += usize::from(by.differentiability == types::Differentiability::Unique);
             }
         }
     }
@@ -152,21 +152,21 @@ fn wrong_motions_are_errors() {
     let shapes = all_shapes(&pack);
     let mut rng = SplitMix64::new(3);
     let (_, fine) = random_motion(&mut rng, number_of(MotionKind::Screw));
-    let run = |motion_b: &motions::Motion, b: *const Shape| {
-        let mut found: motions::Clearance = empty();
+    let run = |motion_b: &types::Motion, b: *const Shape| {
+        let mut found: types::Clearance = empty();
         // SAFETY: the pointers are valid or NULL.
         unsafe { hullmap_clear(shapes[0].0, &raw const fine, b, motion_b, null(), null_mut(), &raw mut found) }
     };
-    let wrong_kind = motions::Motion { kind: 3, ..fine };
+    let wrong_kind = types::Motion { kind: 3, ..fine };
     assert_eq!(run(&wrong_kind, shapes[1].0), Code::InvalidArgument);
     assert!(message().contains("motion_b") && message().contains("HullmapMotionKind"), "{}", message());
-    let infinite = motions::Motion { linear: types::Vec3 { x: f64::INFINITY, ..NO_WHERE }, ..fine };
+    let infinite = types::Motion { linear: types::Vec3 { x: f64::INFINITY, ..NO_WHERE }, ..fine };
     assert_eq!(run(&infinite, shapes[1].0), Code::InvalidArgument);
     let turned = types::Pose { translation: NO_WHERE, rotation: types::Quat::default() };
-    assert_eq!(run(&motions::Motion { start: turned, ..fine }, shapes[1].0), Code::InvalidArgument);
+    assert_eq!(run(&types::Motion { start: turned, ..fine }, shapes[1].0), Code::InvalidArgument);
     assert_eq!(run(&fine, null()), Code::Null);
     assert_eq!(run(&fine, shapes.last().unwrap().0), Code::Unsupported);
     // Members of other kinds are not read.
-    let still = motions::Motion { kind: number_of(MotionKind::Still), ..infinite };
+    let still = types::Motion { kind: number_of(MotionKind::Still), ..infinite };
     assert_eq!(run(&still, shapes[1].0), Code::Ok);
 }

@@ -8,6 +8,7 @@ mod answers;
 mod facts;
 mod geometry;
 mod manifold;
+mod motion;
 mod result;
 mod settings;
 mod sheet;
@@ -17,6 +18,9 @@ pub use answers::{Contact, Distance, Impact, Intersection, RayHit, SignedDistanc
 pub use facts::{HullArrays, HullFacts, MassProperties, MassSource, Solid, Text};
 pub use geometry::{Bounds, Pose, Quat, Vec3};
 pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
+pub use motion::{
+    ClearSettings, Clearance, Derivatives, Differentiability, Motion, MotionKind, MotionSettings, TimeOfImpact, Verdict,
+};
 pub use result::{ABI_VERSION, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result};
 pub use settings::{CastSettings, ManifoldSettings, Prediction, Settings};
 pub use sheet::{Diagonal, EdgeClass, FieldLayout, Ground, MeshTriangle};

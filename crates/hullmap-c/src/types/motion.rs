@@ -4,7 +4,7 @@
 
 #![forbid(unsafe_code)]
 
-use crate::types::{Pose, Status, Vec3};
+use super::{Pose, Status, Vec3};
 
 /// How a HullmapMotion moves a shape over the times 0 to 1.
 #[repr(u32)]
