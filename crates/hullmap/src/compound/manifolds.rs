@@ -194,7 +194,7 @@ impl CompoundManifolds {
         let mut frame = self.start();
         let union_b = seams::of(b);
         let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
-        let bodies = Bodies { a, b, b_in_a, in_a, in_b, settings };
+        let bodies = BodyPair { a, b, b_in_a, in_a, in_b, settings };
         let nodes = [a.nodes(), b.nodes()];
         self.reach = 0.5 * nodes[0].diagonal().min(nodes[1].diagonal());
         let placement = Placement::new(nodes[0], nodes[1], b_in_a);
@@ -223,11 +223,11 @@ impl CompoundManifolds {
     fn meet<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         frame: &mut Frame,
-        bodies: &Bodies<'_, A, B>,
+        bodies: &BodyPair<'_, A, B>,
         pair: [usize; 2],
         lower_bound: f64,
     ) {
-        let Bodies { a, b, b_in_a, in_a, in_b, settings } = *bodies;
+        let BodyPair { a, b, b_in_a, in_a, in_b, settings } = *bodies;
         let Some(parts) = Pair::new(a, b, pair, b_in_a) else { return };
         let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
         // NaN takes the branch that queries.
@@ -423,8 +423,8 @@ struct Frame {
     counts: ManifoldCounts,
 }
 
-/// What an update is of.
-struct Bodies<'u, A: ?Sized, B: ?Sized> {
+/// Two bodies whose manifolds are updated.
+struct BodyPair<'u, A: ?Sized, B: ?Sized> {
     a: &'u A,
     b: &'u B,
     b_in_a: Pose,

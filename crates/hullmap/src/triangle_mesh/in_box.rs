@@ -35,12 +35,12 @@ impl TriangleMesh {
             len = top;
             let Some(node) = stack.get(top).copied() else { break };
             boxes += 1;
-            let children = match sections.boxes.get(node as usize) {
+            let has_children = match sections.boxes.get(node as usize) {
                 Some(stored) if !touches(stored) => continue,
                 Some(_) => true,
                 None => false,
             };
-            if children {
+            if has_children {
                 let first = tree::first_child(node);
                 for child in [first + 1, first] {
                     if let Some(slot) = stack.get_mut(len) {
