@@ -99,6 +99,13 @@ fn the_readme_is_short() {
     assert!(count <= 120, "{count} lines; move details to docs");
 }
 
+/// What each file does stands in its first line. The table is where to start.
+#[test]
+fn the_table_of_files_is_short() {
+    let count = read("docs/ARCHITECTURE.md").lines().filter(|line| line.contains("? | `")).count();
+    assert!((10..=20).contains(&count), "{count} questions");
+}
+
 /// The exports that `docs/baking.md` shows run as they are, once a mesh is baked.
 #[test]
 fn the_exports_run() {
