@@ -7,6 +7,10 @@ pub const LEAST_PLAIN: f64 = 1e-4;
 /// Number of significant digits of a length or a ratio in a sentence.
 const DIGITS: usize = 3;
 
+/// Number of significant digits that distinguish values of f32, the type of all geometry: it has
+/// between 7 and 8.
+const DIGITS_OF_F32: usize = 7;
+
 /// A length or a ratio in a sentence: three significant digits, or all digits before the point.
 ///
 /// ```
@@ -16,6 +20,11 @@ const DIGITS: usize = 3;
 /// ```
 pub fn short(value: f64) -> String {
     significant(value, DIGITS)
+}
+
+/// A number with at most seven significant digits and no trailing zeros, for any magnitude.
+pub fn rounded(value: f64) -> String {
+    significant(value, DIGITS_OF_F32)
 }
 
 /// A ratio as a percentage, with three significant digits: `2.5%`.

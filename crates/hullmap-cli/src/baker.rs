@@ -10,10 +10,10 @@ use hullmap_bake::{
 use rayon::prelude::*;
 
 use crate::budget::{Budget, Figures};
-use crate::estimates::DecomposedObject;
-use crate::measure::{self, Measured};
 use crate::options::BuildOptions;
-use crate::part::{Part, diagonal, parts};
+use hullmap_verify::estimates::DecomposedObject;
+use hullmap_verify::measure::{self, Measured};
+use hullmap_verify::part::{Part, diagonal, parts};
 
 /// A pack in memory.
 #[derive(Clone, Debug, Default)]

@@ -18,10 +18,7 @@
 //! | `baker` | all calls into `hullmap-bake` |
 //! | `triangle_mesh` | triangle meshes: how they are baked, and what is counted |
 //! | `budget` | what physics engines accept of a hull |
-//! | `measure`, `estimates` | how parts fit their meshes, and each other |
-//! | `verification` | proves and measures packs |
 //! | `in_memory` | bakes that write no file, for bindings |
-//! | `geometry` | vertices and faces as lists |
 //! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL |
 //! | `scene` | colliders that are added to glTF files |
 //! | `packs`, `selection` | packs and hulls named on the command line |
@@ -46,9 +43,6 @@ mod commands;
 mod config;
 #[cfg(feature = "command")]
 mod depfile;
-mod estimates;
-#[cfg(feature = "command")]
-mod geometry;
 #[cfg(feature = "command")]
 mod glob;
 mod in_memory;
@@ -56,7 +50,6 @@ mod in_memory;
 mod interrupt;
 #[cfg(feature = "command")]
 mod jobs;
-mod measure;
 #[cfg(feature = "command")]
 mod mesh_file;
 #[cfg(feature = "command")]
@@ -70,7 +63,6 @@ mod pack_file;
 mod packs;
 #[cfg(feature = "command")]
 mod pair;
-mod part;
 #[cfg(feature = "command")]
 mod pose;
 #[cfg(feature = "command")]
@@ -95,8 +87,6 @@ mod table;
 mod terminal;
 #[cfg(feature = "command")]
 mod triangle_mesh;
-#[cfg(feature = "command")]
-mod verification;
 
 #[cfg(feature = "command")]
 use std::ffi::OsString;
@@ -106,8 +96,8 @@ use args::export::Target;
 #[cfg(feature = "command")]
 use args::{Cli, Command};
 pub use baker::BakedPack;
-pub use estimates::{DecomposedObject, PartsEstimates};
 pub use hullmap_bake::progress::{Progress, Stage};
+pub use hullmap_verify::estimates::{DecomposedObject, PartsEstimates};
 pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_source};
 #[cfg(feature = "command")]
 pub use mesh_file::usda;

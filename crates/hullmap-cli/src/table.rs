@@ -2,7 +2,7 @@
 
 use std::io;
 
-use hullmap_bake::number::{LEAST_PLAIN, significant};
+use hullmap_bake::number::LEAST_PLAIN;
 
 use crate::terminal::{Escaped, Output};
 
@@ -71,14 +71,6 @@ pub fn grouped(number: u64) -> String {
         text.push(digit);
     }
     text
-}
-
-/// Significant digits: an f32, the type of all geometry, has between 7 and 8.
-const DIGITS: usize = 7;
-
-/// A number with at most [`DIGITS`] significant digits and no trailing zeros, for any magnitude.
-pub fn rounded(value: f64) -> String {
-    significant(value, DIGITS)
 }
 
 /// A coordinate with the fewest digits that distinguish it from every other f32.

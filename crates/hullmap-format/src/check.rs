@@ -4,14 +4,15 @@
 //! pass, and rejects it if one fails. The levels follow one another:
 //!
 //! 1. [`Sections::read`]: the root. O(1).
-//! 2. [`structure`]: sections and spans, so that a hull's slices can be handed out. O(number of
+//! 2. [`layout`]: the sections of the format version in the header. O(1).
+//! 3. [`structure`]: sections and spans, so that a hull's slices can be handed out. O(number of
 //!    hulls).
-//! 3. [`contents`]: every value that a query could follow or return. One pass over the archive, at
+//! 4. [`contents`]: every value that a query could follow or return. One pass over the archive, at
 //!    the speed of memory. Its loops have no early exit and run over whole sections where they can,
 //!    so that the compiler vectorises them. Only a loop that has failed is repeated to find the
 //!    first error.
-//! 4. [`crate::repeats`]: redundant values agree. Only `bake verify` runs this check: queries are
-//!    safe without it. It may run before level 3.
+//! 5. [`crate::repeats`]: redundant values agree. Only `bake verify` runs this check: queries are
+//!    safe without it. It may run before level 4.
 
 use rkyv::rend::u32_le;
 

@@ -22,6 +22,10 @@ pub enum Format {
 /// File name extensions of source files, in lower case.
 pub const EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "stl", "ply", "dae", "msh"];
 
+/// The formats of these extensions.
+const FORMATS: [Format; EXTENSIONS.len()] =
+    [Format::Obj, Format::Gltf, Format::Gltf, Format::Stl, Format::Ply, Format::Collada, Format::Msh];
+
 /// Names of the formats, for messages.
 pub const NAMES: &str = "OBJ, glTF, GLB, STL, PLY, COLLADA or MSH";
 
@@ -38,15 +42,8 @@ impl Format {
 
     fn of_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        Some(match extension.as_str() {
-            "obj" => Self::Obj,
-            "gltf" | "glb" => Self::Gltf,
-            "stl" => Self::Stl,
-            "ply" => Self::Ply,
-            "dae" => Self::Collada,
-            "msh" => Self::Msh,
-            _ => return None,
-        })
+        let place = EXTENSIONS.iter().position(|known| *known == extension)?;
+        Some(FORMATS[place])
     }
 }
 

@@ -172,14 +172,14 @@ impl Client {
             if !is_transient(&status) || attempt >= self.settings.attempts {
                 return Err(RemoteError::from_status(what, &status));
             }
-            tokio::time::sleep(wait(attempt)).await;
+            tokio::time::sleep(backoff(attempt)).await;
             attempt += 1;
         }
     }
 }
 
 /// Wait after an attempt, counted from 1.
-pub(crate) fn wait(attempt: u32) -> Duration {
+pub(crate) fn backoff(attempt: u32) -> Duration {
     FIRST_WAIT.saturating_mul(2_u32.saturating_pow(attempt.saturating_sub(1))).min(MAX_WAIT)
 }
 
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn waits_double_up_to_a_limit() {
-        let waits: Vec<u128> = [1, 2, 3, 6, 7, u32::MAX].map(|attempt| wait(attempt).as_millis()).to_vec();
+        let waits: Vec<u128> = [1, 2, 3, 6, 7, u32::MAX].map(|attempt| backoff(attempt).as_millis()).to_vec();
         assert_eq!(waits, [200, 400, 800, 6400, 10_000, 10_000]);
     }
 

@@ -15,7 +15,7 @@ use prost::Message as _;
 use tokio::time::Instant;
 use tonic::{Code, Status};
 
-use crate::client::{MAX_MESSAGE, wait};
+use crate::client::{MAX_MESSAGE, backoff};
 use crate::error::{bounded, is_transient};
 use crate::{Action, Blob, Client, Digest, RemoteError};
 
@@ -27,7 +27,7 @@ const MAX_ERROR_BYTES: usize = 1 << 12;
 
 /// How often an action is requested again after its inputs have vanished from the store, or the
 /// server has forgotten it.
-const MAX_REQUESTS: u32 = 3;
+const MAX_REPEATS: u32 = 3;
 
 /// Duration above which an attempt does not count as failed: proxies end streams that live long.
 const LONG_ATTEMPT: Duration = Duration::from_secs(20);
@@ -91,13 +91,13 @@ impl Client {
     /// [`Outcome::exit_code`].
     pub fn execute(&self, action: &Action, again: bool) -> Result<Outcome, RemoteError> {
         let deadline = Instant::now() + self.settings.action_timeout;
-        let mut requests = 1;
+        let mut repeats = 0;
         loop {
             let blobs: Vec<&Blob> = action.messages.iter().chain(&action.inputs).collect();
             self.upload(&blobs)?;
             match self.block_on(self.run(&action.digest, again, deadline)) {
                 // An input has vanished between upload and start.
-                Err(RemoteError::Missing(_)) if requests < MAX_REQUESTS => requests += 1,
+                Err(RemoteError::Missing(_)) if repeats < MAX_REPEATS => repeats += 1,
                 result => return result,
             }
         }
@@ -157,7 +157,7 @@ impl Client {
                 }
                 Err(status) if Instant::now() >= deadline => return Err(RemoteError::from_status("action", &status)),
                 // The server was restarted, and has forgotten the action.
-                Err(status) if follows && status.code() == Code::NotFound && forgotten < MAX_REQUESTS => {
+                Err(status) if follows && status.code() == Code::NotFound && forgotten < MAX_REPEATS => {
                     forgotten += 1;
                     name = None;
                 }
@@ -165,7 +165,7 @@ impl Client {
                 Err(status) if is_transient(&status) && failures.allow_another() => {}
                 Err(status) => return Err(RemoteError::from_status("action", &status)),
             }
-            tokio::time::sleep(wait(failures.count)).await;
+            tokio::time::sleep(backoff(failures.count)).await;
         }
     }
 

@@ -73,11 +73,11 @@ const MAX_PIECES: usize = 4096;
 /// The greatest distance of a point on the triangles of `mesh` from the nearest of `parts`. All are
 /// in the same frame.
 pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
-    uncovered_by(mesh, parts, None)
+    uncovered_until(mesh, parts, None)
 }
 
 /// As [`uncovered()`]. After the deadline, the bound is not improved any more, but it still holds.
-pub fn uncovered_by(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadline>) -> Uncovered {
+pub fn uncovered_until(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadline>) -> Uncovered {
     let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -4,7 +4,7 @@
 use hullmap_format::SolidKind;
 use rayon::prelude::*;
 
-use super::{Accuracy, Solid, coverage::uncovered_by, protrusion};
+use super::{Accuracy, Solid, coverage::uncovered_until, protrusion};
 use crate::{PointSet, deadline::Deadline, hull::Hull};
 
 /// How a convex part fits the mesh that it stands for, as proven bounds. Lengths are in the unit of
@@ -70,7 +70,7 @@ pub fn fits_around(
     if parts.is_empty() {
         return None;
     }
-    let uncovered = uncovered_by(mesh, parts, deadline).bound;
+    let uncovered = uncovered_until(mesh, parts, deadline).bound;
     let accuracy = Accuracy { deadline, ..Accuracy::tight(solid.diagonal()) };
     let fit = |part: &&Hull| {
         let mut found = protrusion(solid, part, &accuracy);

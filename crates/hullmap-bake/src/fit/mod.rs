@@ -16,7 +16,7 @@
 //! | [`remainder`](mod@remainder) | what parts leave of the solid, as convex pieces |
 //! | `region` | a part as half-spaces in a box |
 //! | [`polytope`] | convex polytopes, cut by planes |
-//! | [`branch`] | branch and bound, which both use |
+//! | [`branch`] | branch and bound, by which both are proven |
 //! | [`reach`] | space that no ball of a radius can reach from outside |
 //! | [`sides`] | regions that are inside although triangles cut them |
 //! | `triangle_tree` | bounding volume hierarchy of a mesh's triangles |

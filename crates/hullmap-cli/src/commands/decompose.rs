@@ -18,18 +18,18 @@ use serde::Serialize;
 
 use crate::args::DecomposeArgs;
 use crate::baker::{BakedPack, bake_pack};
-use crate::estimates::DecomposedObject;
 use crate::interrupt;
 use crate::mesh_file::body::Body;
 use crate::mesh_file::{glb, obj, place};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder};
-use crate::part::diagonal;
 use crate::runner::progress::Progress;
 use crate::runner::rows::Status;
 use crate::runner::schedule;
 use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_verify::estimates::DecomposedObject;
+use hullmap_verify::part::diagonal;
 
 /// Share of the time after which the meshes are read.
 const READ: f64 = 0.05;

@@ -10,8 +10,9 @@ use crate::outcome::{Exit, Failure};
 use crate::pair::{PairAnswer, PairSolver, Side};
 use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
-use crate::table::{Align, Table, or_dash, rounded};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
+use hullmap_bake::number::rounded;
 
 /// Answer for one pose. Field names are the JSON's; fields that the mode does not compute are
 /// `None`.

@@ -7,7 +7,7 @@ use hullmap::{Hull, MassProperties, PrimitiveKind, Replacement};
 use hullmap_import::UpAxis;
 use serde::Serialize;
 
-use crate::geometry::{polygons, positions};
+use hullmap_verify::geometry::{polygons, positions};
 
 /// Density of water, and MuJoCo's default, in kilograms per cubic metre.
 pub const DENSITY: f64 = 1000.0;

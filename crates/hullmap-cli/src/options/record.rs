@@ -56,6 +56,12 @@ impl BuildOptions {
         }
     }
 
+    /// The parameters with which a text records that meshes were decomposed; `None` if they were
+    /// not, or if the options are not known.
+    pub fn recorded_cover(text: &str) -> Option<hullmap_bake::decompose::Cover> {
+        Self::from_recorded(text)?.decompose()
+    }
+
     /// The options that a text records: the inverse of [`Display`](fmt::Display).
     ///
     /// `None` if a version of the tool with other options baked the pack.

@@ -1,4 +1,5 @@
-//! The table of all options that shape a bake: key, accepted values, default, help.
+//! The table of all options that shape packs and triangle meshes: key, accepted values, default,
+//! help. Those of height fields are in `args/height_field.rs`.
 //!
 //! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
 //! come from this table. An option that is recorded changes the hulls. Flags that apply to a whole
@@ -15,7 +16,8 @@ pub struct BuildOption {
     pub key: &'static str,
     /// Values it accepts.
     pub syntax: Syntax,
-    /// Its value if no source gives one.
+    /// Its value if no source gives one. With `decompose`, `none` stands for the value in
+    /// [`Cover::default`](hullmap_bake::decompose::Cover): see `BuildOptions::decompose`.
     pub default: DefaultValue,
     /// Name of the value in the help.
     pub value_name: &'static str,

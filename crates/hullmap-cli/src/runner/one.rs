@@ -21,9 +21,9 @@ use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
 use crate::triangle_mesh::{MeshSummary, adapted, bake_triangles};
-use crate::verification::pack::{Reference, verify_hulls};
-use crate::verification::triangle_mesh::{SourceTriangles, verify_mesh};
 use hullmap_import::{self as import, Imported, Limits, SourceFile};
+use hullmap_verify::pack::{Reference, verify_hulls};
+use hullmap_verify::triangle_mesh::{SourceTriangles, verify_mesh};
 
 /// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord, Stage) -> Result<BakedPack, String> + Sync;
@@ -314,7 +314,8 @@ fn verify_pack(path: &Path, imported: &Imported) -> Result<(), Failure> {
             };
         }
     };
-    let results = verify_hulls(&pack, Reference::Source(&imported.point_sets), DEFAULT_DIRECTIONS, 0)
+    let cover = BuildOptions::recorded_cover(pack.options());
+    let results = verify_hulls(&pack, Reference::Source(&imported.point_sets), cover.as_ref(), DEFAULT_DIRECTIONS, 0)
         .map_err(Failure::rejected)?;
     match results.into_iter().find(|result| !result.pass) {
         Some(result) => Err(Failure::rejected(format!("verification failed: {}", result.verdict()))),

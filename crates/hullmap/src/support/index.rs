@@ -79,7 +79,8 @@ impl Leaf<'_> {
     }
 }
 
-/// Kernel of a support query that goes through the index.
+/// Kernel of a support query that finds the leaf first: through the index, or all blocks if there is
+/// none.
 struct WholeLookup<'i, 'a, T>(&'i Index<'a>, PhantomData<T>);
 
 impl<T> Clone for WholeLookup<'_, '_, T> {
@@ -160,7 +161,7 @@ impl<'a> Index<'a> {
         let [x, y, z] = dir;
         // Only hulls of one block are inlined here. Inlining more makes them slower.
         let found = match exactly::<1>(self.blocks) {
-            Some(few) if self.is_scan() => self.dispatch.run(Scan(few, self, PhantomData), [x, y, z]),
+            Some(few) if self.has_no_index() => self.dispatch.run(Scan(few, self, PhantomData), [x, y, z]),
             _ => self.support_out_of_line(x, y, z),
         };
         found.read()
@@ -173,7 +174,7 @@ impl<'a> Index<'a> {
         [T; 3]: Direction,
     {
         let dir = [x, y, z];
-        if self.is_scan() {
+        if self.has_no_index() {
             if let Some(few) = exactly::<2>(self.blocks) {
                 return self.dispatch.run(Scan(few, self, PhantomData), dir);
             }
@@ -189,7 +190,7 @@ impl<'a> Index<'a> {
 
     /// Whether there is no index: all blocks are one leaf.
     #[inline(always)]
-    fn is_scan(&self) -> bool {
+    fn has_no_index(&self) -> bool {
         self.slots.is_empty()
     }
 
@@ -197,7 +198,7 @@ impl<'a> Index<'a> {
     /// small hull. A cube map has no common slots.
     #[inline]
     pub(crate) fn fetch_ahead(&self) {
-        if self.is_scan() {
+        if self.has_no_index() {
             self.fetch_leaf(self.blocks);
         } else if self.kind.branches() != Branches::None {
             self.fetch_words(0, FACES);

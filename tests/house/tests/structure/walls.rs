@@ -160,6 +160,19 @@ fn robot_descriptions_depend_neither_on_meshes_nor_on_the_command() {
     assert!(tree("hullmap-cli", "normal", &[]).contains("hullmap-robot"));
 }
 
+/// What is verified must not depend on how the command read options or wrote files.
+#[test]
+fn verification_depends_on_both_sides_and_not_on_the_command() {
+    assert_unseen("hullmap-verify", &["hullmap-cli", "hullmap-report", "hullmap-robot", "clap", "parry3d", "tempfile"]);
+    let seen = tree("hullmap-verify", "normal", &[]);
+    for name in ["hullmap", "hullmap-bake", "hullmap-import"] {
+        assert!(seen.contains(name), "{seen:?}");
+    }
+    for package in ["hullmap", "hullmap-bake", "hullmap-import"] {
+        assert_unseen(package, &["hullmap-verify"]);
+    }
+}
+
 /// Whole robots are not in the runtime, and planners need no command.
 #[test]
 fn robots_for_planning_depend_on_the_runtime_and_not_on_the_command() {

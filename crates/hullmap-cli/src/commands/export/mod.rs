@@ -20,7 +20,6 @@ use hullmap_import::{Limits, Split, UpAxis};
 use serde::Serialize;
 
 use crate::args::export::{ExportArgs, Format, Target};
-use crate::geometry::rank_name;
 use crate::mesh_file::body::{Body, DENSITY, Inertial};
 use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use crate::mesh_file::{glb, obj, place, stl};
@@ -31,8 +30,10 @@ use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, t
 use crate::packs::{PackPlace, find_packs, is_baked};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
-use crate::table::{grouped, rounded};
+use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::rounded;
+use hullmap_verify::geometry::rank_name;
 use robot::{Geometry, Robot};
 use scene::Added;
 

@@ -8,15 +8,16 @@ use hullmap_import::UpAxis;
 use serde::Serialize;
 
 use crate::args::InspectArgs;
-use crate::estimates::MirrorPlane;
-use crate::geometry::{polygons, positions, rank_name};
 use crate::mesh_file::body::BodyPrimitive;
 use crate::open::{BakedFile, kept_warnings, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
-use crate::table::{grouped, rounded, shortest};
+use crate::table::{grouped, shortest};
 use crate::terminal::{self, Output};
+use hullmap_bake::number::rounded;
+use hullmap_verify::estimates::MirrorPlane;
+use hullmap_verify::geometry::{polygons, positions, rank_name};
 
 /// Description of a pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]

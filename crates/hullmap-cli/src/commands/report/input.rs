@@ -13,15 +13,15 @@ use super::mesh::analyse_mesh;
 use super::remarks::remarks;
 use super::sought::{Sought, seek_source, source_name};
 use crate::args::ReportArgs;
-use crate::estimates::PartsEstimates;
-use crate::geometry::polygons;
 use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::packs::PackPlace;
 use crate::source::{Folders, Source};
 use crate::source_mesh::display_mesh;
-use crate::verification::pack::{HullVerification, Reference, verify_hulls};
+use hullmap_verify::estimates::PartsEstimates;
+use hullmap_verify::geometry::polygons;
+use hullmap_verify::pack::{HullVerification, Reference, verify_hulls};
 
 /// Everything that the page of a file shows.
 pub enum Analysed {
@@ -127,7 +127,8 @@ fn verify(
 ) -> Verification {
     let start = Instant::now();
     let reference = source.map_or(Reference::StoredHull, |source| Reference::Source(&source.point_sets));
-    let results = verify_hulls(pack, reference, args.directions, args.seed).unwrap_or_else(|error| {
+    let cover = BuildOptions::recorded_cover(pack.options());
+    let results = verify_hulls(pack, reference, cover.as_ref(), args.directions, args.seed).unwrap_or_else(|error| {
         faults.push(error);
         Vec::new()
     });

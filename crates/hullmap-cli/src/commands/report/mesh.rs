@@ -14,7 +14,7 @@ use crate::outcome::Failure;
 use crate::packs::PackPlace;
 use crate::source::{Folders, Source};
 use crate::triangle_mesh::{MeshSummary, adapted, t_junctions_of};
-use crate::verification::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
+use hullmap_verify::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
 
 /// Verifies and describes a mesh; `given` is the path that `--source` gives for it. Fails if
 /// `--source` leads to no file. Faults of the mesh are part of the report.

@@ -86,7 +86,7 @@ mod tests {
     use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 
     use super::*;
-    use crate::verification::random::SplitMix;
+    use hullmap_verify::random::SplitMix;
 
     fn warnings(positions: Vec<[f32; 3]>) -> String {
         let source_vertices = (0..positions.len() as u32).collect();

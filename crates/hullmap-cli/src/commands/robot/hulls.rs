@@ -12,11 +12,11 @@ use hullmap_robot::Submesh;
 use super::choice::HullsOf;
 use super::files::Output;
 use super::meshes::Meshes;
-use crate::geometry::positions;
 use crate::jobs::Job;
 use crate::mesh_file::{body::Body, obj};
 use crate::open::open_pack;
 use crate::outcome::Failure;
+use hullmap_verify::geometry::positions;
 
 /// The hulls that stand for a mesh.
 pub struct Hulls {

@@ -15,7 +15,7 @@ use super::hulls::Hulls;
 use super::meshes::Meshes;
 use super::pairs::Pairs;
 use super::rows::Row;
-use crate::geometry::polygons;
+use hullmap_verify::geometry::polygons;
 
 /// What identifies a mesh of the page.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]

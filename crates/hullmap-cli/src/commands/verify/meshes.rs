@@ -3,7 +3,7 @@
 use crate::outcome::Failure;
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
-use crate::verification::triangle_mesh::MeshVerification;
+use hullmap_verify::triangle_mesh::MeshVerification;
 
 /// Errors, the table, and the summary.
 pub fn write_text(meshes: &[MeshVerification], out: &mut Output) -> Result<(), Failure> {

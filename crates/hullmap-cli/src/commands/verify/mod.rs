@@ -9,17 +9,18 @@ use hullmap_bake::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
 use crate::budget::{Figures, budget};
-use crate::geometry::{polygons, positions};
 use crate::open::{BakedFile, open_baked};
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
-use crate::verification::pack::{
+use hullmap_verify::geometry::{polygons, positions};
+use hullmap_verify::pack::{
     BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS, verify_hulls,
 };
-use crate::verification::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
+use hullmap_verify::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
 
 /// Maximum number of warnings that are printed about one pack. JSON has all of them.
 const MAX_WARNINGS: usize = 8;
@@ -96,9 +97,10 @@ fn verify_file(
     match &opened {
         BakedFile::Pack(pack) => {
             let reference = source.as_ref().map(|source| Reference::Source(&source.point_sets));
-            let mut results =
-                verify_hulls(pack, reference.unwrap_or(Reference::StoredHull), args.directions, args.seed)
-                    .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
+            let reference = reference.unwrap_or(Reference::StoredHull);
+            let cover = BuildOptions::recorded_cover(pack.options());
+            let mut results = verify_hulls(pack, reference, cover.as_ref(), args.directions, args.seed)
+                .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
             for result in &mut results {
                 result.file.clone_from(&file);
                 result.source.clone_from(&shown);

@@ -25,10 +25,10 @@ use hullmap_bake::PointSet;
 use hullmap_bake::fit::{Solid, uncovered};
 use rayon::prelude::*;
 
-use super::outside::to_point;
-use super::random::SplitMix;
-use super::soup::{Triangle, TriangleSoup, closest};
 use crate::geometry::{polygons, rebuilt};
+use crate::outside::to_point;
+use crate::random::SplitMix;
+use crate::soup::{Triangle, TriangleSoup, closest};
 
 /// Maximum number of cells of one search.
 const MAX_CELLS: usize = 40_000;

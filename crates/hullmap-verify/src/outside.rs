@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 use hullmap::{Cache, Distance, Hull, Pose, Settings, distance};
 use rayon::prelude::*;
 
-use super::REGRET_LIMIT;
-use super::truth::{Points, dot};
-use crate::table::rounded;
+use crate::support::REGRET_LIMIT;
+use crate::truth::{Points, dot};
+use hullmap_bake::number::rounded;
 
 /// Difference between the supports of a hull and of its source, over all tested directions;
 /// lengths.
@@ -86,7 +86,7 @@ impl hullmap::SupportMap for Dot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verification::random::SplitMix;
+    use crate::random::SplitMix;
 
     fn sphere(count: usize) -> Vec<Vec3> {
         let mut random = SplitMix::new(3);

@@ -23,20 +23,20 @@ use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use serde::Serialize;
 
-use super::directions::directions;
-use super::fit::{Judge, Witness};
-use super::mass;
-use super::outside::measure_outside;
-use super::parts::{PartsFindings, findings};
-use super::primitive;
-use super::truth::Points;
-use super::{Measurement, REGRET_LIMIT, index, measure};
+use crate::directions::directions;
 use crate::estimates::PartsEstimates;
+use crate::fit::{Judge, Witness};
 use crate::geometry::polygons;
+use crate::index;
+use crate::mass;
 use crate::measure::{solid_of, stand_for_one};
-use crate::options::BuildOptions;
+use crate::outside::measure_outside;
 use crate::part::{Part, parts};
-use crate::table::rounded;
+use crate::parts::{PartsFindings, findings};
+use crate::primitive;
+use crate::support::{Measurement, REGRET_LIMIT, measure};
+use crate::truth::Points;
+use hullmap_bake::number::rounded;
 
 /// Result of a part that fits its mesh within its recorded bounds.
 pub const WITHIN_BOUNDS: &str = "within its bounds";
@@ -187,18 +187,20 @@ impl HullVerification {
     }
 }
 
-/// Proves the index of every hull of a pack, and verifies the hull in `count` directions. The file
-/// names in the results are left empty. Fails if the source has a different number of hulls than
-/// the pack, or redundant data in the pack disagree. Complexity: O(points · directions) for each
-/// hull; with decomposed meshes, the time to cut them again.
+/// Proves the index of every hull of a pack, and verifies the hull in `count` directions. `cover`
+/// are the parameters with which meshes were decomposed, as the pack records them. The file names
+/// in the results are left empty. Fails if the source has a different number of hulls than the pack,
+/// or redundant data in the pack disagree. Complexity: O(points · directions) for each hull; with
+/// decomposed meshes, the time to cut them again.
 pub fn verify_hulls(
     pack: &Pack,
     reference: Reference,
+    cover: Option<&Cover>,
     count: usize,
     seed: u64,
 ) -> Result<Vec<HullVerification>, String> {
     pack.check_repeats().map_err(|error| error.to_string())?;
-    let mut results = compare_hulls(pack, reference, count, seed)?;
+    let mut results = compare_hulls(pack, reference, cover, count, seed)?;
     for (result, proof) in results.iter_mut().zip(index::prove(pack)) {
         result.proven = Some(proof.is_ok());
         match proof {
@@ -213,19 +215,24 @@ pub fn verify_hulls(
 }
 
 /// Compares every hull with its source, or with its own vertices, in `count` directions.
-fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> Result<Vec<HullVerification>, String> {
-    let decompose = BuildOptions::from_recorded(pack.options()).and_then(|options| options.decompose());
+fn compare_hulls(
+    pack: &Pack,
+    reference: Reference,
+    cover: Option<&Cover>,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<HullVerification>, String> {
     let Reference::Source(sets) = reference else {
-        return Ok(verify_alone(pack, decompose.as_ref(), count, seed));
+        return Ok(verify_alone(pack, cover, count, seed));
     };
     let has_collision_parts = sets.iter().any(|points| points.stands_for.is_some());
-    let has_own_parts = decompose.is_none() && !has_collision_parts && pack.hulls().any(|hull| hull.part_count() > 0);
+    let has_own_parts = cover.is_none() && !has_collision_parts && pack.hulls().any(|hull| hull.part_count() > 0);
     // A search that ends by the clock does not find the same parts again.
-    let is_timed = matches!(decompose, Some(Cover { seconds: Some(_), .. }));
+    let is_timed = matches!(cover, Some(Cover { seconds: Some(_), .. }));
     if has_own_parts || is_timed {
-        return verify_parts_of_others(pack, sets, decompose.as_ref(), count, seed);
+        return verify_parts_of_others(pack, sets, cover, count, seed);
     }
-    let parts = parts(sets, decompose.as_ref(), Stage::default())?;
+    let parts = parts(sets, cover, Stage::default())?;
     if parts.len() != pack.hull_count() {
         let (found, expected) = (pack.hull_count(), parts.len());
         return Err(format!("the pack has {found} hulls, but its source has {expected}; bake it again"));
@@ -236,13 +243,13 @@ fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> 
     let hulls: Vec<Hull> = pack.hulls().collect();
     let mut start = 0;
     let is_same_object = |part: &Part, next: &Part| {
-        part.set == next.set || decompose.is_none() && stand_for_one(&sets[part.set], &sets[next.set])
+        part.set == next.set || cover.is_none() && stand_for_one(&sets[part.set], &sets[next.set])
     };
     for own in parts.chunk_by(is_same_object) {
         let end = start + own.len();
         let points = &sets[own[0].set];
-        let mesh = points.stands_for.as_deref().filter(|_| decompose.is_none()).unwrap_or(points);
-        verify_object(&hulls[start..end], mesh, decompose.as_ref(), &mut results[start..end]);
+        let mesh = points.stands_for.as_deref().filter(|_| cover.is_none()).unwrap_or(points);
+        verify_object(&hulls[start..end], mesh, cover, &mut results[start..end]);
         start = end;
     }
     Ok(results)

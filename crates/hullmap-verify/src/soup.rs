@@ -241,7 +241,7 @@ fn crossing(&[a, b, c]: &Triangle, p: DVec3, direction: DVec3) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verification::random::SplitMix;
+    use crate::random::SplitMix;
     use hullmap_bake::PointSet;
 
     /// Two boxes; the second has no lid.

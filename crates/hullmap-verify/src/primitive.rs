@@ -4,10 +4,10 @@ use hullmap::{Hull, Replacement};
 use hullmap_bake::PointSet;
 use hullmap_bake::primitive::{Primitive, around::surface_points, contained};
 
-use super::fit::{Judge, Witness};
+use crate::fit::{Judge, Witness};
 use crate::geometry::rebuilt;
 use crate::part::diagonal;
-use crate::table::rounded;
+use hullmap_bake::number::rounded;
 
 /// Distance by which rounding may move a point of the surface, relative to the diagonal.
 const ROUNDING: f64 = 1e-9;

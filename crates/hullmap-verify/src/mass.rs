@@ -8,7 +8,7 @@ use hullmap_bake::fit::VoidsShare;
 use hullmap_bake::mass::Mass;
 
 use crate::part::diagonal;
-use crate::table::rounded;
+use hullmap_bake::number::rounded;
 
 /// Difference from the recorded mass that rounding may explain, relative to the volume and to the
 /// mesh's diagonal.

@@ -8,24 +8,12 @@
 //! directions; a hull with a point that is not in the source has a negative regret. Both are
 //! mismatches.
 
-pub mod directions;
-pub mod fit;
-pub mod index;
-pub mod mass;
-pub mod outside;
-pub mod pack;
-pub mod parts;
-mod primitive;
-pub mod random;
-pub mod soup;
-pub mod triangle_mesh;
-pub mod truth;
-
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::directions;
+use crate::truth::{Points, dot};
 use hullmap::{Cost, Hull, SupportVertex};
-use truth::{Points, dot};
 
 /// Maximum regret, relative to the diameter, that counts as exact: twice the distance from the hull
 /// that certification allows a source point (1e-7).
@@ -124,9 +112,9 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::directions::directions;
-    use super::random::SplitMix;
     use super::*;
+    use crate::directions::directions;
+    use crate::random::SplitMix;
 
     /// A hull that answers by brute force, with one answer bent by `bend`.
     struct Cloud<F> {

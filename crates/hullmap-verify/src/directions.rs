@@ -12,7 +12,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::random::SplitMix;
+use crate::random::SplitMix;
 
 /// Perturbations, relative to the direction's length.
 const DISTURBANCES: [f64; 10] = [0.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];

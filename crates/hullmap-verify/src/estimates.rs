@@ -8,7 +8,6 @@ use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
-#[cfg(feature = "command")]
 use serde::{Deserialize, Serialize};
 
 /// Maximum number of parts of an object that are compared with each other. Anybody may have written
@@ -17,13 +16,12 @@ const MAX_PARTS: usize = 4096;
 
 /// Estimates of how the parts of one object fit together. Field names are the JSON's; `None` if
 /// something was not measured. Lengths are in source units.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct PartsEstimates {
     /// Sum of the parts' volumes less the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
     /// Error of `overlap`: twice its standard deviation.
-    #[cfg_attr(feature = "command", serde(default))]
+    #[serde(default)]
     pub overlap_error: Option<f64>,
     /// Mean distance of the parts' visible surface from the mesh's solid.
     pub mean_protrusion: Option<f64>,
@@ -35,16 +33,15 @@ pub struct PartsEstimates {
     pub voids_error: Option<f64>,
     /// Whether every point of the solid is in a part, proven; `None` if that was not requested, or
     /// the mesh is not closed.
-    #[cfg_attr(feature = "command", serde(default))]
+    #[serde(default)]
     pub filled: Option<bool>,
     /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
-    #[cfg_attr(feature = "command", serde(default))]
+    #[serde(default)]
     pub symmetry: Option<MirrorPlane>,
 }
 
 /// A plane of symmetry: the points p with `normal · p = offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct MirrorPlane {
     /// Unit normal.
     pub normal: [f64; 3],
@@ -130,8 +127,7 @@ impl PartsEstimates {
 }
 
 /// An object whose mesh was decomposed, or whose parts came with it. Field names are the JSON's.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "command", derive(Deserialize, Serialize))]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct DecomposedObject {
     /// Name of the object.
     pub name: String,
@@ -147,12 +143,12 @@ pub struct DecomposedObject {
     pub thickness: Option<f64>,
     /// Radius of the ball that must be able to reach a place from outside for protrusion to count
     /// there; `None` if it counts everywhere.
-    #[cfg_attr(feature = "command", serde(default))]
+    #[serde(default)]
     pub reachable: Option<f64>,
     /// Why an engine cannot use the parts well, in one word each; empty if it can.
     pub flaws: Vec<String>,
     /// How the parts fit together.
-    #[cfg_attr(feature = "command", serde(flatten))]
+    #[serde(flatten)]
     pub estimates: PartsEstimates,
 }
 

@@ -19,8 +19,8 @@ use hullmap_import::{Materials, Polygons};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::random::SplitMix;
-use super::soup::closest;
+use crate::random::SplitMix;
+use crate::soup::closest;
 
 /// Maximum number of tests of a triangle, by rays and by points: some seconds. Fewer are made on a
 /// mesh of more triangles, but at least [`LEAST`].

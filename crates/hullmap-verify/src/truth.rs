@@ -166,7 +166,7 @@ fn distance_sq(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verification::random::SplitMix;
+    use crate::random::SplitMix;
 
     /// The same maximum, one dot product after the other.
     fn slow(positions: &[[f32; 3]], dir: Vec3) -> f64 {

@@ -1,0 +1,38 @@
+//! Measures how convex parts fit their meshes, and verifies packs and triangle meshes against their
+//! sources.
+//!
+//! | module | concept |
+//! |---|---|
+//! | [`pack`] | verification of a pack, hull by hull |
+//! | [`triangle_mesh`] | verification of a triangle mesh |
+//! | [`index`] | proofs of direction indices |
+//! | [`support`], [`truth`], [`directions`] | support queries against every point of the source |
+//! | [`outside`] | simplified hulls: how far they extend beyond their source |
+//! | [`fit`], [`soup`] | cover and protrusion of parts, by samples of the surface |
+//! | [`mass`], `primitive` | recorded mass, voids and primitives |
+//! | [`part`], [`measure`], [`estimates`], [`parts`] | parts of a mesh: made, measured, and judged |
+//! | [`geometry`] | vertices and faces of a hull as lists |
+//! | [`random`] | seeded directions and points |
+//!
+//! What it compares with is computed independently of the baker, as far as it can be: by brute
+//! force, in f64. It knows neither options nor files of the command.
+
+#![forbid(unsafe_code)]
+
+pub mod directions;
+pub mod estimates;
+pub mod fit;
+pub mod geometry;
+pub mod index;
+pub mod mass;
+pub mod measure;
+pub mod outside;
+pub mod pack;
+pub mod part;
+pub mod parts;
+mod primitive;
+pub mod random;
+pub mod soup;
+pub mod support;
+pub mod triangle_mesh;
+pub mod truth;
