@@ -39,6 +39,7 @@ using ClearSettings = HullmapClearSettings;
 using TimeOfImpact = HullmapTimeOfImpact;
 using Clearance = HullmapClearance;
 using Derivatives = HullmapDerivatives;
+using WitnessDerivatives = HullmapWitnessDerivatives;
 using ManifoldPoint = HullmapManifoldPoint;
 using ManifoldPoints = HullmapManifoldPoints;
 using HullFacts = HullmapHullFacts;

@@ -25,7 +25,7 @@ ARM = f"""<mujoco><worldbody>
     <body name="lower" pos="{LENGTH} 0 0"><joint name="elbow" axis="0 0 1"/>
       <geom type="box" size="{LENGTH / 2} {HALF_WIDTH} 0.1" pos="{LENGTH / 2} 0 0"/></body></body>
 </worldbody></mujoco>"""
-AT = np.array([0.75, 1.35])
+AT = np.array([0.95, 0.8])
 START, END = np.array([-0.35, 0.9]), np.array([1.1, -0.2])
 STEPS = 6
 
@@ -73,7 +73,7 @@ def edge(path: Path) -> None:
     hits = robot.in_collision(np.array([between(t) for t in times]))
     assert found.verdict == hullmap.Verdict.HIT and not hits.any()
 
-    place = lambda points: np.stack((60 + 190 * points[..., 0], 400 - 190 * points[..., 1]), axis=-1)
+    place = lambda points: np.stack((60 + 190 * points[..., 0], 380 - 190 * points[..., 1]), axis=-1)
     parts = []
 
     def arm(t: float, colour: str, opacity: float) -> None:
@@ -90,7 +90,7 @@ def edge(path: Path) -> None:
     tip = np.array([links(between(t))[1][1:3].mean(axis=0) for t in np.linspace(0, 1, 60)])
     parts.append(line(place(tip), BLUE, 1.2, 'stroke-dasharray="4 3"'))
     # The times.
-    left, right, height = 60.0, 580.0, 470.0
+    left, right, height = 60.0, 580.0, 480.0
     at = lambda t: left + (right - left) * t
     parts.append(line(np.array([[left, height], [right, height]]), INK, 1))
     for t in times:
@@ -100,7 +100,7 @@ def edge(path: Path) -> None:
     parts.append(text(lower, height - 18, f"first contact: t from {float(found.t_lower):.5f} to {float(found.t_upper):.5f}", colour=RED, anchor="middle"))
     parts.append(text(left, height + 24, f"t = 0; {STEPS} samples, all free", colour=GREEN))
     parts.append(text(right, height + 24, "t = 1", anchor="end"))
-    save(path, 640, 510, "An edge of an arm: the samples are free, the edge is not", parts)
+    save(path, 640, 520, "An edge of an arm: the samples are free, the edge is not", parts)
 
 
 def clearances(angles: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

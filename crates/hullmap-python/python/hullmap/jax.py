@@ -3,7 +3,7 @@
 >>> import hullmap, hullmap.jax, jax                                    # doctest: +SKIP
 >>> jax.config.update("jax_enable_x64", True)                           # doctest: +SKIP
 >>> cube, ball = hullmap.Box([1, 1, 1]), hullmap.Sphere(0.5)              # doctest: +SKIP
->>> pose = jax.numpy.array([3, 0.5, 0, 0, 0, 0, 1.0])                   # x y z qx qy qz qw
+>>> pose = jax.numpy.array([3, 0.5, 0, 0, 0, 0, 1.0])                   # doctest: +SKIP
 >>> jax.grad(lambda pose: hullmap.jax.distance(cube, ball, pose))(pose)[:3]  # doctest: +SKIP
 Array([1., 0., 0.], dtype=float64)
 

@@ -2,7 +2,7 @@
 
 >>> import hullmap, hullmap.torch, torch                                # doctest: +SKIP
 >>> cube, ball = hullmap.Box([1, 1, 1]), hullmap.Sphere(0.5)              # doctest: +SKIP
->>> pose = torch.tensor([3.0, 0.5, 0, 0, 0, 0, 1], requires_grad=True)   # x y z qx qy qz qw
+>>> pose = torch.tensor([3.0, 0.5, 0, 0, 0, 0, 1], requires_grad=True)   # doctest: +SKIP
 >>> gap = hullmap.torch.distance(cube, ball, pose)                      # doctest: +SKIP
 >>> gap.backward(); pose.grad[:3]                                       # doctest: +SKIP
 tensor([1., 0., 0.])

@@ -55,8 +55,20 @@ pub(super) enum Facing {
     /// An edge, along this unit direction.
     Edge(DVec3),
     Face,
-    /// A curved surface, or features that are too small to be distinguished from one.
-    Curved,
+    /// A curved surface, or features that are too small to be distinguished from one. It may
+    /// contain a line along this unit direction, as the side of a cylinder does.
+    Curved(Option<DVec3>),
+}
+
+impl Facing {
+    /// The direction of an edge, or of a line on a curved surface.
+    fn line(self) -> Option<DVec3> {
+        match self {
+            Self::Edge(along) => Some(along),
+            Self::Curved(along) => along,
+            Self::Vertex | Self::Face => None,
+        }
+    }
 }
 
 /// A shape at a pose, of which only the core counts.
@@ -93,7 +105,7 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         let length = chord.length();
         // NaN takes the failing branch.
         if !(length > self.same_place()) {
-            return if length <= self.straight() { Facing::Vertex } else { Facing::Curved };
+            return if length <= self.straight() { Facing::Vertex } else { Facing::Curved(None) };
         }
         let along = chord / length;
         let across = normal.cross(along);
@@ -104,7 +116,7 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         } else if width <= self.straight() {
             Facing::Edge(along)
         } else {
-            Facing::Curved
+            Facing::Curved(Some(along))
         }
     }
 
@@ -154,8 +166,8 @@ pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if chord_b.length() <= b.same_place() {
         return Differentiability::Unique;
     }
-    match (a.facing(normal, chord_a), b.facing(-normal, chord_b)) {
-        (Facing::Edge(a), Facing::Edge(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
+    match (a.facing(normal, chord_a).line(), b.facing(-normal, chord_b).line()) {
+        (Some(a), Some(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
         _ => Differentiability::Parallel,
     }
 }
@@ -171,7 +183,7 @@ pub(super) fn facing_features<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let (a, b) = placed(shapes, error);
     let facing = [a.facing(normal, a.chord(normal)), b.facing(-normal, b.chord(-normal))];
     let is_inside = match facing {
-        [Facing::Curved, _] | [_, Facing::Curved] => return Err(Differentiability::Curved),
+        [Facing::Curved(_), _] | [_, Facing::Curved(_)] => return Err(Differentiability::Curved),
         [Facing::Vertex, Facing::Vertex] => true,
         [Facing::Edge(along), Facing::Vertex] | [Facing::Vertex, Facing::Edge(along)] => {
             is_inside_edge(&a, &b, (normal, along), points)
