@@ -1,9 +1,6 @@
 //! When a computation stops for lack of time.
 
-use std::{
-    sync::OnceLock,
-    time::{Duration, Instant},
-};
+use std::time::Duration;
 
 /// The time that has passed on a clock since some fixed moment.
 pub type Clock = fn() -> Duration;
@@ -58,9 +55,19 @@ pub fn is_over(deadline: Option<Deadline>) -> bool {
     deadline.is_some_and(|deadline| deadline.is_over())
 }
 
-fn monotonic() -> Duration {
+/// The time that has passed since the first call.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+pub fn monotonic() -> Duration {
+    use std::{sync::OnceLock, time::Instant};
+
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed()
+}
+
+/// Always 0: in the browser, the standard library has no clock. Deadlines do not pass.
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+pub fn monotonic() -> Duration {
+    Duration::ZERO
 }
 
 #[cfg(test)]

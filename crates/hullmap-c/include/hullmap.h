@@ -176,6 +176,10 @@ enum HullmapDifferentiability
     HULLMAP_DIFFERENTIABILITY_MISSING = 5,
     // The answer is less accurate than its settings ask for.
     HULLMAP_DIFFERENTIABILITY_INACCURATE = 6,
+    // Only of normals and points: other vertices, edges or faces are nearest for poses nearby.
+    HULLMAP_DIFFERENTIABILITY_FEATURE = 7,
+    // Only of normals and points: the shape is curved there.
+    HULLMAP_DIFFERENTIABILITY_CURVED = 8,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -872,6 +876,27 @@ typedef struct {
     double t_upper;
 } HullmapClearance;
 
+// Derivatives of the normal and the witness points of an answer by the poses of both shapes.
+//
+// Rows are the coordinates x, y, z. Columns are the numbers of a twist, as in HullmapDerivatives.
+// All numbers are 0 unless the differentiability is HULLMAP_DIFFERENTIABILITY_UNIQUE.
+typedef struct {
+    // Whether these are derivatives.
+    HullmapDifferentiability differentiability;
+    // Of the normal, by a twist of A.
+    double normal_by_a[3][6];
+    // Of the normal, by a twist of B.
+    double normal_by_b[3][6];
+    // Of the point of A, by a twist of A.
+    double point_a_by_a[3][6];
+    // Of the point of A, by a twist of B.
+    double point_a_by_b[3][6];
+    // Of the point of B, by a twist of A.
+    double point_b_by_a[3][6];
+    // Of the point of B, by a twist of B.
+    double point_b_by_b[3][6];
+} HullmapWitnessDerivatives;
+
 // Settings of a contact manifold. Start from HULLMAP_MANIFOLD_SETTINGS_DEFAULT.
 typedef struct {
     // sizeof(HullmapManifoldSettings)
@@ -1282,23 +1307,29 @@ HullmapResult hullmap_clear(const HullmapShape *a,
 
 // Distance of two convex shapes, and its derivatives by the poses of both, in A's frame. settings
 // and cache may be NULL.
+//
+// witness may be NULL. If not, it gets the derivatives of the normal and the points.
 HullmapResult hullmap_distance_derivatives(const HullmapShape *a,
                                            const HullmapShape *b,
                                            const HullmapPose *b_in_a,
                                            const HullmapSettings *settings,
                                            HullmapCache *cache,
                                            HullmapDistance *out,
-                                           HullmapDerivatives *derivatives);
+                                           HullmapDerivatives *derivatives,
+                                           HullmapWitnessDerivatives *witness);
 
 // Contact of two convex shapes, and the derivatives of its depth by the poses of both, in A's
 // frame. settings and cache may be NULL.
+//
+// witness may be NULL. If not, it gets the derivatives of the normal and the points.
 HullmapResult hullmap_contact_derivatives(const HullmapShape *a,
                                           const HullmapShape *b,
                                           const HullmapPose *b_in_a,
                                           const HullmapSettings *settings,
                                           HullmapCache *cache,
                                           HullmapContact *out,
-                                          HullmapDerivatives *derivatives);
+                                          HullmapDerivatives *derivatives,
+                                          HullmapWitnessDerivatives *witness);
 
 // Makes a manifold without points, for one ordered pair of shapes. `max_pairs` is the maximum
 // number of pairs of hulls of two compounds that may touch at the same time; for convex shapes,

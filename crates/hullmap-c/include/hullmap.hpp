@@ -39,6 +39,7 @@ using ClearSettings = HullmapClearSettings;
 using TimeOfImpact = HullmapTimeOfImpact;
 using Clearance = HullmapClearance;
 using Derivatives = HullmapDerivatives;
+using WitnessDerivatives = HullmapWitnessDerivatives;
 using ManifoldPoint = HullmapManifoldPoint;
 using ManifoldPoints = HullmapManifoldPoints;
 using HullFacts = HullmapHullFacts;
@@ -341,21 +342,23 @@ inline Clearance clear(const Shape &a, const Motion &motion_a, const Shape &b, c
     return found;
 }
 
-// The distance, and its derivatives in `derivatives`.
+// The distance, and its derivatives in `derivatives`; those of its normal and points in `witness`.
 inline Distance distance(const Shape &a, const Shape &b, const Pose &b_in_a, Derivatives &derivatives,
-                         Cache *cache = nullptr, const Settings *settings = nullptr) {
+                         Cache *cache = nullptr, const Settings *settings = nullptr,
+                         WitnessDerivatives *witness = nullptr) {
     Distance found{};
     check(hullmap_distance_derivatives(a.get(), b.get(), &b_in_a, settings, cache ? cache->get() : nullptr, &found,
-                                       &derivatives));
+                                       &derivatives, witness));
     return found;
 }
 
-// The contact, and the derivatives of its depth in `derivatives`.
+// The contact, and the derivatives of its depth in `derivatives`; those of its normal and points in `witness`.
 inline Contact contact(const Shape &a, const Shape &b, const Pose &b_in_a, Derivatives &derivatives,
-                       Cache *cache = nullptr, const Settings *settings = nullptr) {
+                       Cache *cache = nullptr, const Settings *settings = nullptr,
+                       WitnessDerivatives *witness = nullptr) {
     Contact found{};
     check(hullmap_contact_derivatives(a.get(), b.get(), &b_in_a, settings, cache ? cache->get() : nullptr, &found,
-                                      &derivatives));
+                                      &derivatives, witness));
     return found;
 }
 

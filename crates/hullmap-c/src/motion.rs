@@ -9,7 +9,7 @@ use hullmap::{ClearSettings, MotionSettings, Pose, RigidMotion, Settings};
 use crate::failure::Fallible;
 use crate::handles::{Kind, Memory, Shape};
 use crate::query::{ShapeQuery, convex_for, run};
-use crate::types::{self, Derivatives};
+use crate::types::{self, Derivatives, WitnessDerivatives};
 
 struct CastMotion<'q>([&'q RigidMotion; 2], &'q MotionSettings, &'q mut Memory);
 
@@ -106,27 +106,34 @@ pub(crate) fn clear(
     run(a, b, Clear(motions, settings, memory))
 }
 
-/// Distance of two convex shapes, and its derivatives.
+/// Distance of two convex shapes, its derivatives, and those of its normal and points if
+/// `is_witness`.
 pub(crate) fn distance_derivatives(
     [a, b]: [&Shape; 2],
     b_in_a: Pose,
     settings: &Settings,
     memory: &mut Memory,
-) -> Fallible<(types::Distance, Derivatives)> {
+    is_witness: bool,
+) -> Fallible<(types::Distance, Derivatives, Option<WitnessDerivatives>)> {
     let (a, b) = (convex_for(a, "derivatives")?, convex_for(b, "derivatives")?);
     let found = hullmap::distance(a, b, b_in_a, settings, &mut memory.convex);
-    Ok((types::Distance::new(found, [0, 0]), found.derivatives(a, b, b_in_a).into()))
+    let witness = is_witness.then(|| found.witness_derivatives(a, b, b_in_a).into());
+    Ok((types::Distance::new(found, [0, 0]), found.derivatives(a, b, b_in_a).into(), witness))
 }
 
-/// Contact of two convex shapes, and the derivatives of its depth.
+/// Contact of two convex shapes, the derivatives of its depth, and those of its normal and points
+/// if `is_witness`.
 pub(crate) fn contact_derivatives(
     [a, b]: [&Shape; 2],
     b_in_a: Pose,
     settings: &Settings,
     memory: &mut Memory,
-) -> Fallible<(types::Contact, Derivatives)> {
+    is_witness: bool,
+) -> Fallible<(types::Contact, Derivatives, Option<WitnessDerivatives>)> {
     let (a, b) = (convex_for(a, "derivatives")?, convex_for(b, "derivatives")?);
-    let found = hullmap::contact(a, b, b_in_a, settings, &mut memory.convex);
-    let by = found.derivatives(a, b, b_in_a, settings, &mut memory.convex);
-    Ok((types::Contact::new(found, [0, 0]), by.into()))
+    let cache = &mut memory.convex;
+    let found = hullmap::contact(a, b, b_in_a, settings, cache);
+    let by = found.derivatives(a, b, b_in_a, settings, cache);
+    let witness = is_witness.then(|| found.witness_derivatives(a, b, b_in_a, settings, cache).into());
+    Ok((types::Contact::new(found, [0, 0]), by.into(), witness))
 }

@@ -159,6 +159,10 @@ fn structs_have_one_layout() {
         verdict hull_a hull_b iterations support_calls clearance nearest t_lower t_upper
     });
     layout!(types::Derivatives, Derivatives { differentiability by_a by_b });
+    layout!(
+        types::WitnessDerivatives,
+        WitnessDerivatives { differentiability normal_by_a normal_by_b point_a_by_a point_a_by_b point_b_by_a point_b_by_b }
+    );
     for (name, value) in [
         ("RESULT_PANIC", types::Result::Panic as usize),
         ("STATUS_STALLED", types::Status::Stalled as usize),

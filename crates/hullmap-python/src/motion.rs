@@ -16,7 +16,7 @@ use crate::error::{ArrayError, PoseError, ShapeError};
 use crate::pose::Rows;
 use crate::query::{Caches, Found, convex};
 use crate::robot::{differentiability_code, verdict_code};
-use crate::shape::{Shape, Side};
+use crate::shape::{AnyConvex, Shape, Side};
 use crate::solve::code;
 use crate::task::{Cut, fill};
 use crate::threads::Threads;
@@ -47,6 +47,15 @@ columns!(
 columns!(
     /// Answers of `derivatives`.
     Slopes, SlopeRows { value: f64 = 1, differentiability: u8 = 1, by_a: f64 = 6, by_b: f64 = 6, status: u8 = 1 }
+);
+
+columns!(
+    /// Answers of `witness_derivatives`: matrices of 3 rows and 6 columns.
+    Witnesses, WitnessRows {
+        normal: f64 = 3, point_a: f64 = 3, point_b: f64 = 3, differentiability: u8 = 1, normal_by_a: f64 = 18,
+        normal_by_b: f64 = 18, point_a_by_a: f64 = 18, point_a_by_b: f64 = 18, point_b_by_a: f64 = 18,
+        point_b_by_b: f64 = 18, status: u8 = 1,
+    }
 );
 
 /// Motions of one argument, copied while the GIL was held.
@@ -327,6 +336,14 @@ pub fn clear<'py>(
     fill::<Verdicts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
 }
 
+/// A convex shape, for derivatives.
+fn convex_only(side: &Side) -> PyResult<&AnyConvex> {
+    convex(side).ok_or_else(|| {
+        let remedy = "query a pack or a mesh, and pass the hull or the triangle that decides";
+        ShapeError::new_err(format!("derivatives takes convex shapes: {remedy}"))
+    })
+}
+
 /// Derivatives of the distance or of the depth of convex shapes, by both poses.
 #[pyfunction]
 #[pyo3(signature = (a, b, b_in_a, of_depth, settings, threads))]
@@ -341,10 +358,7 @@ pub fn derivatives<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (a.0.clone(), b.0.clone());
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
-    let (Some(own_a), Some(own_b)) = (convex(&a), convex(&b)) else {
-        let remedy = "query a pack or a mesh, and pass the hull or the triangle that decides";
-        return Err(ShapeError::new_err(format!("derivatives takes convex shapes: {remedy}")));
-    };
+    let (own_a, own_b) = (convex_only(&a)?, convex_only(&b)?);
     let poses = Rows::new("b_in_a", &b_in_a)?;
     let solve = |first: usize, count: usize, rows: SlopeRows<'_>| {
         for at in 0..count {
@@ -368,4 +382,52 @@ pub fn derivatives<'py>(
         Ok(())
     };
     fill::<Slopes>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+}
+
+/// Derivatives of the normal and the points of the distance or the contact of convex shapes, by
+/// both poses.
+#[pyfunction]
+#[pyo3(signature = (a, b, b_in_a, of_depth, settings, threads))]
+pub fn witness_derivatives<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    b_in_a: PyReadonlyArray2<'py, f64>,
+    of_depth: bool,
+    settings: (f64, u32),
+    threads: Threads,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (a, b) = (a.0.clone(), b.0.clone());
+    let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
+    let (own_a, own_b) = (convex_only(&a)?, convex_only(&b)?);
+    let poses = Rows::new("b_in_a", &b_in_a)?;
+    let solve = |first: usize, count: usize, rows: WitnessRows<'_>| {
+        for at in 0..count {
+            let row = first + at;
+            let pose = poses.get(row).map_err(|message| (row, message))?;
+            let mut cache = core::Cache::new();
+            let (normal, points, status, by) = if of_depth {
+                let found = core::contact(own_a, own_b, pose, &settings, &mut cache);
+                let by = found.witness_derivatives(own_a, own_b, pose, &settings, &mut cache);
+                (found.normal, [found.point_a, found.point_b], found.status, by)
+            } else {
+                let found = core::distance(own_a, own_b, pose, &settings, &mut cache);
+                let by = found.witness_derivatives(own_a, own_b, pose);
+                (found.normal, [found.point_a, found.point_b], found.status, by)
+            };
+            put_vector(rows.normal, at, normal);
+            put_vector(rows.point_a, at, points[0]);
+            put_vector(rows.point_b, at, points[1]);
+            put(rows.status, at, code(status));
+            put(rows.differentiability, at, differentiability_code(by.status));
+            put_all(rows.normal_by_a, at, by.of_a.normal.as_flattened());
+            put_all(rows.normal_by_b, at, by.of_b.normal.as_flattened());
+            put_all(rows.point_a_by_a, at, by.of_a.point_a.as_flattened());
+            put_all(rows.point_a_by_b, at, by.of_b.point_a.as_flattened());
+            put_all(rows.point_b_by_a, at, by.of_a.point_b.as_flattened());
+            put_all(rows.point_b_by_b, at, by.of_b.point_b.as_flattened());
+        }
+        Ok(())
+    };
+    fill::<Witnesses>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
 }

@@ -112,6 +112,8 @@ pub fn differentiability_code(status: Differentiability) -> u8 {
         Differentiability::Grazing => 4,
         Differentiability::Missing => 5,
         Differentiability::Inaccurate => 6,
+        Differentiability::Feature => 7,
+        Differentiability::Curved => 8,
     }
 }
 

@@ -1,9 +1,9 @@
 //! Finds the points of each hull of a pack: the point sets of the source, or their convex parts.
 
 use std::borrow::Cow;
-use std::time::Instant;
 
 use hullmap_bake::PointSet;
+use hullmap_bake::deadline::monotonic;
 use hullmap_bake::decompose::{Cover, decompose_in};
 use hullmap_bake::progress::Stage;
 use rayon::prelude::*;
@@ -34,10 +34,10 @@ pub fn parts<'a>(point_sets: &'a [PointSet], cover: Option<&Cover>, stage: Stage
     // Stages of sets that are cut at the same time do not add up.
     let inner = if point_sets.len() == 1 { stage } else { stage.from_to(0.0, 0.0) };
     let cut = |points: &PointSet| {
-        let start = Instant::now();
+        let start = monotonic();
         let found = cover.map_or(Ok(None), |cover| decompose_in(points, cover, inner));
         steps.take();
-        (found, start.elapsed().as_secs_f64())
+        (found, (monotonic() - start).as_secs_f64())
     };
     let is_timed = cover.is_some_and(|cover| cover.seconds.is_some());
     let cut: Vec<_> =

@@ -32,7 +32,7 @@ const script = [
   shared("faults.js"),
   shared("arrays.js"),
   shared("gauss.js"),
-  ...["samples.js", "view.js", "baker.js", "page.js"].map((name) => text(`page/${name}`)),
+  ...["samples.js", "view.js", "motion.js", "baker.js", "page.js"].map((name) => text(`page/${name}`)),
 ].join("\n");
 const wasm = readFileSync(new URL("dist/page/hullmap_bg.wasm", here)).toString("base64");
 const parts = {

@@ -119,6 +119,7 @@
       showRemarks();
       showMap();
     }
+    course.begin(pair, bodies.a, bodies.b);
     placeBeside();
     frameBoth();
   }
@@ -331,6 +332,7 @@
       if (isClear(a.shape)) view.edges(a.shape, { colour: colours.edge, opacity: pale(a.shape) });
       if (isClear(b.shape)) view.edges(b.shape, { model, colour: colours.edge, opacity: pale(b.shape) });
     }
+    if (isOn("show-motion")) course.draw(view, b.shape, 0.22 * Math.min(a.radius, b.radius), { ghost: colours.edge, colour: colours.mark });
     if (!found) return;
     const { contact, distance, manifold } = found;
     const answer = distance || contact, colour = colours.mark, size = 0.22 * Math.min(a.radius, b.radius);
@@ -357,6 +359,16 @@
     solve();
     redraw();
   }
+
+  const course = new MotionSection({
+    get,
+    digits,
+    move(numbers) {
+      [pose.at, pose.turn] = [numbers.slice(0, 3), anglesOf(numbers.slice(3))];
+      moved();
+    },
+  });
+  for (const which of ["start", "end"]) get(`take-${which}`).addEventListener("click", () => pair && course.take(which, numbersOf()));
 
   let motion = null;
   function step(now) {
@@ -403,7 +415,7 @@
   });
   get("place").addEventListener("click", () => pair && placeBeside());
   get("reset").addEventListener("click", () => (camera.reset(), redraw()));
-  for (const id of ["show-mesh", "show-hull", "show-edges"]) get(id).addEventListener("change", redraw);
+  for (const id of ["show-mesh", "show-hull", "show-edges", "show-motion"]) get(id).addEventListener("change", redraw);
 
   // Mouse, touch and keys.
 

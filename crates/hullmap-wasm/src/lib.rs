@@ -11,12 +11,14 @@
 //! | `pack` | packs and hulls |
 //! | `shape` | bodies of queries; rays |
 //! | `pair` | queries on two bodies |
+//! | `motion` | two bodies of which one moves and turns |
 //! | `object` | answers as plain JavaScript objects |
 
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod bake;
+mod motion;
 mod object;
 mod options;
 mod pack;
@@ -26,6 +28,7 @@ mod shape;
 use wasm_bindgen::prelude::*;
 
 pub use bake::{Baked, bake, bake_mesh};
+pub use motion::pose_between;
 pub use pack::{Hull, Pack};
 pub use pair::Pair;
 pub use shape::Shape;

@@ -165,15 +165,15 @@ const CACHES: usize = 16;
 /// frame into A's. The quaternion is normalised.
 #[wasm_bindgen]
 pub struct Pair {
-    a: Side,
-    b: Side,
-    memory: Memory,
+    pub(crate) a: Side,
+    pub(crate) b: Side,
+    pub(crate) memory: Memory,
 }
 
 /// Memory of the queries of a pair.
-struct Memory {
-    convex: Cache,
-    compound: CompoundCache,
+pub(crate) struct Memory {
+    pub(crate) convex: Cache,
+    pub(crate) compound: CompoundCache,
     manifold_cache: Cache,
     manifold: Manifold,
     manifolds: Option<Box<CompoundManifolds>>,
@@ -212,8 +212,10 @@ macro_rules! of_parts {
     };
 }
 
+pub(crate) use of_parts;
+
 /// An answer, and the hulls of A and B that decided it.
-type Found<T> = (T, [usize; 2]);
+pub(crate) type Found<T> = (T, [usize; 2]);
 
 // Each query has a case for two hulls, for a half-space and a pack or a convex body, for two convex
 // bodies, and for packs. `None`: the constructor rejects such pairs.
@@ -326,7 +328,7 @@ fn distance_fields((found, parts): &Found<Distance>) -> Fields {
     ]
 }
 
-fn of_compound<T>(found: CompoundAnswer<T>) -> Found<T> {
+pub(crate) fn of_compound<T>(found: CompoundAnswer<T>) -> Found<T> {
     (found.answer, found.hulls)
 }
 
@@ -338,7 +340,7 @@ fn separated() -> Found<Contact> {
 }
 
 /// The constructor rejects such pairs.
-fn no_query() -> JsError {
+pub(crate) fn no_query() -> JsError {
     error("these bodies have no query")
 }
 
@@ -498,7 +500,7 @@ impl Pair {
 }
 
 /// A pose from seven numbers.
-fn pose_of(numbers: &[f64]) -> Result<Pose, JsError> {
+pub(crate) fn pose_of(numbers: &[f64]) -> Result<Pose, JsError> {
     let Ok(row) = numbers.try_into() else {
         let found = numbers.len();
         return Err(error(format!("a pose has seven numbers, tx ty tz qx qy qz qw, found {found}")));

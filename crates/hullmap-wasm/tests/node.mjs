@@ -13,7 +13,7 @@ import { pathToFileURL } from "node:url";
 const [folder, command, meshes] = process.argv.slice(2);
 // The entry that the package names for Node.
 const { exports } = JSON.parse(readFileSync(join(folder, "package.json")));
-const { default: init, bake, bakeMesh, Pack, Pair, Shape, version } = await import(pathToFileURL(join(folder, exports["."].node)));
+const { default: init, bake, bakeMesh, Pack, Pair, poseBetween, Shape, version } = await import(pathToFileURL(join(folder, exports["."].node)));
 await init();
 await init(); // does nothing
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
@@ -263,6 +263,23 @@ fails(() => bakeMesh([0, 0, NaN]), "mesh: vertex 0 is (0, 0, NaN), but a hull re
 fails(() => bakeMesh([]), "mesh");
 fails(() => Shape.sphere(-1), "-1");
 fails(() => Shape.box([1, 2]), "halfEdges: expected three numbers, found 2");
+// Motions: a rod that turns by 90 degrees meets a wall where the formula says.
+{
+  const rod = new Pair(Shape.box([5, 0.1, 5]), Shape.box([1, 0.01, 0.01]));
+  const [start, end] = [[0, -0.7, 0, 0, 0, 0, 1], [0, -0.7, 0, 0, 0, Math.SQRT1_2, Math.SQRT1_2]];
+  const found = rod.castMotion(start, end);
+  const truth = (Math.asin(0.6 / Math.hypot(1, 0.01)) - Math.atan(0.01)) / (Math.PI / 2);
+  assert.ok(found.hit && found.tLower <= truth && truth <= found.tUpper && found.tUpper - found.tLower < 1e-4);
+  assert.equal(found.status, "within");
+  near(found.normal[1], -1);
+  near(poseBetween(start, end, 0.5)[6], Math.cos(Math.PI / 8));
+  assert.equal(rod.castMotion(start, start).hit, false);
+  const packs = new Pair(both, Shape.sphere(0.5)).castMotion(at(2, 0, 9), at(2, 0, -9));
+  assert.ok(packs.hit && packs.parts.length === 2);
+  near(new Pair(ground, Shape.sphere(0.5)).castMotion(at(0, 0, 2.5), at(0, 0, -1.5)).hit ? 1 : 0, 1);
+  fails(() => rod.castMotion([1], end), "seven numbers");
+}
+
 fails(() => new Pair(cube, {}), "B: expected a Hull, a Pack or a Shape");
 fails(() => new Pair(cube), "B: expected a Hull, a Pack or a Shape");
 fails(() => new Pair(cube, ground), "B is a half-space: make it A");

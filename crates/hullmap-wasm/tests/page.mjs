@@ -110,6 +110,32 @@ try {
   }
   console.log(`${compared} poses: shown depth, distance, interval and normal equal the command's`);
 
+  // The motion of B: apart just before its interval of contact, and overlapping just after it, by the command.
+  const course = await page.evaluate(() => JSON.parse(document.getElementById("motion-answer").dataset.answer));
+  assert.ok(course.hit && course.status === "within" && course.tUpper - course.tLower < 1e-3, JSON.stringify(course));
+  const goTo = (t) =>
+    page.evaluate((t) => {
+      const slider = document.getElementById("time");
+      slider.value = String(t);
+      slider.dispatchEvent(new Event("input"));
+    }, t);
+  for (const [t, hit] of [[0, false], [course.tLower - 1e-4, false], [course.tUpper + 1e-4, true]]) {
+    await goTo(t);
+    const answer = await shown();
+    assert.equal(answer.hit, hit, `${t}`);
+    const expected = JSON.parse(native("query", packs[pawn], packs[rock], "--mode", "contact", "--json", "--pose", answer.pose.join(" ")));
+    assert.equal(expected.hit, hit, `${t}`);
+  }
+  await page.click("#to-contact");
+  const near = await shown();
+  assert.ok(!near.hit && near.distance < 1e-3, JSON.stringify(near));
+  if (screenshot) await page.screenshot({ path: `${screenshot}-motion.png`, fullPage: true });
+  // A motion that ends where it is now meets nothing.
+  await goTo(0);
+  await page.click("#take-end");
+  assert.match(await page.locator("#motion-answer").textContent(), /does not meet A/);
+  console.log("the motion of B is apart before its interval of contact, and overlaps after it");
+
   // Dragged with the mouse, and moved by keys, the depth changes.
   await page.click("#place");
   const before = await shown();

@@ -266,7 +266,7 @@ pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use continuous::cast_motion::cast_motion;
 pub use continuous::clear::clear;
 pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact, Verdict};
-pub use derivatives::{Derivatives, Differentiability, PoseDerivative};
+pub use derivatives::{Derivatives, Differentiability, PoseDerivative, WitnessDerivatives, WitnessJacobian};
 #[doc(hidden)]
 pub use facets::Facets;
 pub use glam;

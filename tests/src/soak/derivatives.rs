@@ -6,6 +6,7 @@
 //! | distance | Wolfe's algorithm |
 //! | depth | all facets of the Minkowski difference |
 //! | t of a ray, time of impact of a cast | the line, clipped by all these facets |
+//! | normal and points of a distance or a depth | the same answers, which the soak of pairs judges |
 //!
 //! Differences are taken with two step lengths. Where they disagree, there is a kink within the
 //! step: such a derivative is counted, and not judged. Poses are random, and not those of the soak
@@ -13,8 +14,7 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::{
-    Cache, CastSettings, Derivatives, Differentiability, Hull, Motion, Pose, PoseDerivative, Ray, Settings, cast,
-    contact, distance, ray,
+    Cache, CastSettings, Differentiability, Hull, Motion, Pose, Ray, Settings, cast, contact, distance, ray,
 };
 use hullmap_testkit::{depth::signed_depth, entry::passage, gap::gap, polytope::Polytope};
 use shapes::rng::SplitMix64;
@@ -51,55 +51,66 @@ fn twisted(pose: Pose, v: DVec3, w: DVec3) -> Pose {
     Pose::new(pose.translation() + v, DQuat::from_scaled_axis(w) * pose.rotation()).expect("in range")
 }
 
-/// Central differences of `truth` by the poses of A and of B, each with the step of its kind and
-/// its half; `None` if there is a kink.
-fn differences(
-    poses: [Pose; 2],
-    [linear, angular]: [f64; 2],
-    lever: f64,
-    truth: &impl Fn([Pose; 2]) -> f64,
-) -> Option<[PoseDerivative; 2]> {
-    let mut found = [PoseDerivative::default(); 2];
-    let mut entries: Vec<[f64; 2]> = Vec::new();
-    for which in 0..2 {
-        for axis in 0..6 {
-            let step = if axis < 3 { linear } else { angular };
-            let difference = |step: f64| {
-                let value = |step: f64| {
-                    let unit = DVec3::AXES[axis % 3] * step;
-                    let (v, w) = if axis < 3 { (unit, DVec3::ZERO) } else { (DVec3::ZERO, unit) };
-                    let mut moved = poses;
-                    moved[which] = twisted(poses[which], v, w);
-                    truth(moved)
-                };
-                (value(step) - value(-step)) / (2.0 * step)
-            };
-            let [whole, half] = [difference(step), difference(0.5 * step)];
-            entries.push([whole, half].map(|d| d / if axis < 3 { 1.0 } else { lever }));
-            let part = if axis < 3 { &mut found[which].linear } else { &mut found[which].angular };
-            part[axis % 3] = half;
-        }
-    }
-    let greatest = entries.iter().map(|[whole, _]| whole.abs()).fold(0.0, f64::max);
-    // NaN takes the failing branch.
-    let is_smooth = entries.iter().all(|[whole, half]| (whole - half).abs() <= SMOOTH * greatest);
-    is_smooth.then_some(found)
+/// Derivatives of a number by the poses of A and of B: six by each, per unit of length.
+type Row = [f64; 12];
+
+/// The row of derivatives by both poses, whose angular parts are divided by `lever`.
+fn row(by_a: &[f64; 6], by_b: &[f64; 6], lever: f64) -> Row {
+    std::array::from_fn(|i| {
+        let entry = if i < 6 { by_a[i] } else { by_b[i - 6] };
+        if i % 6 < 3 { entry } else { entry / lever }
+    })
 }
 
-/// Greatest difference of two derivatives by both poses, relative to the greatest entry.
-fn off(found: &Derivatives, truth: &[PoseDerivative; 2], lever: f64) -> f64 {
-    let entries = |by: &PoseDerivative| {
-        let entries = by.to_array();
-        std::array::from_fn::<f64, 6, _>(|i| if i < 3 { entries[i] } else { entries[i] / lever })
-    };
-    let (mut greatest, mut off) = (0.0_f64, 0.0_f64);
-    for (found, truth) in [(&found.of_a, &truth[0]), (&found.of_b, &truth[1])] {
-        for (found, truth) in entries(found).into_iter().zip(entries(truth)) {
-            greatest = greatest.max(truth.abs());
-            off = off.max((found - truth).abs());
+fn greatest_entry(rows: &[Row]) -> f64 {
+    rows.iter().flatten().fold(0.0, |greatest: f64, entry| greatest.max(entry.abs()))
+}
+
+/// Greatest difference of two derivatives of a vector, relative to the greatest entry.
+fn off(found: &[Row], truth: &[Row]) -> f64 {
+    let pairs = found.iter().flatten().zip(truth.iter().flatten());
+    pairs.map(|(found, truth)| (found - truth).abs()).fold(0.0, f64::max) / greatest_entry(truth)
+}
+
+/// Central differences of `truth` by the poses of A and of B, each with the step of its kind and
+/// its half. `truth` has vectors of `width` numbers; `None` if there is a kink in one of them.
+fn differences<const N: usize>(
+    poses: [Pose; 2],
+    [linear, angular]: [f64; 2],
+    width: usize,
+    truth: &impl Fn([Pose; 2]) -> [f64; N],
+) -> Option<[Row; N]> {
+    let lever = linear / angular;
+    let mut found = [[[0.0; 12]; N]; 2];
+    for column in 0..12 {
+        let (which, axis) = (column / 6, column % 6);
+        let step = if axis < 3 { linear } else { angular };
+        for (share, rows) in [1.0, 0.5].into_iter().zip(&mut found) {
+            let value = |step: f64| {
+                let unit = DVec3::AXES[axis % 3] * step;
+                let (v, w) = if axis < 3 { (unit, DVec3::ZERO) } else { (DVec3::ZERO, unit) };
+                let mut moved = poses;
+                moved[which] = twisted(poses[which], v, w);
+                truth(moved)
+            };
+            let (after, before) = (value(step * share), value(-step * share));
+            let length = if axis < 3 { 2.0 * step * share } else { 2.0 * step * share * lever };
+            for (row, (after, before)) in rows.iter_mut().zip(after.into_iter().zip(before)) {
+                row[column] = (after - before) / length;
+            }
         }
     }
-    off / greatest
+    let [whole, half] = found;
+    // NaN takes the failing branch.
+    let is_smooth = whole.chunks(width).zip(half.chunks(width)).all(|(whole, half)| off(half, whole) <= SMOOTH);
+    is_smooth.then_some(half)
+}
+
+/// Normal and points of an answer in A's frame, in the frame in which A is at `a`.
+fn witness(a: Pose, normal: DVec3, points: [DVec3; 2]) -> [f64; 9] {
+    let [p, q] = points.map(|point| a.transform_point(point));
+    let n = a.transform_vector(normal);
+    [n.x, n.y, n.z, p.x, p.y, p.z, q.x, q.y, q.z]
 }
 
 /// Judges the derivatives of one kind of answer for a random pose of the pair.
@@ -167,17 +178,22 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         *tally.lines.entry("missing").or_default() += 1;
         return;
     }
+    if found.status == Differentiability::Unique && (kind == "distance" || kind == "depth") {
+        let step = STEP * length.min(0.1 * sizes);
+        judge_witness(pair, [hull_a, hull_b], poses, (kind, step, lever), tally);
+    }
     let mut judge = Claims { wrong: None, tightest: 0.0, queries: "derivatives", tally };
     let what = match found.status {
         Differentiability::Unique => {
             let scale = STEP * length.min(0.1 * sizes);
             // Rounding errors of the truth, divided by the step.
             let noise = 8.0 * f64::EPSILON * greatest / scale;
-            match differences(poses, [scale, scale / lever], lever, &truth) {
+            match differences(poses, [scale, scale / lever], 1, &|poses| [truth(poses)]) {
                 _ if noise > 0.1 * SMOOTH => "too near to judge",
                 None => "kink in the step",
                 Some(truth) => {
-                    judge.at_most(kind, off(&found, &truth, lever), 0.0, TOLERANCE);
+                    let own = row(&found.of_a.to_array(), &found.of_b.to_array(), lever);
+                    judge.at_most(kind, off(&[own], &truth), 0.0, TOLERANCE);
                     "judged"
                 }
             }
@@ -194,4 +210,55 @@ fn entry_of_ray(hull: &Polytope, origin: DVec3, direction: DVec3) -> f64 {
     let offset = |n: &DVec3| hull.points.iter().map(|p| p.dot(*n)).fold(f64::NEG_INFINITY, f64::max);
     let enters = hull.normals.iter().filter(|n| n.dot(direction) < 0.0);
     enters.map(|n| (offset(n) - n.dot(origin)) / n.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Judges the derivatives of the normal and the points of a distance or a depth.
+fn judge_witness(
+    pair: &BodyPair<'_, '_>,
+    [a, b]: [&Hull<'_>; 2],
+    poses: [Pose; 2],
+    (kind, step, lever): (&'static str, f64, f64),
+    tally: &mut Tally,
+) {
+    let is_distance = kind == "distance";
+    let answer = |[pose_a, pose_b]: [Pose; 2]| {
+        let b_in_a = Pose::relative(pose_a, pose_b).expect("in range");
+        if is_distance {
+            let found = distance(a, b, b_in_a, &EXACT, &mut Cache::new());
+            witness(pose_a, found.normal, [found.point_a, found.point_b])
+        } else {
+            let found = contact(a, b, b_in_a, &EXACT, &mut Cache::new());
+            witness(pose_a, found.normal, [found.point_a, found.point_b])
+        }
+    };
+    let b_in_a = poses[1];
+    let found = if is_distance {
+        distance(a, b, b_in_a, &EXACT, &mut Cache::new()).witness_derivatives(a, b, b_in_a)
+    } else {
+        let mut cache = Cache::new();
+        let deep = contact(a, b, b_in_a, &EXACT, &mut cache);
+        deep.witness_derivatives(a, b, b_in_a, &EXACT, &mut cache)
+    };
+    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "derivatives", tally };
+    let what = match found.status {
+        Differentiability::Unique => match differences(poses, [step, step / lever], 3, &answer) {
+            None => "witness: kink in the step",
+            Some(truth) => {
+                let (by_a, by_b) = (found.of_a, found.of_b);
+                let rows = |by_a: [[f64; 6]; 3], by_b: [[f64; 6]; 3]| {
+                    std::array::from_fn::<Row, 3, _>(|i| row(&by_a[i], &by_b[i], lever))
+                };
+                let [normal, points] = [&truth[..3], &truth[3..]];
+                judge.at_most("normal", off(&rows(by_a.normal, by_b.normal), normal), 0.0, TOLERANCE);
+                judge.at_most("point of A", off(&rows(by_a.point_a, by_b.point_a), &points[..3]), 0.0, TOLERANCE);
+                judge.at_most("point of B", off(&rows(by_a.point_b, by_b.point_b), &points[3..]), 0.0, TOLERANCE);
+                "witness: judged"
+            }
+        },
+        Differentiability::Feature => "witness: feature",
+        Differentiability::Curved => "witness: curved",
+        _ => "witness: other reason",
+    };
+    *judge.tally.lines.entry(what).or_default() += 1;
+    judge.finish(pair, || format!("{kind} {b_in_a:?} {found:?}"));
 }

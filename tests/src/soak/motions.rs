@@ -81,11 +81,15 @@ impl Course {
         Pose::new(place, turn * self.pose.rotation()).expect("finite")
     }
 
+    /// The point about which it turns, at time 0.
+    fn center_at_start(&self) -> DVec3 {
+        self.center - self.linear * self.through
+    }
+
     /// The motion as the query takes it.
     fn motion(&self) -> RigidMotion {
         let (axis, angle) = self.turn;
-        let center = self.center - self.linear * self.through;
-        RigidMotion::screw(self.at(0.0), self.linear, axis * angle, center).expect("finite")
+        RigidMotion::screw(self.at(0.0), self.linear, axis * angle, self.center_at_start()).expect("finite")
     }
 
     /// Maximum speed of any point of the body.
@@ -94,10 +98,20 @@ impl Course {
         self.linear.length() + self.turn.1 * (inside.distance(self.center) + body.shape().outer_radius())
     }
 
-    /// Greatest length from which its positions are computed.
+    /// Greatest length from which the judge computes positions.
     fn length(&self) -> f64 {
-        let arm = self.pose.translation().distance(self.center);
-        (self.center.length() + self.linear.length() + arm + self.pose.translation().length()) * (1.0 + self.turn.1)
+        (self.center.length() + self.linear.length() + self.arm() + self.pose.translation().length())
+            * (1.0 + self.turn.1)
+    }
+
+    /// The lengths from which the query computes positions, in a frame at `origin`: c, v and the arm
+    /// of docs/intervals.md, section 15. From there, c may be farther away than in the world.
+    fn length_of_query(&self, origin: DVec3) -> f64 {
+        self.center_at_start().distance(origin) + self.linear.length() + self.arm()
+    }
+
+    fn arm(&self) -> f64 {
+        self.pose.translation().distance(self.center)
     }
 }
 
@@ -230,11 +244,16 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let sizes = if plane.is_some() { size(b) } else { size(a) + size(b) };
     let target = [0.0, 0.0, 0.0, 1e-3, 0.5][rng.below(5)] * sizes;
     let settings = MotionSettings { target_distance: target, ..MotionSettings::default() };
-    let lengths = a.model.greatest + b.model.greatest;
+    let models = a.model.greatest + b.model.greatest + plane.map_or(0.0, |plane| plane.offset().abs());
     let spin = 1.0 + courses[0].turn.1 + courses[1].turn.1;
-    let lengths = lengths * spin + courses[0].length() + courses[1].length();
-    let lengths = lengths + plane.map_or(0.0, |plane| spin * plane.offset().abs());
-    let slack = 4.0 * ROUNDING_UNITS * f64::EPSILON * lengths + a.shape().support_error() + b.shape().support_error();
+    let lengths = models * spin + courses[0].length() + courses[1].length();
+    let unit = 4.0 * ROUNDING_UNITS * f64::EPSILON;
+    let slack = unit * lengths + a.shape().support_error() + b.shape().support_error();
+    // The search ends where the excess is at most 2.5 of its noises. A noise is at most 280 + 2 θ ε of
+    // the query's lengths, with angles θ of at most 7: the excess is at most 735 ε of them.
+    let start = courses[1].at(0.0).translation();
+    let of_query = models + courses[0].length_of_query(start) + courses[1].length_of_query(start);
+    let last = (3.0 * unit * of_query).max(3.0 * slack);
     let case = Case { bodies: [a, b], plane, courses, target, slack };
     let (found, clearance) = case.answers(&settings);
     let mut judge = Claims { wrong: None, tightest: 0.0, queries: "motions", tally };
@@ -266,7 +285,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     if found.status == hullmap::Status::Within
         && let Nearness::Apart(gap) = case.nearness(found.t_lower)
     {
-        judge.at_most("not near at the lower bound", gap, settings.tolerance * sizes, 2.0 * slack);
+        judge.at_most("not near at the lower bound", gap + slack, settings.tolerance * sizes, last);
     }
     let tally = &mut *judge.tally;
     *tally.lines.entry(found.status.as_str()).or_default() += 1;

@@ -10,7 +10,7 @@ use crate::handles::{Cache, Shape};
 use crate::motion;
 use crate::types::{
     ClearSettings, Clearance, Contact, Derivatives, Distance, Motion, MotionKind, MotionSettings, Pose, Result,
-    Settings, TimeOfImpact,
+    Settings, TimeOfImpact, WitnessDerivatives,
 };
 
 /// A motion from C, checked.
@@ -45,6 +45,15 @@ unsafe fn moving<'p>(
     Ok(([a, b], [motion_of("motion_a", motion_a)?, motion_of("motion_b", motion_b)?]))
 }
 
+/// Where an answer goes, or nothing for NULL.
+///
+/// # Safety
+/// The pointer is as the rules at the head of the header require, or NULL.
+unsafe fn optional_out<T>(name: &'static str, out: *mut T) -> Fallible<Option<Out<T>>> {
+    // SAFETY: this function's contract.
+    if out.is_null() { Ok(None) } else { Ok(Some(unsafe { Out::new(name, out)? })) }
+}
+
 /// When A and B, which move and turn, first come within a distance of each other. Motions are in a
 /// common frame, as is the answer.
 ///
@@ -73,12 +82,8 @@ pub unsafe extern "C" fn hullmap_cast_motion(
             tolerance: own.tolerance,
             max_iterations: own.max_iterations,
         });
-        let by = if derivatives.is_null() {
-            None
-        } else {
-            // SAFETY: the caller keeps the rules at the head of the header.
-            Some(unsafe { Out::new("derivatives", derivatives)? })
-        };
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let by = unsafe { optional_out("derivatives", derivatives)? };
         let (found, slopes) =
             with_memory(cache, |memory| motion::cast_motion(shapes, [&motions[0], &motions[1]], &settings, memory))?;
         out.write(found);
@@ -135,6 +140,8 @@ unsafe fn posed<'p>(
 
 /// Distance of two convex shapes, and its derivatives by the poses of both, in A's frame. settings
 /// and cache may be NULL.
+///
+/// witness may be NULL. If not, it gets the derivatives of the normal and the points.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_distance_derivatives(
     a: *const Shape,
@@ -144,6 +151,7 @@ pub unsafe extern "C" fn hullmap_distance_derivatives(
     cache: *mut Cache,
     out: *mut Distance,
     derivatives: *mut Derivatives,
+    witness: *mut WitnessDerivatives,
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
@@ -153,16 +161,24 @@ pub unsafe extern "C" fn hullmap_distance_derivatives(
             (posed, settings, border::optional_handle("cache", cache)?, out, by)
         };
         let settings = super::settings(settings);
-        let (found, slopes) =
-            with_memory(cache, |memory| motion::distance_derivatives(shapes, pose, &settings, memory))?;
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let witness = unsafe { optional_out("witness", witness)? };
+        let (found, slopes, of_points) = with_memory(cache, |memory| {
+            motion::distance_derivatives(shapes, pose, &settings, memory, witness.is_some())
+        })?;
         out.write(found);
         by.write(slopes);
+        if let (Some(witness), Some(of_points)) = (witness, of_points) {
+            witness.write(of_points);
+        }
         Ok(())
     })
 }
 
 /// Contact of two convex shapes, and the derivatives of its depth by the poses of both, in A's
 /// frame. settings and cache may be NULL.
+///
+/// witness may be NULL. If not, it gets the derivatives of the normal and the points.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_contact_derivatives(
     a: *const Shape,
@@ -172,6 +188,7 @@ pub unsafe extern "C" fn hullmap_contact_derivatives(
     cache: *mut Cache,
     out: *mut Contact,
     derivatives: *mut Derivatives,
+    witness: *mut WitnessDerivatives,
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
@@ -181,10 +198,16 @@ pub unsafe extern "C" fn hullmap_contact_derivatives(
             (posed, settings, border::optional_handle("cache", cache)?, out, by)
         };
         let settings = super::settings(settings);
-        let (found, slopes) =
-            with_memory(cache, |memory| motion::contact_derivatives(shapes, pose, &settings, memory))?;
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let witness = unsafe { optional_out("witness", witness)? };
+        let (found, slopes, of_points) = with_memory(cache, |memory| {
+            motion::contact_derivatives(shapes, pose, &settings, memory, witness.is_some())
+        })?;
         out.write(found);
         by.write(slopes);
+        if let (Some(witness), Some(of_points)) = (witness, of_points) {
+            witness.write(of_points);
+        }
         Ok(())
     })
 }

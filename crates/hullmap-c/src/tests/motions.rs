@@ -116,13 +116,14 @@ fn derivatives_have_the_same_bits() {
             let (twin_pose, pose) = random_pose(&mut rng, 1.2);
             let (mut gap, mut contact): (types::Distance, types::Contact) = (empty(), empty());
             let mut by: [types::Derivatives; 2] = [empty(), empty()];
-            let [of_gap, of_depth] = &mut by;
+            let mut of_points: [types::WitnessDerivatives; 2] = [empty(), empty()];
+            let ([of_gap, of_depth], [at_gap, at_depth]) = (&mut by, &mut of_points);
             // SAFETY: the pointers are valid.
             let codes = unsafe {
                 let (b, pose, none) = (shapes[1].0, &raw const pose, null_mut());
                 [
-                    hullmap_distance_derivatives(shape.0, b, pose, null(), none, &raw mut gap, of_gap),
-                    hullmap_contact_derivatives(shape.0, b, pose, null(), none, &raw mut contact, of_depth),
+                    hullmap_distance_derivatives(shape.0, b, pose, null(), none, &raw mut gap, of_gap, at_gap),
+                    hullmap_contact_derivatives(shape.0, b, pose, null(), none, &raw mut contact, of_depth, at_depth),
                 ]
             };
             let Twin::Convex(a) = twin else {
@@ -134,10 +135,13 @@ fn derivatives_have_the_same_bits() {
             let expected = hullmap::distance(a, b, twin_pose, &settings, &mut hullmap::Cache::new());
             same_distance(&gap, &expected);
             assert_eq!(by[0], expected.derivatives(a, b, twin_pose).into());
+            assert_eq!(of_points[0], expected.witness_derivatives(a, b, twin_pose).into());
             let mut cache = hullmap::Cache::new();
             let expected = hullmap::contact(a, b, twin_pose, &settings, &mut cache);
             same_contact(&contact, &expected);
             assert_eq!(by[1], expected.derivatives(a, b, twin_pose, &settings, &mut cache).into());
+            let expected = expected.witness_derivatives(a, b, twin_pose, &settings, &mut cache);
+            assert_eq!(of_points[1], expected.into());
             for (count, by) in unique.iter_mut().zip(&by) {
                 *count += usize::from(by.differentiability == types::Differentiability::Unique);
             }

@@ -19,7 +19,8 @@ pub use facts::{HullArrays, HullFacts, MassProperties, MassSource, Solid, Text};
 pub use geometry::{Bounds, Pose, Quat, Vec3};
 pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
 pub use motion::{
-    ClearSettings, Clearance, Derivatives, Differentiability, Motion, MotionKind, MotionSettings, TimeOfImpact, Verdict,
+    ClearSettings, Clearance, Derivatives, Differentiability, Motion, MotionKind, MotionSettings, TimeOfImpact,
+    Verdict, WitnessDerivatives,
 };
 pub use result::{ABI_VERSION, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result};
 pub use settings::{CastSettings, ManifoldSettings, Prediction, Settings};

@@ -204,6 +204,26 @@ pub enum Differentiability {
     Missing = 5,
     /// The answer is less accurate than its settings ask for.
     Inaccurate = 6,
+    /// Only of normals and points: other vertices, edges or faces are nearest for poses nearby.
+    Feature = 7,
+    /// Only of normals and points: the shape is curved there.
+    Curved = 8,
+}
+
+impl From<hullmap::Differentiability> for Differentiability {
+    fn from(found: hullmap::Differentiability) -> Self {
+        match found {
+            hullmap::Differentiability::Unique => Self::Unique,
+            hullmap::Differentiability::Touching => Self::Touching,
+            hullmap::Differentiability::Parallel => Self::Parallel,
+            hullmap::Differentiability::Normals => Self::Normals,
+            hullmap::Differentiability::Grazing => Self::Grazing,
+            hullmap::Differentiability::Missing => Self::Missing,
+            hullmap::Differentiability::Inaccurate => Self::Inaccurate,
+            hullmap::Differentiability::Feature => Self::Feature,
+            hullmap::Differentiability::Curved => Self::Curved,
+        }
+    }
 }
 
 /// Derivatives of a length or a time by the poses of both shapes.
@@ -225,15 +245,44 @@ pub struct Derivatives {
 
 impl From<hullmap::Derivatives> for Derivatives {
     fn from(found: hullmap::Derivatives) -> Self {
-        let differentiability = match found.status {
-            hullmap::Differentiability::Unique => Differentiability::Unique,
-            hullmap::Differentiability::Touching => Differentiability::Touching,
-            hullmap::Differentiability::Parallel => Differentiability::Parallel,
-            hullmap::Differentiability::Normals => Differentiability::Normals,
-            hullmap::Differentiability::Grazing => Differentiability::Grazing,
-            hullmap::Differentiability::Missing => Differentiability::Missing,
-            hullmap::Differentiability::Inaccurate => Differentiability::Inaccurate,
-        };
-        Self { differentiability, by_a: found.of_a.to_array(), by_b: found.of_b.to_array() }
+        Self { differentiability: found.status.into(), by_a: found.of_a.to_array(), by_b: found.of_b.to_array() }
+    }
+}
+
+/// Derivatives of the normal and the witness points of an answer by the poses of both shapes.
+///
+/// Rows are the coordinates x, y, z. Columns are the numbers of a twist, as in HullmapDerivatives.
+/// All numbers are 0 unless the differentiability is HULLMAP_DIFFERENTIABILITY_UNIQUE.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WitnessDerivatives {
+    /// Whether these are derivatives.
+    pub differentiability: Differentiability,
+    /// Of the normal, by a twist of A.
+    pub normal_by_a: [[f64; 6]; 3],
+    /// Of the normal, by a twist of B.
+    pub normal_by_b: [[f64; 6]; 3],
+    /// Of the point of A, by a twist of A.
+    pub point_a_by_a: [[f64; 6]; 3],
+    /// Of the point of A, by a twist of B.
+    pub point_a_by_b: [[f64; 6]; 3],
+    /// Of the point of B, by a twist of A.
+    pub point_b_by_a: [[f64; 6]; 3],
+    /// Of the point of B, by a twist of B.
+    pub point_b_by_b: [[f64; 6]; 3],
+}
+
+impl From<hullmap::WitnessDerivatives> for WitnessDerivatives {
+    fn from(found: hullmap::WitnessDerivatives) -> Self {
+        let (by_a, by_b) = (found.of_a, found.of_b);
+        Self {
+            differentiability: found.status.into(),
+            normal_by_a: by_a.normal,
+            normal_by_b: by_b.normal,
+            point_a_by_a: by_a.point_a,
+            point_a_by_b: by_b.point_a,
+            point_b_by_a: by_a.point_b,
+            point_b_by_b: by_b.point_b,
+        }
     }
 }

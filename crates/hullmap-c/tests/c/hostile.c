@@ -578,13 +578,16 @@ static void moving(void) {
     HullmapDistance gap;
     HullmapContact contact;
     pose.translation.x = 3.0;
-    OK(hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, &by));
+    HullmapWitnessDerivatives witness;
+    OK(hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, &by, &witness));
     EXPECT(by.differentiability == HULLMAP_DIFFERENTIABILITY_UNIQUE);
     EXPECT(fabs(gap.distance - 2.0) < 1e-12 && fabs(by.by_b[0] - 1.0) < 1e-12 && fabs(by.by_a[0] + 1.0) < 1e-12);
-    OK(hullmap_contact_derivatives(ball, ball, &pose, NULL, NULL, &contact, &by));
+    /* If B moves along y, the normal turns by a third of that per metre. */
+    EXPECT(witness.differentiability == HULLMAP_DIFFERENTIABILITY_UNIQUE && fabs(witness.normal_by_b[1][1] - 1.0 / 3.0) < 1e-12);
+    OK(hullmap_contact_derivatives(ball, ball, &pose, NULL, NULL, &contact, &by, &witness));
     EXPECT(!contact.hit && by.differentiability == HULLMAP_DIFFERENTIABILITY_MISSING && by.by_b[0] == 0.0);
-    FAILS(HULLMAP_RESULT_UNSUPPORTED, "derivatives", hullmap_distance_derivatives(both, ball, &pose, NULL, NULL, &gap, &by));
-    FAILS(HULLMAP_RESULT_NULL, "derivatives", hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, NULL));
+    FAILS(HULLMAP_RESULT_UNSUPPORTED, "derivatives", hullmap_distance_derivatives(both, ball, &pose, NULL, NULL, &gap, &by, NULL));
+    FAILS(HULLMAP_RESULT_NULL, "derivatives", hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, NULL, NULL));
     HullmapShape *shapes[6] = {hull, both, rod, wall, floor, ball};
     for (size_t at = 0; at < 6; ++at) hullmap_shape_free(shapes[at]);
     hullmap_pack_free(pack);

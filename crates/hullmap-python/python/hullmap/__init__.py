@@ -30,7 +30,17 @@ from ._hullmap import (
     ShapeError,
     __version__,
 )
-from ._motion import Clearance, Derivatives, Motion, TimeOfImpact, cast_motion, clear, derivatives
+from ._motion import (
+    Clearance,
+    Derivatives,
+    Motion,
+    TimeOfImpact,
+    WitnessDerivatives,
+    cast_motion,
+    clear,
+    derivatives,
+    witness_derivatives,
+)
 from ._options import BakeOptions
 from ._pairs import Pairs
 from ._poses import poses, relative
@@ -118,6 +128,7 @@ __all__ = [
     "Triangle",
     "TriangleMesh",
     "Verdict",
+    "WitnessDerivatives",
     "__version__",
     "bake",
     "bake_file",
@@ -133,4 +144,5 @@ __all__ = [
     "to_mjcf",
     "to_trimesh",
     "to_urdf",
+    "witness_derivatives",
 ]

@@ -250,6 +250,14 @@ def derivatives(
     settings: Tuple[float, int],
     threads: Optional[int],
 ) -> _Columns: ...
+def witness_derivatives(
+    a: Shape,
+    b: Shape,
+    b_in_a: _Floats,
+    of_depth: bool,
+    settings: Tuple[float, int],
+    threads: Optional[int],
+) -> _Columns: ...
 def ray(
     shape: Shape,
     origins: _Floats,

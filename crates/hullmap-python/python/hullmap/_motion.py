@@ -164,6 +164,33 @@ class Derivatives(_Answer):
     """Codes of `Status`, for the value."""
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class WitnessDerivatives(_Answer):
+    """Derivatives of normals and witness points by the poses of both shapes, in A's frame.
+
+    Matrices have a row for each coordinate, and a column for each number of the twist: (..., 3, 6). They are 0
+    where there is no derivative."""
+
+    normal: Floats
+    """Unit vector from A to B; (..., 3)."""
+    point_a: Floats
+    """The point of A; (..., 3)."""
+    point_b: Floats
+    """The point of B; (..., 3)."""
+    differentiability: Codes
+    """Codes of `Differentiability`: whether these are derivatives, or why not."""
+    normal_by_a: Floats
+    normal_by_b: Floats
+    point_a_by_a: Floats
+    """Of the point of A, by a twist of A."""
+    point_a_by_b: Floats
+    """Of the point of A, by a twist of B."""
+    point_b_by_a: Floats
+    point_b_by_b: Floats
+    status: Codes
+    """Codes of `Status`, for the distance or the depth."""
+
+
 def _pair_of_motions(a: Motion, b: Motion) -> Tuple[Floats, Floats, Tuple[int, ...]]:
     for name, motion in (("motion_a", a), ("motion_b", b)):
         if not isinstance(motion, Motion):
@@ -257,3 +284,35 @@ def derivatives(
     return Derivatives._of(
         _hullmap.derivatives(native(a), native(b), rows, of == "depth", settings, threads), lead
     )
+
+
+def witness_derivatives(
+    a: Shape,
+    b: Shape,
+    b_in_a: npt.ArrayLike,
+    *,
+    of: Literal["distance", "depth"] = "distance",
+    tolerance: float = TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
+    threads: Optional[int] = None,
+) -> WitnessDerivatives:
+    """Derivatives of the normals and the points of distances or contacts of convex shapes, by both poses.
+
+    Twists are those of `derivatives`. There are derivatives where the distance or the depth has one, and the same
+    vertices, edges or faces are nearest for all poses nearby. Curved places of cylinders and cones have none.
+
+    >>> import hullmap
+    >>> cube, ball = hullmap.Box([1, 1, 1]), hullmap.Sphere(0.5)
+    >>> found = hullmap.witness_derivatives(cube, ball, hullmap.poses([4, 0.5, 0]))
+    >>> found.point_a_by_b[:, :3].round(6) + 0.0            # on a face, the point of the cube follows y and z
+    array([[0., 0., 0.],
+           [0., 1., 0.],
+           [0., 0., 1.]])
+    """
+    if of not in ("distance", "depth"):
+        raise ArrayError(f"of: expected 'distance' or 'depth', found {of!r}")
+    rows, lead = transforms("b_in_a", b_in_a)
+    settings = settings_of(tolerance, max_iterations)
+    found = _hullmap.witness_derivatives(native(a), native(b), rows, of == "depth", settings, threads)
+    names = ("normal", "point_a", "point_b")
+    return WitnessDerivatives._of(found, lead, {f"{name}_by_{by}": (3, 6) for name in names for by in "ab"})

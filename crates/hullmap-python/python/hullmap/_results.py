@@ -103,6 +103,10 @@ class Differentiability(IntEnum):
     """There is nothing to differentiate: no hit, or no depth."""
     INACCURATE = 6
     """The value is less accurate than its settings ask for."""
+    FEATURE = 7
+    """Only of normals and points: other vertices, edges or faces are nearest for poses nearby."""
+    CURVED = 8
+    """Only of normals and points: the shape is curved there."""
 
     @classmethod
     def words(cls, codes: npt.ArrayLike) -> List[str]:

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::pose_derivative::{Derivatives, Differentiability, PoseDerivative};
-use super::witness::{closest_points, meeting_points};
+use super::witness::{closest_points, meeting_points, normal_error};
 use crate::pose::Pose;
 use crate::solver::queries::contact;
 use crate::solver::ray::Dot;
@@ -39,14 +39,6 @@ fn is_accurate(status: Status) -> bool {
 }
 
 impl Distance {
-    /// Upper bound of the length of the difference of the normal and the true direction.
-    ///
-    /// The nearest point of the difference of the shapes is within √(u² − l²) of the point found,
-    /// for an interval from l to u.
-    fn normal_error(&self) -> f64 {
-        ((self.upper - self.lower) * (self.upper + self.lower)).max(0.0).sqrt() / self.lower
-    }
-
     /// Derivatives of the distance by the poses of `a` and of `b`, which is at `b_in_a`: of the
     /// shapes of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
     ///
@@ -88,7 +80,7 @@ impl Distance {
         } else if !is_accurate(self.status) {
             Differentiability::Inaccurate
         } else {
-            closest_points((a, b, b_in_a), self.normal, self.normal_error())
+            closest_points((a, b, b_in_a), self.normal, normal_error([self.lower, self.upper]))
         };
         between(self.normal, [self.point_a, self.point_b], b_in_a, status)
     }

@@ -3,9 +3,10 @@
 //! | where | what |
 //! |---|---|
 //! | `pose_derivative` | a derivative by one pose, and by both; why there is none |
-//! | `witness` | whether a pair of closest points is the only one |
+//! | `witness` | whether a pair of closest points is the only one, and on which features it is |
 //! | `lengths` | of distance, depth and signed distance |
 //! | `times` | of rays, and of times of impact |
+//! | `witness_derivatives` | of normals and witness points |
 //!
 //! # Reference
 //! The envelope theorem (Danskin 1966): the derivative of an optimum is that of the function at the
@@ -18,5 +19,7 @@ mod lengths;
 mod pose_derivative;
 mod times;
 mod witness;
+mod witness_derivatives;
 
 pub use pose_derivative::{Derivatives, Differentiability, PoseDerivative};
+pub use witness_derivatives::{WitnessDerivatives, WitnessJacobian};

@@ -72,6 +72,12 @@ pub enum Differentiability {
     Missing,
     /// The answer is less accurate than its settings ask for.
     Inaccurate,
+    /// Only of normals and points: a point is on the border of its face or edge, or the normal is
+    /// on the border of the normals of its edge or vertex, within the interval. Other features are
+    /// nearest beyond.
+    Feature,
+    /// Only of normals and points: the shape is curved there, and no feature describes how.
+    Curved,
 }
 
 impl Differentiability {
@@ -85,6 +91,8 @@ impl Differentiability {
             Self::Grazing => "grazing",
             Self::Missing => "missing",
             Self::Inaccurate => "inaccurate",
+            Self::Feature => "feature",
+            Self::Curved => "curved",
         }
     }
 }

@@ -8,7 +8,10 @@
 //!    a face. Support points across the longest chord distinguish them.
 //! 3. Two edges that are not parallel have one pair of closest points. An edge and a face, or two
 //!    faces, have many.
-//! 4. Where a line meets the Minkowski difference of two polytopes, and where this difference is
+//! 4. The points stay on their features if no support point is elsewhere for these directions, and
+//!    if they are inside an edge or a face of the difference. At a vertex, the support points are
+//!    equal for all of them; on a curved surface they differ slightly.
+//! 5. Where a line meets the Minkowski difference of two polytopes, and where this difference is
 //!    closest to a point inside, a normal is the only one if the place is inside a face of the
 //!    difference. The support points of the face, relative to the place, are a polygon around it:
 //!    EPA in the plane, which ends as soon as the polygon contains a small disc.
@@ -40,12 +43,32 @@ const THIRDS: [DVec2; 3] = [DVec2::X, DVec2::new(-0.5, 0.866), DVec2::new(-0.5, 
 /// Maximum number of corners of the polygon in a face. 3 to 6 are common.
 const MAX_CORNERS: usize = 16;
 
-/// What faces a direction, if it is no vertex.
+/// Support points that are nearer to each other than this many tilts times the outer radius are at
+/// a vertex, or on a straight edge. Rounding errors are less than a tenth of it, and a surface is
+/// more curved unless its radius of curvature is a thousandth of the outer radius.
+const STRAIGHT: f64 = 1e-3;
+
+/// What faces a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Facing {
+pub(super) enum Facing {
+    Vertex,
     /// An edge, along this unit direction.
     Edge(DVec3),
     Face,
+    /// A curved surface, or features that are too small to be distinguished from one. It may
+    /// contain a line along this unit direction, as the side of a cylinder does.
+    Curved(Option<DVec3>),
+}
+
+impl Facing {
+    /// The direction of an edge, or of a line on a curved surface.
+    fn line(self) -> Option<DVec3> {
+        match self {
+            Self::Edge(along) => Some(along),
+            Self::Curved(along) => along,
+            Self::Vertex | Self::Face => None,
+        }
+    }
 }
 
 /// A shape at a pose, of which only the core counts.
@@ -60,26 +83,41 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         self.pose.transform_point(self.shape.core_support_point(self.pose.inverse_transform_vector(dir)).point)
     }
 
-    /// The longest chord of the support points around `normal`; `None` at a vertex.
-    fn chord(&self, normal: DVec3) -> Option<DVec3> {
+    /// The longest chord of the support points around `normal`.
+    fn chord(&self, normal: DVec3) -> DVec3 {
         let x = perpendicular(normal);
         let y = normal.cross(x);
         let [p, q, r] = THIRDS.map(|side| self.support(normal + (x * side.x + y * side.y) * self.tilt));
-        let longest =
-            [q - p, r - q, p - r].into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
-        longest.filter(|chord| chord.length() > self.same_place())
+        let longer = |a: DVec3, b: DVec3| if b.length_squared() > a.length_squared() { b } else { a };
+        longer(longer(q - p, r - q), p - r)
     }
 
     fn same_place(&self) -> f64 {
         SAME_PLACE * self.tilt * self.shape.core_radii()[1]
     }
 
+    fn straight(&self) -> f64 {
+        STRAIGHT * self.tilt * self.shape.core_radii()[1]
+    }
+
     /// What faces `normal`, if its support points have this chord.
-    fn along(&self, normal: DVec3, chord: DVec3) -> Facing {
-        let along = chord.normalize();
+    fn facing(&self, normal: DVec3, chord: DVec3) -> Facing {
+        let length = chord.length();
+        // NaN takes the failing branch.
+        if !(length > self.same_place()) {
+            return if length <= self.straight() { Facing::Vertex } else { Facing::Curved(None) };
+        }
+        let along = chord / length;
         let across = normal.cross(along);
         let [p, q] = [across, -across].map(|side| self.support(normal + side * self.tilt));
-        if (p - q).dot(across) > self.same_place() { Facing::Face } else { Facing::Edge(along) }
+        let width = (p - q).dot(across);
+        if width > self.same_place() {
+            Facing::Face
+        } else if width <= self.straight() {
+            Facing::Edge(along)
+        } else {
+            Facing::Curved(Some(along))
+        }
     }
 
     /// Whether the shape is known to be a polytope: it has faces, or features identify its
@@ -104,6 +142,14 @@ fn placed<'s, A: ?Sized, B: ?Sized>(
     (Placed { shape: a, pose: Pose::IDENTITY, tilt }, Placed { shape: b, pose: b_in_a, tilt })
 }
 
+/// Upper bound of the length of the difference of the normal and the true direction, for a distance
+/// between `lower` and `upper`.
+///
+/// The nearest point of the difference of the shapes is within √(u² − l²) of the point found.
+pub(super) fn normal_error([lower, upper]: [f64; 2]) -> f64 {
+    ((upper - lower) * (upper + lower)).max(0.0).sqrt() / lower
+}
+
 /// Whether there is one pair of closest points along `normal`, from A to B, in A's frame. `error`
 /// is an upper bound of the error of the normal.
 pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -112,12 +158,54 @@ pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     error: f64,
 ) -> Differentiability {
     let (a, b) = placed(shapes, error);
-    let Some(chord_a) = a.chord(normal) else { return Differentiability::Unique };
-    let Some(chord_b) = b.chord(-normal) else { return Differentiability::Unique };
-    match (a.along(normal, chord_a), b.along(-normal, chord_b)) {
-        (Facing::Edge(a), Facing::Edge(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
+    let chord_a = a.chord(normal);
+    if chord_a.length() <= a.same_place() {
+        return Differentiability::Unique;
+    }
+    let chord_b = b.chord(-normal);
+    if chord_b.length() <= b.same_place() {
+        return Differentiability::Unique;
+    }
+    match (a.facing(normal, chord_a).line(), b.facing(-normal, chord_b).line()) {
+        (Some(a), Some(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
         _ => Differentiability::Parallel,
     }
+}
+
+/// The features of A and of B that face each other along `normal`, or why the points, which are the
+/// only pair, do not stay on them: `Curved`, or a change of feature.
+pub(super) fn facing_features<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    shapes: (&A, &B, Pose),
+    normal: DVec3,
+    points: [DVec3; 2],
+    error: f64,
+) -> Result<[Facing; 2], Differentiability> {
+    let (a, b) = placed(shapes, error);
+    let facing = [a.facing(normal, a.chord(normal)), b.facing(-normal, b.chord(-normal))];
+    let is_inside = match facing {
+        [Facing::Curved(_), _] | [_, Facing::Curved(_)] => return Err(Differentiability::Curved),
+        [Facing::Vertex, Facing::Vertex] => true,
+        [Facing::Edge(along), Facing::Vertex] | [Facing::Vertex, Facing::Edge(along)] => {
+            is_inside_edge(&a, &b, (normal, along), points)
+        }
+        _ => is_inside_face(&a, &b, normal, points),
+    };
+    if is_inside { Ok(facing) } else { Err(Differentiability::Feature) }
+}
+
+/// Whether the difference of the points is inside the edge of A − B that faces `normal`, and is
+/// along `along`.
+fn is_inside_edge<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &Placed<'_, A>,
+    b: &Placed<'_, B>,
+    (normal, along): (DVec3, DVec3),
+    [point_a, point_b]: [DVec3; 2],
+) -> bool {
+    let reach = a.same_place() + b.same_place();
+    [along, -along].into_iter().all(|side| {
+        let dir = normal + side * a.tilt;
+        ((a.support(dir) - point_a) - (b.support(-dir) - point_b)).dot(side) > reach
+    })
 }
 
 /// Whether there is one pair of points that meet along `normal`, and no other normal there.

@@ -1,0 +1,117 @@
+//! Two bodies of which B moves and turns: when they first meet.
+
+use hullmap::compound::{self, half_space};
+use hullmap::{Compound, MotionSettings, Pose, RigidMotion, TimeOfImpact, cast_motion};
+use js_sys::Float64Array;
+use wasm_bindgen::prelude::*;
+
+use crate::object::{Field, Fields, Plain, error};
+use crate::pair::{Found, Pair, no_query, of_compound, of_parts, pose_of};
+use crate::shape::Side;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** When two bodies first meet. Points and directions are in A's frame. */
+export interface TimeOfImpact {
+    /** False only if it is certain that the bodies do not meet until time 1. */
+    hit: boolean;
+    status: Status;
+    /** The time, from 0 to 1; infinite if there is no hit. */
+    t: number;
+    /** Until then, the bodies certainly are separated. */
+    tLower: number;
+    /** At this time, they certainly have met; infinite if no such time was found. */
+    tUpper: number;
+    /** Unit vector from A to B at `tLower`. */
+    normal: Float64Array;
+    /** The point of A closest to B at `tLower`. */
+    pointA: Float64Array;
+    /** The point of B closest to A at `tLower`. */
+    pointB: Float64Array;
+    iterations: number;
+    supportCalls: number;
+    /** Indices of the hulls of A and B that meet first; 0 for a body that is not a pack. */
+    parts: Uint32Array;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "TimeOfImpact")]
+    pub type ImpactAnswer;
+}
+
+/// The motion from one pose to another.
+fn motion_between(start: &[f64], end: &[f64]) -> Result<RigidMotion, JsError> {
+    RigidMotion::between(pose_of(start)?, pose_of(end)?).map_err(error)
+}
+
+fn fields((found, parts): &Found<TimeOfImpact>) -> Fields {
+    vec![
+        ("hit", Field::Flag(found.hit)),
+        ("status", Field::Word(found.status.as_str())),
+        ("t", Field::Number(found.t)),
+        ("tLower", Field::Number(found.t_lower)),
+        ("tUpper", Field::Number(found.t_upper)),
+        ("normal", Field::Vector(found.normal)),
+        ("pointA", Field::Vector(found.point_a)),
+        ("pointB", Field::Vector(found.point_b)),
+        ("iterations", Field::Count(found.iterations)),
+        ("supportCalls", Field::Count(found.support_calls)),
+        ("parts", Field::Parts(*parts)),
+    ]
+}
+
+/// The pose at time `t`, from 0 to 1, of a motion from `start` to `end`: the origin moves along a
+/// straight line, and the rotation is interpolated by slerp, the shorter way.
+///
+/// # Errors
+/// A pose is not seven finite numbers.
+#[wasm_bindgen(js_name = poseBetween)]
+pub fn pose_between(
+    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] start: &[f64],
+    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] end: &[f64],
+    t: f64,
+) -> Result<Float64Array, JsError> {
+    let pose = motion_between(start, end)?.at(t);
+    let (place, turn) = (pose.translation().to_array(), pose.rotation().to_array());
+    Ok(Float64Array::from([place.as_slice(), turn.as_slice()].concat().as_slice()))
+}
+
+impl Pair {
+    fn find_impact(&mut self, motion: &RigidMotion) -> Option<Found<TimeOfImpact>> {
+        let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
+        let (still, settings) = (&RigidMotion::still(Pose::IDENTITY), &MotionSettings::default());
+        Some(match (&self.a, &self.b) {
+            (Side::HalfSpace(a), Side::Compound(b)) => {
+                of_compound(half_space::cast_motion(a, still, &Compound::new(b), motion, settings))
+            }
+            (Side::HalfSpace(a), b) => (a.cast_motion(still, b.convex()?, motion, settings), [0, 0]),
+            (a, b) => match (a.convex(), b.convex()) {
+                (Some(a), Some(b)) => (cast_motion(a, still, b, motion, settings, cache), [0, 0]),
+                _ => of_compound(of_parts!(a, b, |a, b| compound::cast_motion(
+                    a, still, b, motion, settings, compound
+                ))?),
+            },
+        })
+    }
+}
+
+#[wasm_bindgen]
+impl Pair {
+    /// When B, which moves from the pose `start` to the pose `end` as in `poseBetween`, first meets
+    /// A, which rests.
+    ///
+    /// # Errors
+    /// A pose is not seven finite numbers.
+    #[wasm_bindgen(js_name = castMotion)]
+    pub fn cast_motion(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] start: &[f64],
+        #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] end: &[f64],
+    ) -> Result<ImpactAnswer, JsError> {
+        let motion = motion_between(start, end)?;
+        Ok(Plain::from_fields(&fields(&self.find_impact(&motion).ok_or_else(no_query)?)).done())
+    }
+}
