@@ -60,19 +60,6 @@ impl Table {
     }
 }
 
-/// A number with its digits in groups of three.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// A coordinate with the fewest digits that distinguish it from every other f32.
 pub fn shortest(x: f32) -> String {
     let size = f64::from(x).abs();
@@ -116,10 +103,5 @@ mod tests {
             assert_ne!(shortest(x), shortest(x.next_up()));
             assert_eq!(shortest(x).parse(), Ok(x));
         }
-    }
-
-    #[test]
-    fn digits_group_by_three() {
-        assert_eq!([0, 999, 1000, 100_000].map(grouped), ["0", "999", "1 000", "100 000"]);
     }
 }

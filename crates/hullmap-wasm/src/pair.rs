@@ -30,7 +30,7 @@ export interface Contact {
     /** The depth is certainly in this interval. */
     depthLower: number;
     depthUpper: number;
-    /** Unit vector from A to B. NaN, as the points, for packs that are separated. */
+    /** Unit vector from A to B. NaN, as the points, for packs and levels that are separated. */
     normal: Float64Array;
     /** The point of A that is deepest in B. */
     pointA: Float64Array;
@@ -38,7 +38,7 @@ export interface Contact {
     pointB: Float64Array;
     iterations: number;
     supportCalls: number;
-    /** Indices of the hulls of A and B that decided the answer; 0 for a body that is not a pack. */
+    /** Indices of the hulls or triangles of A and B that decided the answer; 0 for a convex body. */
     parts: Uint32Array;
 }
 
@@ -58,7 +58,7 @@ export interface Distance {
     pointB: Float64Array;
     iterations: number;
     supportCalls: number;
-    /** Indices of the hulls of A and B that decided the answer; 0 for a body that is not a pack. */
+    /** Indices of the hulls or triangles of A and B that decided the answer; 0 for a convex body. */
     parts: Uint32Array;
 }
 
@@ -70,7 +70,7 @@ export interface ManifoldPoint {
     depth: number;
     /** Unit vector from A to B. The hulls of a pack may have different ones. */
     normal: Float64Array;
-    /** Indices of the hulls of A and B that touch there. */
+    /** Indices of the hulls or triangles of A and B that touch there. */
     parts: Uint32Array;
 }
 
@@ -191,41 +191,45 @@ impl Memory {
     }
 }
 
-/// Evaluates `$call` with the two bodies by their kinds; one of them is a pack.
-macro_rules! of_parts {
-    ($a:expr, $b:expr, |$x:ident, $y:ident| $call:expr) => {
-        match ($a, $b) {
-            (Side::Compound(a), Side::Compound(b)) => {
-                let ($x, $y) = (&Compound::new(a), &Compound::new(b));
+/// Evaluates `$call` with a body as one side of a query of compounds; `None` for a half-space.
+macro_rules! of_side {
+    ($side:expr, |$x:ident| $call:expr) => {
+        match $side {
+            Side::Compound(pack) => {
+                let $x = &Compound::new(pack);
                 Some($call)
             }
-            (Side::Compound(a), b) => b.convex().map(|$y| {
-                let $x = &Compound::new(a);
-                $call
-            }),
-            (a, Side::Compound(b)) => a.convex().map(|$x| {
-                let $y = &Compound::new(b);
-                $call
-            }),
-            _ => None,
+            Side::Sheet(sheet) => {
+                let $x = sheet;
+                Some($call)
+            }
+            side => side.convex().map(|$x| $call),
         }
     };
 }
 
-pub(crate) use of_parts;
+/// The same with two bodies.
+macro_rules! of_parts {
+    ($a:expr, $b:expr, |$x:ident, $y:ident| $call:expr) => {
+        of_side!($a, |$x| of_side!($b, |$y| $call)).flatten()
+    };
+}
+pub(crate) use {of_parts, of_side};
 
 /// An answer, and the hulls of A and B that decided it.
 pub(crate) type Found<T> = (T, [usize; 2]);
 
 // Each query has a case for two hulls, for a half-space and a pack or a convex body, for two convex
-// bodies, and for packs. `None`: the constructor rejects such pairs.
+// bodies, and for packs and levels. `None`: the constructor rejects such pairs.
 impl Pair {
     fn find_intersection(&mut self, pose: Pose) -> Option<Found<Intersection>> {
         let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::intersects(a.hull(), b.hull(), pose, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::intersects(a, &Compound::new(b), pose)),
-            (Side::HalfSpace(a), b) => (a.intersects(b.convex()?, pose), [0, 0]),
+            (Side::HalfSpace(a), b) => match b.convex() {
+                Some(b) => (a.intersects(b, pose), [0, 0]),
+                None => of_compound(of_side!(b, |b| half_space::intersects(a, b, pose))?),
+            },
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::intersects(a, b, pose, cache), [0, 0]),
                 _ => of_compound(of_parts!(a, b, |a, b| compound::intersects(a, b, pose, compound))?),
@@ -238,8 +242,10 @@ impl Pair {
         let settings = &Settings::default();
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::contact(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::contact(a, &Compound::new(b), pose)),
-            (Side::HalfSpace(a), b) => (a.contact(b.convex()?, pose), [0, 0]),
+            (Side::HalfSpace(a), b) => match b.convex() {
+                Some(b) => (a.contact(b, pose), [0, 0]),
+                None => of_compound(of_side!(b, |b| half_space::contact(a, b, pose))?),
+            },
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::contact(a, b, pose, settings, cache), [0, 0]),
                 _ => of_parts!(a, b, |a, b| compound::contact(a, b, pose, settings, compound))?
@@ -253,8 +259,10 @@ impl Pair {
         let settings = &Settings::default();
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::distance(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::distance(a, &Compound::new(b), pose)),
-            (Side::HalfSpace(a), b) => (a.distance(b.convex()?, pose), [0, 0]),
+            (Side::HalfSpace(a), b) => match b.convex() {
+                Some(b) => (a.distance(b, pose), [0, 0]),
+                None => of_compound(of_side!(b, |b| half_space::distance(a, b, pose))?),
+            },
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::distance(a, b, pose, settings, cache), [0, 0]),
                 _ => of_compound(of_parts!(a, b, |a, b| compound::distance(a, b, pose, settings, compound))?),
@@ -346,10 +354,11 @@ pub(crate) fn no_query() -> JsError {
 
 #[wasm_bindgen]
 impl Pair {
-    /// A pair of bodies: hulls, packs as the union of their hulls, or shapes. Both remain usable.
+    /// A pair of bodies: hulls, packs as the union of their hulls, shapes, or levels. Both remain
+    /// usable.
     ///
     /// # Errors
-    /// A body is not a hull, pack or shape, or B is a half-space.
+    /// A body is not a hull, pack, shape or level, or B is a half-space.
     #[wasm_bindgen(constructor)]
     pub fn new(a: &Body, b: &Body) -> Result<Pair, JsError> {
         let (a, b) = (Side::of_body("A", a)?, Side::of_body("B", b)?);
@@ -357,7 +366,7 @@ impl Pair {
             let remedy = "make it A, and pass the pose of the other body in its frame";
             return Err(error(format!("B is a half-space: {remedy}. Two half-spaces have no query")));
         }
-        let is_compound = matches!(a, Side::Compound(_)) || matches!(b, Side::Compound(_));
+        let is_compound = [&a, &b].into_iter().any(|side| matches!(side, Side::Compound(_) | Side::Sheet(_)));
         Ok(Self { a, b, memory: Memory::new(is_compound) })
     }
 
@@ -468,9 +477,7 @@ impl Pair {
         let (mut normal, mut dropped) = (DVec3::NAN, 0);
         if let Some(manifolds) = manifolds {
             let counts = match (&self.a, &self.b) {
-                (Side::HalfSpace(a), Side::Compound(b)) => {
-                    Some(manifolds.update_half_space(a, &Compound::new(b), pose, settings))
-                }
+                (Side::HalfSpace(a), b) => of_side!(b, |b| manifolds.update_half_space(a, b, pose, settings)),
                 (a, b) => of_parts!(a, b, |a, b| manifolds.update(a, b, pose, settings)),
             };
             dropped = counts.ok_or_else(no_query)?.dropped;

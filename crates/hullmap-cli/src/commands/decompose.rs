@@ -26,8 +26,8 @@ use crate::pack_file::{folder_of, make_folder};
 use crate::runner::progress::Progress;
 use crate::runner::rows::Status;
 use crate::runner::schedule;
-use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 use hullmap_verify::estimates::DecomposedObject;
 use hullmap_verify::part::diagonal;
 

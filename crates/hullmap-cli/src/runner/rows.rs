@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::Failure;
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
 use crate::triangle_mesh::MeshSummary;
+use hullmap_bake::number::grouped;
 use hullmap_verify::estimates::DecomposedObject;
 
 /// Result of a file.

@@ -30,9 +30,8 @@ use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, t
 use crate::packs::{PackPlace, find_packs, is_baked};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
-use crate::table::grouped;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::rounded;
+use hullmap_bake::number::{grouped, rounded};
 use hullmap_verify::geometry::rank_name;
 use robot::{Geometry, Robot};
 use scene::Added;

@@ -13,9 +13,9 @@ use crate::open::{BakedFile, kept_warnings, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
-use crate::table::{grouped, shortest};
+use crate::table::shortest;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::rounded;
+use hullmap_bake::number::{grouped, rounded};
 use hullmap_verify::estimates::MirrorPlane;
 use hullmap_verify::geometry::{polygons, positions, rank_name};
 

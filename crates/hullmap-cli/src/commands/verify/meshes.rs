@@ -1,8 +1,9 @@
 //! `bake verify`: the table of triangle meshes.
 
 use crate::outcome::Failure;
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 use hullmap_verify::triangle_mesh::MeshVerification;
 
 /// Errors, the table, and the summary.

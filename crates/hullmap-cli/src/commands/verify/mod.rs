@@ -14,8 +14,9 @@ use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 use hullmap_verify::geometry::{polygons, positions};
 use hullmap_verify::pack::{
     BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS, verify_hulls,
