@@ -79,6 +79,8 @@ pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
 
 #[cfg(test)]
 mod tests {
+    use hullmap_bake::number::grouped;
+
     use super::*;
 
     #[test]
