@@ -104,8 +104,8 @@ impl Course {
             * (1.0 + self.turn.1)
     }
 
-    /// The lengths from which the query computes positions, in a frame at `origin`: c, v and the arm
-    /// of docs/intervals.md, section 15. From there, c may be farther away than in the world.
+    /// The lengths from which the query computes positions, in a frame at `origin`: c, v and the
+    /// arm of docs/intervals.md, section 15. From there, c may be farther away than in the world.
     fn length_of_query(&self, origin: DVec3) -> f64 {
         self.center_at_start().distance(origin) + self.linear.length() + self.arm()
     }
@@ -249,8 +249,9 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let lengths = models * spin + courses[0].length() + courses[1].length();
     let unit = 4.0 * ROUNDING_UNITS * f64::EPSILON;
     let slack = unit * lengths + a.shape().support_error() + b.shape().support_error();
-    // The search ends where the excess is at most 2.5 of its noises. A noise is at most 280 + 2 θ ε of
-    // the query's lengths, with angles θ of at most 7: the excess is at most 735 ε of them.
+    // The search ends where the excess is at most 2.5 of its noises. A noise is at most
+    // (280 + 2 θ) ε of the query's lengths, with angles θ of at most 7: the excess is at most 735 ε
+    // of them.
     let start = courses[1].at(0.0).translation();
     let of_query = models + courses[0].length_of_query(start) + courses[1].length_of_query(start);
     let last = (3.0 * unit * of_query).max(3.0 * slack);
