@@ -25,7 +25,9 @@ def installed(name):
         return None
 
 
-mujoco, pinocchio, pybullet, drake = (installed(n) for n in ("mujoco", "pinocchio", "pybullet", "pydrake"))
+mujoco, pinocchio, pybullet, drake, newton = (
+    installed(n) for n in ("mujoco", "pinocchio", "pybullet", "pydrake", "newton")
+)
 
 
 def in_mujoco(path):
@@ -80,7 +82,26 @@ def in_drake(path):
     return [np.array(inertia), np.array([plant.num_joints()])]
 
 
-PARSERS = {"mujoco": in_mujoco, "pinocchio": in_pinocchio, "pybullet": in_pybullet, "drake": in_drake}
+def in_newton(path):
+    if not newton or path.suffix == ".sdf":
+        return None
+    builder = newton.ModelBuilder()
+    if path.suffix == ".urdf":
+        # Of a link without a mass, Newton computes it from the collisions.
+        builder.default_shape_cfg.density = 0.0
+    (builder.add_mjcf if path.suffix == ".xml" else builder.add_urdf)(str(path))
+    bodies = [builder.body_mass, builder.body_inertia, builder.body_com]
+    joints = [builder.joint_type, builder.joint_axis, builder.joint_X_p, builder.joint_X_c]
+    return [np.array(values, dtype=float) for values in bodies + joints]
+
+
+PARSERS = {
+    "mujoco": in_mujoco,
+    "pinocchio": in_pinocchio,
+    "pybullet": in_pybullet,
+    "drake": in_drake,
+    "newton": in_newton,
+}
 
 
 def equal(a, b):
