@@ -39,6 +39,11 @@ impl Scale {
         }
     }
 
+    /// The distance between the coordinates of a number and of the next one, but for rounding.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
     /// The greatest number at or below a coordinate within the bounds; 0 if the bounds are equal.
     pub fn below(&self, coordinate: f64) -> u16 {
         // NaN takes the failing branch. Without extent all numbers are alike.

@@ -91,6 +91,11 @@ impl Grid {
         [at(x, y, z), at(x1, y1, z1)]
     }
 
+    /// The distances between the coordinates of a number and of the next one, along each axis.
+    pub fn steps(&self) -> [f64; 3] {
+        [self.x.step(), self.y.step(), self.z.step()]
+    }
+
     /// The low and the high numbers of a box that holds another one, as far as that is within the
     /// bounds.
     pub fn around(&self, low: [f64; 3], high: [f64; 3]) -> [[u16; 3]; 2] {

@@ -156,6 +156,11 @@ impl<'n> Nodes<'n> {
         if let Tree::Field(field) = self.tree { Some(field) } else { None }
     }
 
+    /// The triangle mesh whose tree this is.
+    pub(super) fn mesh(&self) -> Option<&'n TriangleMesh> {
+        if let Tree::Mesh(mesh) = self.tree { Some(mesh) } else { None }
+    }
+
     /// The BVH of one part with this bounding box.
     pub(super) fn one(low: DVec3, high: DVec3) -> Self {
         Self { tree: Tree::One(Node::new(low, high, Child::Hull(0))) }

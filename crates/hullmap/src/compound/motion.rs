@@ -15,7 +15,6 @@ use super::parts::Parts;
 use super::sheet::Pair;
 use super::traversal::{BoxPairs, Traversal};
 use super::{CompoundAnswer, CompoundCache};
-use crate::height_field::HeightField;
 use crate::height_field::walk::Walk;
 use crate::pose::Pose;
 use crate::shapes::Shape;
@@ -134,13 +133,19 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
             support_calls,
         })
     };
-    let CompoundAnswer { answer, hulls, pairs, boxes } = match (a.nodes().field(), ray.motion().path()) {
-        (Some(field), Some(path)) => {
-            let line = [ray.origin(), path.direction];
-            first_in_field(field, line, placement.rounding_error(), path, settings, cast_part)
+    let (nodes, margin) = (a.nodes(), placement.rounding_error());
+    let first = ray.motion().path().and_then(|path| {
+        let line = [ray.origin(), path.direction];
+        if let Some(field) = nodes.field() {
+            return Some(first_along(path, settings, cast_part, |reach, visit| {
+                Walk::run(field, line, margin, reach, visit)
+            }));
         }
-        _ => first_hit(placement, ray.motion(), settings, |pair| cast_part(pair[0])),
-    };
+        let mesh = nodes.mesh()?;
+        Some(first_along(path, settings, cast_part, |reach, visit| mesh.along(line, margin, reach, visit)))
+    });
+    let first = first.unwrap_or_else(|| first_hit(placement, ray.motion(), settings, |pair| cast_part(pair[0])));
+    let CompoundAnswer { answer, hulls, pairs, boxes } = first;
     let answer = if a.part_count() == 0 { Impact::default() } else { answer };
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = answer;
     let point = if hit { answer.point_a } else { ray.origin() };
@@ -199,19 +204,18 @@ fn first_hit(
     CompoundAnswer { answer, hulls, pairs: first.pairs, boxes: traversal.boxes() }
 }
 
-/// The first hit of a ray on a height field: by a walk over its cells, which costs less than the
-/// tree. `query` casts the ray on a triangle.
-fn first_in_field(
-    field: &HeightField,
-    line: [DVec3; 2],
-    margin: f64,
+/// The first hit of a ray on a sheet that finds the triangles along a ray faster than a traversal
+/// of its tree does: `walk`, to which a length and a visit are passed. `query` casts the ray on a
+/// triangle.
+fn first_along(
     path: Path,
     settings: &CastSettings,
-    mut query: impl FnMut(usize) -> Option<Impact>,
+    query: impl Fn(usize) -> Option<Impact>,
+    walk: impl FnOnce(f64, &mut dyn FnMut(usize) -> f64) -> u32,
 ) -> CompoundAnswer<Impact> {
     let mut first = First::default();
     let reach = first.reach(&path, settings);
-    let boxes = Walk::run(field, line, margin, reach, |triangle| {
+    let boxes = walk(reach, &mut |triangle| {
         if let Some(found) = query(triangle) {
             first.add(&found, [triangle, 0]);
         }
@@ -311,18 +315,20 @@ impl First {
 #[cfg(test)]
 mod tests {
     use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+    use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
     use shapes::rng::SplitMix64;
 
     use super::*;
-    use crate::height_field::{Diagonal, Layout};
+    use crate::height_field::{Diagonal, HeightField, Layout};
+    use crate::triangle_mesh::TriangleMesh;
 
-    /// The answer by the tree, of which only the counts may differ from that of the walk.
-    fn by_tree(field: &HeightField, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<Impact> {
+    /// The answer by the tree, of which only the counts may differ from that of a walk.
+    fn by_tree<P: Parts>(sheet: &P, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<Impact> {
         let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
-        let placement = Placement::new(Nodes::of_field(field), origin, Pose::from_checked(ray.origin()));
+        let placement = Placement::new(sheet.nodes(), origin, Pose::from_checked(ray.origin()));
         first_hit(placement, ray.motion(), settings, |[part, _]| {
-            let part = field.triangle(part)?;
-            let sure = ray_triangle(part.corners(), ray, settings);
+            let part = sheet.part(part)?;
+            let sure = ray_triangle(part.triangle()?, ray, settings);
             let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } =
                 sure.unwrap_or_else(|| cast_ray(&part, ray, settings));
             let [point_a, point_b] = [point; 2];
@@ -359,18 +365,55 @@ mod tests {
         ]
     }
 
+    /// Triangles that share many vertices: random, flat, on a line, far away, tiny, and slivers.
+    fn meshes(rng: &mut SplitMix64) -> Vec<TriangleMesh> {
+        let of = |positions: &[[f32; 3]], corners: &[[u32; 3]]| {
+            let baked = bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).unwrap();
+            TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap()
+        };
+        let mut soup = |points: usize, count: usize, size: [f64; 3], at: f64| {
+            let positions: Vec<[f32; 3]> =
+                (0..points).map(|_| size.map(|size| (at + size * (rng.unit() - 0.5)) as f32)).collect();
+            // Some coordinates are equal.
+            let round = |p: [f32; 3], by: f32| p.map(|c| if by > 0.0 { (c / by).round() * by } else { c });
+            let positions: Vec<_> =
+                positions.iter().enumerate().map(|(i, p)| round(*p, if i % 3 == 0 { 0.25 } else { 0.0 })).collect();
+            let corners: Vec<[u32; 3]> = (0..count).map(|_| [0; 3].map(|_| rng.below(points) as u32)).collect();
+            of(&positions, &corners)
+        };
+        vec![
+            soup(3, 1, [1.0; 3], 0.0),
+            soup(6, 3, [2.0; 3], 0.0),
+            soup(40, 200, [3.0, 2.0, 0.5], 0.0),
+            soup(600, 300, [10.0, 10.0, 1.0], 0.0),
+            // In the plane z = 0, and on a line along x.
+            soup(50, 40, [5.0, 3.0, 0.0], 0.0),
+            soup(9, 5, [5.0, 0.0, 0.0], 0.0),
+            soup(60, 90, [4.0; 3], 1e5),
+            soup(60, 90, [1e-30; 3], 0.0),
+            soup(60, 90, [1e30, 1e28, 1e30], 0.0),
+            soup(90, 200, [100.0, 1e-3, 100.0], 0.0),
+        ]
+    }
+
     /// Rays through anything, along edges, through vertices, along axes, in the plane of the
     /// ground, of huge and of tiny lengths, and from far away.
-    fn draw_ray(field: &HeightField, round: usize, rng: &mut SplitMix64) -> (Ray, f64) {
-        let [low, high] = field.bounds();
+    ///
+    /// `draw` returns the corners of a random triangle.
+    fn draw_ray(
+        [low, high]: [DVec3; 2],
+        draw: impl Fn(&mut SplitMix64) -> Option<[DVec3; 3]>,
+        round: usize,
+        rng: &mut SplitMix64,
+    ) -> (Ray, f64) {
         let size = (high - low).max(DVec3::splat(0.05 * (high - low).max_element()));
         let mut place = |grow: f64| {
             let share = DVec3::new(rng.unit(), rng.unit(), rng.unit()) * (1.0 + grow) - 0.5 * grow;
             low + share * size
         };
         let (mut from, mut to) = (place(0.5), place(0.2));
-        let Layout { columns, rows, .. } = *field.layout();
-        let vertex = |rng: &mut SplitMix64| field.vertex(rng.below(columns), rng.below(rows)).unwrap();
+        let triangle = |rng: &mut SplitMix64| (0..9).find_map(|_| draw(rng)).unwrap_or([low; 3]);
+        let vertex = |rng: &mut SplitMix64| triangle(rng)[0];
         match round % 10 {
             0 => from.z = high.z + size.z,
             1 => to = from.with_z(low.z - size.z),
@@ -389,8 +432,7 @@ mod tests {
                 from = to + DVec3::new(0.0, 0.0, 2.0 * size.z);
             }
             6 => {
-                let triangle = (0..9).find_map(|_| field.triangle(rng.below(field.triangle_count())));
-                let [a, b, c] = triangle.map_or([from; 3], |triangle| triangle.corners());
+                let [a, b, c] = triangle(rng);
                 to = a.midpoint(b);
                 from = if rng.unit() < 0.5 { to + (to - c).with_z(3.0 * size.z) } else { c };
             }
@@ -399,9 +441,50 @@ mod tests {
             _ => {}
         }
         let length = [1.0, 1e-3, 1e3, 1e-300, 1e20][rng.below(5)];
-        let direction = if from == to { DVec3::X } else { (to - from) * length };
+        let mut direction = if from == to { DVec3::X } else { (to - from) * length };
+        if !(direction.abs().max_element() < 1e38) {
+            direction = direction.normalize();
+        }
         let until = [f64::INFINITY, f64::INFINITY, 1.0, 0.3, 0.0][rng.below(5)];
-        (Ray::new(from, direction).unwrap(), until / length)
+        (Ray::new(from.clamp(DVec3::splat(-1e38), DVec3::splat(1e38)), direction).unwrap(), until / length)
+    }
+
+    /// What the rays of a test found.
+    #[derive(Default)]
+    struct Tally {
+        hits: usize,
+        grazes: usize,
+        boxes: [u64; 2],
+    }
+
+    impl Tally {
+        /// Compares the answer for a ray with that by the tree.
+        fn compare<P: Parts>(&mut self, sheet: &P, line: &Ray, settings: &CastSettings, round: usize) {
+            let (found, expected) = (ray(sheet, line, settings), by_tree(sheet, line, settings));
+            self.boxes[0] += u64::from(found.boxes);
+            self.boxes[1] += u64::from(expected.boxes);
+            let RayHit { hit, status, t, t_lower, t_upper, normal, point, .. } = found.answer;
+            let of_tree = expected.answer;
+            if hit && of_tree.hit && [status, of_tree.status].contains(&Status::Touching) {
+                // Boxes rule out different triangles that the ray almost touches.
+                let agree = t_lower <= of_tree.t_upper && of_tree.t_lower <= t_upper;
+                assert!(agree, "round {round}: {line:?}, {settings:?}: {found:?}, by the tree {expected:?}");
+            } else {
+                let point_of_tree = if of_tree.hit { of_tree.point_a } else { line.origin() };
+                let own = format!("{:?}", (found.hulls, hit, status, t, t_lower, t_upper, normal, point));
+                let Impact { hit, status, t, t_lower, t_upper, normal, .. } = of_tree;
+                let tree = format!("{:?}", (expected.hulls, hit, status, t, t_lower, t_upper, normal, point_of_tree));
+                assert_eq!(own, tree, "round {round}: {line:?}, {settings:?}");
+            }
+            self.hits += usize::from(hit);
+            self.grazes += usize::from(status == Status::Touching);
+        }
+
+        fn check(&self, rounds: usize) {
+            let Self { hits, grazes, boxes } = self;
+            println!("{hits} hits, {grazes} grazes, {boxes:?} boxes");
+            assert!(*hits > rounds / 4 && *hits < rounds * 3 / 4 && *grazes > rounds / 50);
+        }
     }
 
     #[test]
@@ -410,25 +493,29 @@ mod tests {
         println!("seed {seed}");
         let mut rng = SplitMix64::new(seed);
         let fields = fields(&mut rng);
-        let (mut hits, mut grazes, mut boxes, rounds) = (0, 0, [0_u64; 2], 30_000);
+        let (mut tally, rounds) = (Tally::default(), 30_000);
         for round in 0..rounds {
             let field = &fields[round / 10 % fields.len()];
-            let (line, max_t) = draw_ray(field, round, &mut rng);
-            let settings = CastSettings { max_t, ..CastSettings::default() };
-            let (found, expected) = (ray(field, &line, &settings), by_tree(field, &line, &settings));
-            boxes[0] += u64::from(found.boxes);
-            boxes[1] += u64::from(expected.boxes);
-            let RayHit { hit, status, t, t_lower, t_upper, normal, point, .. } = found.answer;
-            let Impact { point_a, .. } = expected.answer;
-            let point_of_tree = if expected.answer.hit { point_a } else { line.origin() };
-            let own = format!("{:?}", (found.hulls, hit, status, t, t_lower, t_upper, normal, point));
-            let Impact { hit, status, t, t_lower, t_upper, normal, .. } = expected.answer;
-            let tree = format!("{:?}", (expected.hulls, hit, status, t, t_lower, t_upper, normal, point_of_tree));
-            assert_eq!(own, tree, "round {round}: {line:?}, {settings:?}");
-            hits += usize::from(hit);
-            grazes += usize::from(status == Status::Touching);
+            let draw = |rng: &mut SplitMix64| Some(field.triangle(rng.below(field.triangle_count()))?.corners());
+            let (line, max_t) = draw_ray(field.bounds(), draw, round, &mut rng);
+            tally.compare(field, &line, &CastSettings { max_t, ..CastSettings::default() }, round);
         }
-        println!("{hits} hits, {grazes} grazes, {boxes:?} boxes");
-        assert!(hits > rounds / 4 && hits < rounds * 3 / 4 && grazes > rounds / 50);
+        tally.check(rounds);
+    }
+
+    #[test]
+    fn a_descent_along_a_ray_finds_what_the_tree_of_a_mesh_finds() {
+        let seed = 0x3a8;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let meshes = meshes(&mut rng);
+        let (mut tally, rounds) = (Tally::default(), 30_000);
+        for round in 0..rounds {
+            let mesh = &meshes[round / 10 % meshes.len()];
+            let draw = |rng: &mut SplitMix64| Some(mesh.triangle(rng.below(mesh.triangle_count()))?.corners());
+            let (line, max_t) = draw_ray(mesh.bounds().map(|c| c.as_dvec3()), draw, round, &mut rng);
+            tally.compare(mesh, &line, &CastSettings { max_t, ..CastSettings::default() }, round);
+        }
+        tally.check(rounds);
     }
 }

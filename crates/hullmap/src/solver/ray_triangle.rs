@@ -37,28 +37,37 @@ const TINY_VOLUME: f64 = 1e-250;
 /// wider.
 const MAX_WIDTH: f64 = 1e-9;
 
+/// A vector, and its length.
+#[derive(Clone, Copy)]
+struct Measured(DVec3, f64);
+
+impl Measured {
+    fn new(vector: DVec3) -> Self {
+        Self(vector, vector.length())
+    }
+}
+
 /// The volume that three vectors span, and a bound of its rounding error.
-fn volume(a: DVec3, b: DVec3, c: DVec3) -> (f64, f64) {
-    (a.dot(b.cross(c)), VOLUME_ERROR * a.length() * b.length() * c.length())
+#[inline]
+fn volume(a: Measured, b: Measured, c: Measured) -> (f64, f64) {
+    (a.0.dot(b.0.cross(c.0)), VOLUME_ERROR * a.1 * b.1 * c.1)
 }
 
 /// The answer of [`ray`](super::ray::ray) for a triangle, if rounding error cannot change it.
 pub(crate) fn ray_triangle(corners: [DVec3; 3], ray: &Ray, settings: &CastSettings) -> Option<RayHit> {
-    let dir = ray.direction();
-    let [a, b, c] = corners.map(|corner| corner - ray.origin());
-    let miss = |normal: DVec3| RayHit {
+    let dir = Measured::new(ray.direction());
+    let [a, b, c] = corners.map(|corner| Measured::new(corner - ray.origin()));
+    let miss = || RayHit {
         hit: false,
         status: Status::Separated,
         t: f64::INFINITY,
         t_lower: f64::INFINITY,
         t_upper: f64::INFINITY,
         point: ray.origin(),
-        normal,
+        normal: DVec3::X,
         iterations: 0,
         support_calls: 0,
     };
-    let (edge_b, edge_c) = (corners[1] - corners[0], corners[2] - corners[0]);
-    let cross = edge_b.cross(edge_c);
     let mut signs = [false; 2];
     let mut is_sure = true;
     for (first, second) in [(c, b), (a, c), (b, a)] {
@@ -70,14 +79,13 @@ pub(crate) fn ray_triangle(corners: [DVec3; 3], ray: &Ray, settings: &CastSettin
             is_sure = false;
         }
     }
-    let normal = cross.normalize_or(DVec3::X);
-    let normal = if normal.dot(dir) > 0.0 { -normal } else { normal };
     if signs == [true; 2] {
-        return Some(miss(normal));
+        return Some(miss());
     }
     if !is_sure {
         return None;
     }
+    let [edge_b, edge_c] = [corners[1], corners[2]].map(|corner| Measured::new(corner - corners[0]));
     let ((height, height_error), (speed, speed_error)) = (volume(a, edge_b, edge_c), volume(dir, edge_b, edge_c));
     let (height, speed) = if speed < 0.0 { (-height, -speed) } else { (height, speed) };
     if !(speed > 2.0 * speed_error.max(TINY_VOLUME)) {
@@ -91,13 +99,15 @@ pub(crate) fn ray_triangle(corners: [DVec3; 3], ray: &Ray, settings: &CastSettin
     let t_lower = bound(least, if least > 0.0 { speed + speed_error } else { speed - speed_error }, -1.0);
     let t_upper = bound(most, if most > 0.0 { speed - speed_error } else { speed + speed_error }, 1.0);
     if t_upper < 0.0 || t_lower > settings.limit() {
-        return Some(miss(normal));
+        return Some(miss());
     }
     // The origin, or the end, is in the plane but for rounding; or the ray is nearly in it.
     if !(t_lower > 0.0 && t_upper <= settings.limit() && t_upper - t_lower <= MAX_WIDTH * t_upper) {
         return None;
     }
     let t = (height / speed).clamp(t_lower, t_upper);
+    let normal = edge_b.0.cross(edge_c.0).normalize_or(DVec3::X);
+    let normal = if normal.dot(dir.0) > 0.0 { -normal } else { normal };
     Some(RayHit {
         hit: true,
         status: Status::Exact,

@@ -39,6 +39,7 @@
 mod in_box;
 #[cfg(feature = "mmap")]
 mod map;
+mod on_line;
 pub(crate) mod winding;
 
 use std::path::Path;
