@@ -13,9 +13,11 @@
 //!   normal of the union at x: a ball that touches the plane at x from outside touches the union
 //!   there only;
 //! - or n is the normal of a face of i, and a point slightly above that face, near x, is outside
-//!   all other parts. Then the face is exposed there, and x may be in a concave corner. Triangles
-//!   have no inside: there, the point must also be visible to the other body. The wall of a slab
-//!   is not, if the body is on the floor above it.
+//!   all other parts. Then the face is exposed there, and x may be in a concave corner.
+//!
+//! Triangles have no inside: there, in both cases, a point above x must also be visible to the
+//! other body. The wall of a slab is not, if the body is on the floor above it. A wall that leans
+//! is nearest to the body below the floor, where no triangle contains x.
 //!
 //! # Steps
 //! 1. Test the normal. In most cases the first point passes, with one descent of the BVH.
@@ -388,7 +390,9 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         let top = points.iter().map(|p| height(&p)).fold(f64::NEG_INFINITY, f64::max);
         let highest = || points.iter().filter(|p| height(p) >= top - seam).map(|p| place.transform_point(on(p)));
         let outward = place.transform_vector(normal);
-        if highest().any(|point| !self.is_topped(union, part, point, outward, seam)) {
+        let body_in_union = place.transform_point(body);
+        let is_seen = |point: DVec3| self.is_seen(union, part, point + outward * seam, body_in_union, seam);
+        if highest().any(|point| !self.is_topped(union, part, point, outward, seam) && is_seen(point)) {
             return true;
         }
         let closest = union.face_towards(part, outward);
@@ -418,15 +422,19 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         let middle = face.corners().iter().map(|c| c.point).sum::<DVec3>() / face.corners().len().max(1) as f64;
         let across = middle - point;
         let above = point + (across * 0.5).clamp_length_max(INWARD * seam) + normal * (ABOVE * seam);
-        let way = (body - above).clamp_length_max(SIGHT * seam);
-        let [above, beyond] = [above, above + way].map(|point| place.transform_point(point));
-        if union.any_near(above, seam, &mut |near| near.index != part && contains(&near, above, seam)) {
-            return false;
-        }
-        // A sheet has no inside, but hides what is behind it.
+        let [above, body] = [above, body].map(|point| place.transform_point(point));
+        !union.any_near(above, seam, &mut |near| near.index != part && contains(&near, above, seam))
+            && self.is_seen(union, part, above, body, seam)
+    }
+
+    /// Whether no other triangle hides a point near the shape from the other body, of which `body`
+    /// is a point. Only a sheet hides what is behind it: it has no inside. All are in the frame of
+    /// the union.
+    fn is_seen(&self, union: &dyn Union, part: usize, point: DVec3, body: DVec3, seam: f64) -> bool {
+        let way = (body - point).clamp_length_max(SIGHT * seam);
         self.shape.triangle().is_none()
-            || !union.any_near((above + beyond) * 0.5, 0.5 * way.length(), &mut |near| {
-                near.index != part && hides(&near, [above, beyond])
+            || !union.any_near(point + way * 0.5, 0.5 * way.length(), &mut |near| {
+                near.index != part && hides(&near, [point, point + way])
             })
     }
 
