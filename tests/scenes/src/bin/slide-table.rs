@@ -4,8 +4,11 @@
 use clap::Parser;
 use hullmap_scenes::slab::Cut;
 use hullmap_scenes::slab_sheet::Form;
-use hullmap_scenes::slide::{Slide, Slider, deviation};
+use hullmap_scenes::slide::{Moment, Slide, Slider, deviation};
 use hullmap_scenes::way::Way;
+
+/// Shift of the start on the whole slab, in metres: how far paths diverge that begin apart by it.
+const SHIFT: f32 = 1e-5;
 
 /// Deviations of bodies on a slab cut into parts from their way over the whole slab.
 #[derive(Parser)]
@@ -34,10 +37,10 @@ fn main() {
     let arguments = Arguments::parse();
     println!("millimetres of height, per cent of the speed, kicks\n");
     println!(
-        "| slab of | slope | body | way | whole: height, speed |{}",
+        "| slab of | slope | body | way | whole: height, speed | whole, start shifted |{}",
         Cut::CUTS.map(|cut| format!(" {} |", cut.name())).concat()
     );
-    println!("|---|---|---|---|---|{}", "---|".repeat(Cut::CUTS.len()));
+    println!("|---|---|---|---|---|---|{}", "---|".repeat(Cut::CUTS.len()));
     for form in Form::ALL.into_iter().filter(|form| arguments.forms.iter().any(|name| name == form.name())) {
         for degrees in &arguments.slopes {
             for slider in Slider::ALL.into_iter().filter(|slider| slider.name().contains(&arguments.body)) {
@@ -51,23 +54,28 @@ fn main() {
 
 /// Prints a row: the deviations from the way over the whole slab, which is a hull.
 fn row(arguments: &Arguments, form: Form, degrees: f32, slider: Slider, way: Way) {
-    let run = |form: Form, cut: Cut| Slide { form, cut, degrees, slider }.run(way, arguments.seconds);
-    let whole = run(Form::Hulls, Cut::Whole);
+    let run =
+        |form: Form, cut: Cut, shift: f32| Slide { form, cut, degrees, slider, shift }.run(way, arguments.seconds);
+    let whole = run(Form::Hulls, Cut::Whole, 0.0);
+    let text = |found: &[Moment]| {
+        let found = deviation(&whole, found);
+        format!(" {:.2}, {:.1} %, {} |", found.height * 1e3, found.speed * 1e2, found.kicks)
+    };
+    let shifted = text(&run(Form::Hulls, Cut::Whole, SHIFT));
     let cell = |cut: Cut| {
-        let found = run(form, cut);
+        let found = run(form, cut, 0.0);
         if arguments.trace.as_deref() == Some(cut.name()) {
             for (step, (a, b)) in whole.iter().zip(&found).enumerate() {
                 eprintln!("{step} {:.5} {:.4} | {:.5} {:.4}", a.position, a.velocity, b.position, b.velocity);
             }
         }
-        let found = deviation(&whole, &found);
-        format!(" {:.2}, {:.1} %, {} |", found.height * 1e3, found.speed * 1e2, found.kicks)
+        text(&found)
     };
     let (low, high) =
         whole.iter().fold((f32::MAX, f32::MIN), |(low, high), m| (low.min(m.position.y), high.max(m.position.y)));
     let end = whole.last().map_or(0.0, |m| m.velocity.length());
     println!(
-        "| {} | {degrees}° | {} | {} | {:.2}, {end:.2} |{}",
+        "| {} | {degrees}° | {} | {} | {:.2}, {end:.2} |{shifted}{}",
         form.name(),
         slider.name(),
         way.name(),
