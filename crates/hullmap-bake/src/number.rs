@@ -23,6 +23,25 @@ pub fn percent(ratio: f64) -> String {
     short(100.0 * ratio) + "%"
 }
 
+/// A number with its digits in groups of three.
+///
+/// ```
+/// use hullmap_bake::number::grouped;
+///
+/// assert_eq!([0, 999, 1000, 100_000].map(grouped), ["0", "999", "1 000", "100 000"]);
+/// ```
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// A number with `digits` significant digits, or more if there are more before the point, and no
 /// trailing zeros, for any magnitude.
 pub fn significant(value: f64, digits: usize) -> String {

@@ -12,6 +12,7 @@ use crate::baker::{BakedPack, bake_pack};
 use crate::options::removed::instead_of_option;
 use crate::options::table::{BuildOption, OPTIONS, Record};
 use crate::options::{BuildOptions, OptionLayer};
+use crate::triangle_mesh::{BakedTriangles, adapted, bake_triangles};
 
 /// Why a mesh was not baked.
 #[derive(Debug, thiserror::Error)]
@@ -102,11 +103,53 @@ pub fn bake_source(
     stage: Stage,
 ) -> Result<(BakedPack, Imported), InMemoryError> {
     let options = resolve(options)?;
+    let (imported, record) = import_source(path, source, &options)?;
+    let file = path.display().to_string();
+    bake(imported, &options, record, &file, stage)
+}
+
+/// Bakes the contents of a mesh file, and keeps its triangles.
+///
+/// The bytes are those of `bake build --keep-triangles` with the same options, if the file is saved
+/// in the folder of the mesh. `options` are those of [`bake_file`] that apply to triangles.
+///
+/// # Errors
+/// See [`InMemoryError`]. A file without faces is one that could not be baked.
+///
+/// # Examples
+/// ```
+/// use hullmap_cli::bake_level;
+/// use hullmap_import::SourceFile;
+///
+/// let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n".to_vec();
+/// let baked = bake_level("square.obj".as_ref(), &SourceFile::alone(square), &[])?;
+/// assert_eq!(hullmap::TriangleMesh::from_bytes(&baked.bytes)?.triangle_count(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn bake_level(path: &Path, source: &SourceFile, options: &[(&str, &str)]) -> Result<BakedTriangles, InMemoryError> {
+    let options = resolve_of(Kind::Triangles, options)?;
+    let (mut imported, record) = import_source(path, source, &options)?;
+    imported.give_triangles();
+    let [mut notes, warnings] = [&mut imported.notes, &mut imported.warnings]
+        .map(|remarks| remarks.drain(..).map(|remark| adapted(&remark)).collect::<Vec<_>>());
+    let record = SourceRecord { options: options.to_string(), warnings, ..record };
+    let file = path.display();
+    let mut baked =
+        bake_triangles(&imported, &record).map_err(|error| InMemoryError::Bake(format!("{file}: {error}")))?;
+    notes.append(&mut baked.notes);
+    Ok(BakedTriangles { notes, ..baked })
+}
+
+/// Imports the contents of a mesh file. Also returns the record of it, without options.
+fn import_source(
+    path: &Path,
+    source: &SourceFile,
+    options: &BuildOptions,
+) -> Result<(Imported, SourceRecord), InMemoryError> {
     let file = path.display().to_string();
     let [stem, name] = [path.file_stem(), path.file_name()].map(|part| part.unwrap_or_default().to_string_lossy());
     let imported = import::import(&file, &stem, path, source, &options.import(), &Limits::DEFAULT)?;
-    let record = SourceRecord { path: name.into_owned(), hash: source.hash, ..SourceRecord::default() };
-    bake(imported, &options, record, &file, stage)
+    Ok((imported, SourceRecord { path: name.into_owned(), hash: source.hash, ..SourceRecord::default() }))
 }
 
 fn bake(
@@ -129,8 +172,20 @@ fn bake(
 /// What to use instead of the option `keep_triangles`.
 const NO_PACK: &str = "makes no pack; use TriangleMesh, or `bake build --keep-triangles`";
 
-/// The options, with their defaults for those that are not given.
+/// What is baked.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Hulls,
+    Triangles,
+}
+
+/// The options of hulls.
 fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
+    resolve_of(Kind::Hulls, options)
+}
+
+/// The options, with their defaults for those that are not given.
+fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     let is_accepted = |option: &&BuildOption| option.record != Record::Never && option.key != "keep_triangles";
     let accepted = || OPTIONS.iter().filter(is_accepted).map(|option| option.key);
     let mut layer = OptionLayer::default();
@@ -145,6 +200,9 @@ fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
         layer
             .set(key, value)
             .map_err(|expected| InMemoryError::Option(format!("invalid value {value} of option {key}: {expected}")))?;
+    }
+    if kind == Kind::Triangles {
+        layer.set("keep_triangles", "true").map_err(InMemoryError::Option)?;
     }
     let resolved = layer.resolve();
     match layer.clash().or_else(|| layer.without_effect(std::iter::once(&resolved))) {

@@ -93,7 +93,6 @@ mod source_mesh;
 mod table;
 #[cfg(feature = "command")]
 mod terminal;
-#[cfg(feature = "command")]
 mod triangle_mesh;
 #[cfg(feature = "command")]
 mod verification;
@@ -108,13 +107,14 @@ use args::{Cli, Command};
 pub use baker::BakedPack;
 pub use estimates::{DecomposedObject, PartsEstimates};
 pub use hullmap_bake::progress::{Progress, Stage};
-pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_source};
+pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_level, bake_source};
 #[cfg(feature = "command")]
 pub use mesh_file::usda;
 #[cfg(feature = "command")]
 use outcome::{Exit, Failure, end};
 #[cfg(feature = "command")]
 use terminal::Output;
+pub use triangle_mesh::{BakedTriangles, EdgeCounts, MeshSummary};
 
 /// Runs the command with these words, the name of the program first, and returns its exit code.
 ///

@@ -6,8 +6,8 @@ use hullmap_format::header::Header;
 use serde::Serialize;
 
 use crate::outcome::Failure;
-use crate::table::grouped;
 use crate::terminal::Output;
+use hullmap_bake::number::grouped;
 
 /// Maximum number of materials in the text.
 const MATERIALS_IN_TEXT: usize = 8;

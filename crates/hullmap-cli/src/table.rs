@@ -60,19 +60,6 @@ impl Table {
     }
 }
 
-/// A number with its digits in groups of three.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// Significant digits: an f32, the type of all geometry, has between 7 and 8.
 const DIGITS: usize = 7;
 
@@ -101,6 +88,7 @@ pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hullmap_bake::number::grouped;
 
     #[test]
     fn columns_line_up() {
@@ -124,10 +112,5 @@ mod tests {
             assert_ne!(shortest(x), shortest(x.next_up()));
             assert_eq!(shortest(x).parse(), Ok(x));
         }
-    }
-
-    #[test]
-    fn digits_group_by_three() {
-        assert_eq!([0, 999, 1000, 100_000].map(grouped), ["0", "999", "1 000", "100 000"]);
     }
 }

@@ -2,18 +2,17 @@
 
 use hullmap::{EdgeClass, TriangleMesh};
 use hullmap_bake::SourceRecord;
-use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, t_junctions, write_triangle_mesh};
+use hullmap_bake::number::grouped;
+use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_import::{Imported, Materials};
-use serde::{Deserialize, Serialize};
-
-use crate::table::grouped;
 
 /// Maximum number of names of materials in a summary. Rows of a batch travel in one blob of bounded
 /// size.
 const MAX_MATERIALS: usize = 1000;
 
 /// What a triangle mesh consists of. Field names are the JSON's.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "command", derive(serde::Deserialize, serde::Serialize))]
 pub struct MeshSummary {
     /// Number of triangles.
     pub triangles: usize,
@@ -36,7 +35,8 @@ pub struct MeshSummary {
 }
 
 /// Number of edges of triangles with each class. An edge that two triangles share counts for both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "command", derive(serde::Deserialize, serde::Serialize))]
 pub struct EdgeCounts {
     /// No other triangle has the edge.
     pub border: usize,
@@ -106,6 +106,7 @@ impl MeshSummary {
 ///
 /// # Complexity
 /// O(n log n) for n triangles.
+#[cfg(feature = "command")]
 pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
     let vertices: Vec<[f32; 3]> =
         (0..mesh.vertex_count()).filter_map(|vertex| mesh.vertex(vertex)).map(|vertex| vertex.to_array()).collect();
@@ -115,7 +116,7 @@ pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
     };
     let classes: Vec<u16> =
         (0..mesh.triangle_count()).filter_map(|triangle| mesh.edge_classes(triangle)).map(packed).collect();
-    t_junctions(&vertices, &triangles, &classes)
+    hullmap_bake::triangle_mesh::t_junctions(&vertices, &triangles, &classes)
 }
 
 /// A triangle mesh in memory.

@@ -101,7 +101,8 @@ impl MeshReport {
             triangles: (0..mesh.triangle_count()).filter_map(|triangle| mesh.corners(triangle)).collect(),
             ..DisplayMesh::default()
         };
-        let groups = edges_by_class(mesh);
+        let triangles = 0..mesh.triangle_count();
+        let groups = edges_by_class(triangles.filter_map(|at| mesh.corners(at).zip(mesh.edge_classes(at))));
         let (thinned, drawn) = whole.with_groups(MAX_TRIANGLES, &groups);
         let classes = EdgeClass::ALL.iter().zip(&groups).zip(&drawn);
         let classes: Vec<DrawnClass> = classes
@@ -154,11 +155,25 @@ impl DrawnTriangles {
     }
 }
 
-/// The edges of each class, each of them once, in the order of [`EdgeClass::ALL`].
-fn edges_by_class(mesh: &TriangleMesh) -> Vec<Vec<[u32; 2]>> {
+/// The edges of each class, each of them once, in the order of [`EdgeClass::ALL`]. `triangles` are
+/// corners, and the classes of the edges from each corner to the next.
+///
+/// # Complexity
+/// O(n log n) for n triangles.
+///
+/// # Examples
+/// ```
+/// use hullmap::EdgeClass::{Border, Flat};
+/// use hullmap_report::mesh::edges_by_class;
+///
+/// // A square of two triangles.
+/// let square = [([0, 1, 2], [Border, Border, Flat]), ([0, 2, 3], [Flat, Border, Border])];
+/// let edges = edges_by_class(square);
+/// assert_eq!((edges[0].len(), &edges[1][..]), (4, &[[0, 2]][..]));
+/// ```
+pub fn edges_by_class(triangles: impl IntoIterator<Item = ([u32; 3], [EdgeClass; 3])>) -> Vec<Vec<[u32; 2]>> {
     let mut groups = vec![Vec::new(); EdgeClass::ALL.len()];
-    for triangle in 0..mesh.triangle_count() {
-        let (Some([a, b, c]), Some(classes)) = (mesh.corners(triangle), mesh.edge_classes(triangle)) else { continue };
+    for ([a, b, c], classes) in triangles {
         for ([from, to], class) in [[a, b], [b, c], [c, a]].into_iter().zip(classes) {
             groups[usize::from(class.code())].push([from.min(to), from.max(to)]);
         }

@@ -28,8 +28,8 @@ use crate::part::diagonal;
 use crate::runner::progress::Progress;
 use crate::runner::rows::Status;
 use crate::runner::schedule;
-use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 
 /// Share of the time after which the meshes are read.
 const READ: f64 = 0.05;

@@ -18,8 +18,9 @@ use crate::args::StatusArgs;
 use crate::jobs::shard::shard_of;
 use crate::jobs::{Job, Talk, jobs};
 use crate::outcome::{Exit, Failure, end};
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
+use hullmap_bake::number::grouped;
 
 /// State of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -10,8 +10,8 @@ use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, P
 
 use super::rows::Status;
 use crate::interrupt;
-use crate::table::grouped;
 use crate::terminal::{self, Escaped};
+use hullmap_bake::number::grouped;
 
 /// Shorter builds show no bars, which would only flicker.
 const BARS_AFTER: Duration = Duration::from_millis(300);

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::estimates::DecomposedObject;
 use crate::outcome::Failure;
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
 use crate::triangle_mesh::MeshSummary;
+use hullmap_bake::number::grouped;
 
 /// Result of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]

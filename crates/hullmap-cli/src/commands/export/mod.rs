@@ -31,8 +31,9 @@ use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, t
 use crate::packs::{PackPlace, find_packs, is_baked};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
-use crate::table::{grouped, rounded};
+use crate::table::rounded;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 use robot::{Geometry, Robot};
 use scene::Added;
 

@@ -18,8 +18,8 @@ use crate::interrupt;
 use crate::options::OptionLayer;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, sweep, write_beside};
-use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 
 /// Result of a file. Field names are the JSON's.
 #[derive(Debug, Serialize)]

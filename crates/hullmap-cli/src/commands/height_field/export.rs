@@ -10,8 +10,8 @@ use crate::args::export::{ExportArgs, Format};
 use crate::mesh_file::place;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, make_folder};
-use crate::table::grouped;
 use crate::terminal::Output;
+use hullmap_bake::number::grouped;
 
 /// Extension of raw numbers: little-endian f32, row by row, the row with the least y first.
 const RAW: &str = "f32";

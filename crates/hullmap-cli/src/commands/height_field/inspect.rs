@@ -9,8 +9,8 @@ use super::open::open;
 use crate::args::InspectArgs;
 use crate::outcome::{Exit, Failure};
 use crate::sheet_description::{FileDescription, Row, count_materials, list_materials};
-use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 
 /// Description of a height field. Field names are the JSON's; lengths are in source units.
 #[derive(Debug, Serialize)]

@@ -7,8 +7,8 @@ use super::open::open;
 use crate::args::ReportArgs;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, make_folder, put_in_place, write_beside};
-use crate::table::grouped;
 use crate::terminal::Output;
+use hullmap_bake::number::grouped;
 
 /// Runs the command.
 ///

@@ -23,8 +23,8 @@ use super::source;
 use crate::args::verify::VerifyArgs;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::shown_from;
-use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 
 /// Difference of heights that rounding explains, relative to the largest height of the field and
 /// to its extent: of a few sums in f64, and of the ray's interval.

@@ -6,9 +6,10 @@ use serde::Serialize;
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::sheet_description::{FileDescription, count_materials, list_materials};
-use crate::table::{grouped, shortest};
+use crate::table::shortest;
 use crate::terminal::Output;
 use crate::triangle_mesh::{MeshSummary, t_junctions_of};
+use hullmap_bake::number::grouped;
 
 /// Description of a triangle mesh. Field names are the JSON's.
 #[derive(Debug, Serialize)]

@@ -15,8 +15,9 @@ use crate::open::{BakedFile, kept_warnings, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
-use crate::table::{grouped, rounded, shortest};
+use crate::table::{rounded, shortest};
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 
 /// Description of a pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]

@@ -24,8 +24,8 @@ use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside};
 use crate::packs::{PackPlace, find_packs, kind_by_name};
 use crate::source::{Folders, given_sources};
-use crate::table::grouped;
 use crate::terminal::{self, Output};
+use hullmap_bake::number::grouped;
 use input::{Analysed, analyse_file};
 use shards::ShardCards;
 

@@ -1,9 +1,10 @@
 //! `bake verify`: the table of triangle meshes.
 
 use crate::outcome::Failure;
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 use crate::verification::triangle_mesh::MeshVerification;
+use hullmap_bake::number::grouped;
 
 /// Errors, the table, and the summary.
 pub fn write_text(meshes: &[MeshVerification], out: &mut Output) -> Result<(), Failure> {

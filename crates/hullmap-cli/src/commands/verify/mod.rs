@@ -14,12 +14,13 @@ use crate::open::{BakedFile, open_baked};
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
-use crate::table::{Align, Table, grouped, or_dash};
+use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 use crate::verification::pack::{
     BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS, verify_hulls,
 };
 use crate::verification::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
+use hullmap_bake::number::grouped;
 
 /// Maximum number of warnings that are printed about one pack. JSON has all of them.
 const MAX_WARNINGS: usize = 8;
