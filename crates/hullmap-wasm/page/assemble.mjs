@@ -32,7 +32,7 @@ const script = [
   shared("faults.js"),
   shared("arrays.js"),
   shared("gauss.js"),
-  ...["samples.js", "view.js", "baker.js", "page.js"].map((name) => text(`page/${name}`)),
+  ...["samples.js", "view.js", "baker.js", "page.js", "level.js"].map((name) => text(`page/${name}`)),
 ].join("\n");
 const wasm = readFileSync(new URL("dist/page/hullmap_bg.wasm", here)).toString("base64");
 const parts = {
@@ -43,6 +43,7 @@ const parts = {
   script,
   wasm,
   version,
+  level: text("page/level.html"),
   licences: ["LICENSE-MIT", "dist/npm/LICENSES-OF-DEPENDENCIES.txt"].map(text).join("\n").replaceAll("&", "&amp;").replaceAll("<", "&lt;"),
 };
 const page = text("page/index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);

@@ -9,6 +9,7 @@
 //! | `bake` | a mesh file or arrays to a pack |
 //! | `options` | options of a bake, from a JavaScript object to those of the command |
 //! | `pack` | packs and hulls |
+//! | `level` | triangle meshes and height fields |
 //! | `shape` | bodies of queries; rays |
 //! | `pair` | queries on two bodies |
 //! | `object` | answers as plain JavaScript objects |
@@ -17,6 +18,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod bake;
+mod level;
 mod object;
 mod options;
 mod pack;
@@ -26,6 +28,7 @@ mod shape;
 use wasm_bindgen::prelude::*;
 
 pub use bake::{Baked, bake, bake_mesh};
+pub use level::Level;
 pub use pack::{Hull, Pack};
 pub use pair::Pair;
 pub use shape::Shape;

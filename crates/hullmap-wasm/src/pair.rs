@@ -30,7 +30,7 @@ export interface Contact {
     /** The depth is certainly in this interval. */
     depthLower: number;
     depthUpper: number;
-    /** Unit vector from A to B. NaN, as the points, for packs that are separated. */
+    /** Unit vector from A to B. NaN, as the points, for packs and levels that are separated. */
     normal: Float64Array;
     /** The point of A that is deepest in B. */
     pointA: Float64Array;
@@ -38,7 +38,7 @@ export interface Contact {
     pointB: Float64Array;
     iterations: number;
     supportCalls: number;
-    /** Indices of the hulls of A and B that decided the answer; 0 for a body that is not a pack. */
+    /** Indices of the hulls or triangles that decided the answer; 0 for a convex body. */
     parts: Uint32Array;
 }
 
@@ -58,7 +58,7 @@ export interface Distance {
     pointB: Float64Array;
     iterations: number;
     supportCalls: number;
-    /** Indices of the hulls of A and B that decided the answer; 0 for a body that is not a pack. */
+    /** Indices of the hulls or triangles that decided the answer; 0 for a convex body. */
     parts: Uint32Array;
 }
 
@@ -70,7 +70,7 @@ export interface ManifoldPoint {
     depth: number;
     /** Unit vector from A to B. The hulls of a pack may have different ones. */
     normal: Float64Array;
-    /** Indices of the hulls of A and B that touch there. */
+    /** Indices of the hulls or triangles of A and B that touch there. */
     parts: Uint32Array;
 }
 
@@ -191,7 +191,7 @@ impl Memory {
     }
 }
 
-/// Evaluates `$call` with the two bodies by their kinds; one of them is a pack.
+/// Evaluates `$call` with the two bodies by their kinds; one of them is a pack, or A is a level.
 macro_rules! of_parts {
     ($a:expr, $b:expr, |$x:ident, $y:ident| $call:expr) => {
         match ($a, $b) {
@@ -199,6 +199,11 @@ macro_rules! of_parts {
                 let ($x, $y) = (&Compound::new(a), &Compound::new(b));
                 Some($call)
             }
+            (Side::Sheet($x), Side::Compound(b)) => {
+                let $y = &Compound::new(b);
+                Some($call)
+            }
+            (Side::Sheet($x), b) => b.convex().map(|$y| $call),
             (Side::Compound(a), b) => b.convex().map(|$y| {
                 let $x = &Compound::new(a);
                 $call
@@ -216,7 +221,7 @@ macro_rules! of_parts {
 type Found<T> = (T, [usize; 2]);
 
 // Each query has a case for two hulls, for a half-space and a pack or a convex body, for two convex
-// bodies, and for packs. `None`: the constructor rejects such pairs.
+// bodies, and for packs and levels. `None`: the constructor rejects such pairs.
 impl Pair {
     fn find_intersection(&mut self, pose: Pose) -> Option<Found<Intersection>> {
         let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
@@ -344,18 +349,24 @@ fn no_query() -> JsError {
 
 #[wasm_bindgen]
 impl Pair {
-    /// A pair of bodies: hulls, packs as the union of their hulls, or shapes. Both remain usable.
+    /// A pair of bodies: hulls, packs as the union of their hulls, shapes, or levels. Both remain
+    /// usable.
     ///
     /// # Errors
-    /// A body is not a hull, pack or shape, or B is a half-space.
+    /// A body is not a hull, pack, shape or level, or B is a half-space or a level.
     #[wasm_bindgen(constructor)]
     pub fn new(a: &Body, b: &Body) -> Result<Pair, JsError> {
         let (a, b) = (Side::of_body("A", a)?, Side::of_body("B", b)?);
-        if matches!(b, Side::HalfSpace(_)) {
+        let kind = match b {
+            Side::HalfSpace(_) => Some(("a half-space", "Two half-spaces have")),
+            Side::Sheet(_) => Some(("a level", "A level and a half-space, and two levels, have")),
+            _ => None,
+        };
+        if let Some((kind, others)) = kind {
             let remedy = "make it A, and pass the pose of the other body in its frame";
-            return Err(error(format!("B is a half-space: {remedy}. Two half-spaces have no query")));
+            return Err(error(format!("B is {kind}: {remedy}. {others} no query")));
         }
-        let is_compound = matches!(a, Side::Compound(_)) || matches!(b, Side::Compound(_));
+        let is_compound = [&a, &b].into_iter().any(|side| matches!(side, Side::Compound(_) | Side::Sheet(_)));
         Ok(Self { a, b, memory: Memory::new(is_compound) })
     }
 
@@ -498,7 +509,7 @@ impl Pair {
 }
 
 /// A pose from seven numbers.
-fn pose_of(numbers: &[f64]) -> Result<Pose, JsError> {
+pub fn pose_of(numbers: &[f64]) -> Result<Pose, JsError> {
     let Ok(row) = numbers.try_into() else {
         let found = numbers.len();
         return Err(error(format!("a pose has seven numbers, tx ty tz qx qy qz qw, found {found}")));

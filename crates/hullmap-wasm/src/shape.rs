@@ -1,10 +1,10 @@
-//! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces;
-//! and rays against them.
+//! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces,
+//! levels; and rays against them.
 
 use std::rc::Rc;
 use std::sync::Arc;
 
-use hullmap::compound::{self, CompoundAnswer};
+use hullmap::compound::{self, CompoundAnswer, SharedSheet};
 use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Segment, Sphere, Triangle};
 use hullmap::{CastSettings, Compound, Ray, RayHit, ShapeError, SharedHull};
@@ -14,8 +14,8 @@ use crate::object::{Columns, Field, Fields, Plain, error, rows_of, vector_from};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A body of a pair: a hull, a pack as the union of its hulls, or a shape. */
-export type Body = Hull | Pack | Shape;
+/** A body of a pair: a hull, a pack as the union of its hulls, a shape, or a level. */
+export type Body = Hull | Pack | Shape | Level;
 
 /** Where a ray enters a shape. */
 export interface RayHit {
@@ -31,7 +31,7 @@ export interface RayHit {
     point: Float64Array;
     /** Outward unit normal of the shape there. */
     normal: Float64Array;
-    /** Index of the hull that is hit; 0 for a shape that is not a pack. */
+    /** Index of the hull or the triangle that is hit; 0 for a convex shape. */
     part: number;
     iterations: number;
     supportCalls: number;
@@ -65,8 +65,8 @@ extern "C" {
     #[wasm_bindgen(typescript_type = "RayHits")]
     pub type Hits;
 
-    /// The method `shape` of `Hull`, `Pack` and `Shape`. It makes a new `Shape`, which is passed
-    /// into WebAssembly while the body remains usable.
+    /// The method `shape` of `Hull`, `Pack`, `Shape` and `Level`. It makes a new `Shape`, which is
+    /// passed into WebAssembly while the body remains usable.
     #[wasm_bindgen(method, catch, js_name = shape)]
     fn shape_of(this: &Body) -> Result<Shape, JsValue>;
 }
@@ -78,6 +78,7 @@ pub enum Side {
     Compound(Arc<hullmap::Pack>),
     Convex(Rc<dyn hullmap::Shape>),
     HalfSpace(HalfSpace),
+    Sheet(SharedSheet),
 }
 
 impl Side {
@@ -86,7 +87,7 @@ impl Side {
     /// # Errors
     /// It is not a body.
     pub fn of_body(name: &str, body: &Body) -> Result<Self, JsError> {
-        let wrong = |_| error(format!("{name}: expected a Hull, a Pack or a Shape that was not freed"));
+        let wrong = |_| error(format!("{name}: expected a Hull, a Pack, a Shape or a Level that was not freed"));
         body.shape_of().map(|shape| shape.0).map_err(wrong)
     }
 
@@ -95,7 +96,7 @@ impl Side {
         match self {
             Self::Hull(hull) => Some(hull),
             Self::Convex(shape) => Some(&**shape),
-            Self::Compound(_) | Self::HalfSpace(_) => None,
+            Self::Compound(_) | Self::HalfSpace(_) | Self::Sheet(_) => None,
         }
     }
 
@@ -105,11 +106,8 @@ impl Side {
             Self::Hull(hull) => (hullmap::ray(hull, ray, settings), 0),
             Self::Convex(shape) => (hullmap::ray(&**shape, ray, settings), 0),
             Self::HalfSpace(half_space) => (half_space.ray(ray, settings), 0),
-            Self::Compound(pack) => {
-                let CompoundAnswer { answer, hulls: [part, _], .. } =
-                    compound::ray(&Compound::new(pack), ray, settings);
-                (answer, part)
-            }
+            Self::Compound(pack) => of_parts(compound::ray(&Compound::new(pack), ray, settings)),
+            Self::Sheet(sheet) => of_parts(compound::ray(sheet, ray, settings)),
         };
         let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls, .. } = found;
         vec![
@@ -125,6 +123,11 @@ impl Side {
             ("supportCalls", Field::Count(support_calls)),
         ]
     }
+}
+
+/// The answer, and the part that is hit.
+fn of_parts(CompoundAnswer { answer, hulls: [part, _], .. }: CompoundAnswer<RayHit>) -> (RayHit, usize) {
+    (answer, part)
 }
 
 /// A shape: a primitive, a half-space, a hull, or the union of all hulls of a pack.

@@ -10,10 +10,12 @@ import { readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { testLevels } from "./level.mjs";
+
 const [folder, command, meshes] = process.argv.slice(2);
 // The entry that the package names for Node.
 const { exports } = JSON.parse(readFileSync(join(folder, "package.json")));
-const { default: init, bake, bakeMesh, Pack, Pair, Shape, version } = await import(pathToFileURL(join(folder, exports["."].node)));
+const { default: init, bake, bakeMesh, Level, Pack, Pair, Shape, version } = await import(pathToFileURL(join(folder, exports["."].node)));
 await init();
 await init(); // does nothing
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
@@ -104,6 +106,8 @@ for (const [i, a] of solid.entries()) {
 }
 assert.ok(hits > 0.2 * (queries / 2) && hits < 0.8 * (queries / 2), `${hits} of ${queries / 2} pairs overlap`);
 console.log(`${queries} contacts and distances have the same bits as those of the command (${hits} of ${queries / 2} pairs overlap)`);
+
+testLevels({ Level, Pack, Pair, Shape }, native, meshes);
 
 // Arrays of a cube.
 const corners = Array.from({ length: 8 }, (_, i) => `v ${i & 1} ${(i >> 1) & 1} ${i >> 2}\n`).join("");
@@ -263,8 +267,8 @@ fails(() => bakeMesh([0, 0, NaN]), "mesh: vertex 0 is (0, 0, NaN), but a hull re
 fails(() => bakeMesh([]), "mesh");
 fails(() => Shape.sphere(-1), "-1");
 fails(() => Shape.box([1, 2]), "halfEdges: expected three numbers, found 2");
-fails(() => new Pair(cube, {}), "B: expected a Hull, a Pack or a Shape");
-fails(() => new Pair(cube), "B: expected a Hull, a Pack or a Shape");
+fails(() => new Pair(cube, {}), "B: expected a Hull, a Pack, a Shape or a Level");
+fails(() => new Pair(cube), "B: expected a Hull, a Pack, a Shape or a Level");
 fails(() => new Pair(cube, ground), "B is a half-space: make it A");
 fails(() => stacked.contacts(new Float64Array(6)), "poses must have seven numbers each");
 fails(() => stacked.contacts([...at(0, 0, 0), ...at(NaN, 0, 0)]), "pose 1: ");

@@ -12,6 +12,8 @@ import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { testLevelPage } from "./level-page.mjs";
+
 const [file, command, meshes, playwright, program, screenshot] = process.argv.slice(2);
 const { chromium } = createRequire(import.meta.url)(join(playwright, "index.js"));
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
@@ -342,6 +344,8 @@ try {
   );
   // A page that stands still has one frame.
   assert.ok(during.length > 3, `${during.length} frames during a bake`);
+
+  await testLevelPage(page, native, meshes, hasGl, screenshot);
 
   // The licences of everything that is compiled in belong to every copy.
   assert.match(await page.locator("#licences").textContent(), /Permission is hereby granted.*^==== rkyv /ms);

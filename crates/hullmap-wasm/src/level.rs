@@ -1,0 +1,261 @@
+//! Levels and terrains that keep their triangles: triangle meshes and height fields.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use hullmap::compound::{self, CompoundAnswer, SharedSheet};
+use hullmap::glam::{DVec3, Vec3};
+use hullmap::{CastSettings, Compound, CompoundCache, EdgeClass, HeightField, Impact, Motion, TriangleMesh};
+use hullmap_cli::{InMemoryError, bake_level};
+use hullmap_import::SourceFile;
+use hullmap_report::mesh::edges_by_class;
+use js_sys::{Float64Array, Uint32Array};
+use wasm_bindgen::prelude::*;
+
+use crate::object::{Field, Plain, error, vector_from};
+use crate::options::{BakeOptions, Options, in_javascript};
+use crate::pair::pose_of;
+use crate::shape::{Body, Shape, Side};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** Where the neighbour of a triangle beyond an edge is. */
+export type EdgeClass = "border" | "flat" | "convex" | "concave" | "non-manifold" | "reversed";
+
+/** When a body that moves along a line first meets a level. All is in the level's frame. */
+export interface Impact {
+    /** False only if the body certainly misses the level up to `maxT`. */
+    hit: boolean;
+    status: Status;
+    /** The body has moved by t times the velocity; infinite without a hit. */
+    t: number;
+    /** t is certainly in this interval. */
+    tLower: number;
+    tUpper: number;
+    /** Unit vector from the level to the body. */
+    normal: Float64Array;
+    /** Where they meet. */
+    pointA: Float64Array;
+    pointB: Float64Array;
+    /** Indices of the triangle and of the body's hull that meet. */
+    parts: Uint32Array;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "EdgeClass")]
+    pub type EdgeClassName;
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "Impact")]
+    pub type ImpactAnswer;
+}
+
+/// A level or a terrain that keeps its triangles, and does not move: a triangle mesh or a height
+/// field. In a pair it is A; the parts of answers are indices of triangles.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Level {
+    sheet: SharedSheet,
+    drawn: Drawn,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+}
+
+/// Arrays to draw.
+#[derive(Debug, Default)]
+struct Drawn {
+    vertices: Vec<f32>,
+    triangles: Vec<u32>,
+    /// Ends of the edges of each class, each edge once, in the order of [`EdgeClass::ALL`].
+    edges: Vec<Vec<[u32; 2]>>,
+}
+
+impl Drawn {
+    fn new(sheet: &SharedSheet) -> Self {
+        match sheet {
+            SharedSheet::Mesh(mesh) => {
+                let vertices = (0..mesh.vertex_count()).filter_map(|vertex| mesh.vertex(vertex));
+                let triangles = 0..mesh.triangle_count();
+                Self::of(vertices, triangles.filter_map(|at| mesh.corners(at).zip(mesh.edge_classes(at))))
+            }
+            SharedSheet::Field(field) => {
+                let layout = field.layout();
+                let places = (0..layout.rows).flat_map(|row| (0..layout.columns).map(move |column| (column, row)));
+                let vertices = places.filter_map(|(column, row)| field.vertex(column, row));
+                let number = |[column, row]: [usize; 2]| layout.vertex(column, row) as u32;
+                // Triangles in holes have no classes.
+                let triangles = (0..field.triangle_count())
+                    .filter_map(|at| Some((layout.corners(at).map(number), field.edge_classes(at)?)));
+                Self::of(vertices.map(|vertex| vertex.as_vec3()), triangles)
+            }
+        }
+    }
+
+    fn of(vertices: impl Iterator<Item = Vec3>, triangles: impl Iterator<Item = ([u32; 3], [EdgeClass; 3])>) -> Self {
+        let triangles: Vec<_> = triangles.collect();
+        Self {
+            vertices: vertices.flat_map(|vertex| vertex.to_array()).collect(),
+            triangles: triangles.iter().flat_map(|(corners, _)| *corners).collect(),
+            edges: edges_by_class(triangles),
+        }
+    }
+}
+
+#[wasm_bindgen]
+impl Level {
+    /// Opens the bytes of a `.hullmesh` or `.hullfield` file, after all checks.
+    ///
+    /// # Errors
+    /// The bytes are no such file, or are damaged. The message states the remedy.
+    #[wasm_bindgen(constructor)]
+    pub fn new(bytes: &[u8]) -> Result<Level, JsError> {
+        let sheet = if bytes.starts_with(FIELD) {
+            SharedSheet::Field(Arc::new(HeightField::from_bytes(bytes).map_err(error)?))
+        } else {
+            SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(bytes).map_err(error)?))
+        };
+        let warnings = match &sheet {
+            SharedSheet::Mesh(mesh) => mesh.warnings().map(str::to_owned).collect(),
+            SharedSheet::Field(field) => field.options().lines().skip(1).map(str::to_owned).collect(),
+        };
+        Ok(Self { drawn: Drawn::new(&sheet), sheet, notes: Vec::new(), warnings })
+    }
+
+    /// Bakes a mesh file, and keeps its triangles: OBJ, STL, PLY, COLLADA, MSH, GLB, or glTF with
+    /// its buffers inside. The options are `unitScale`, `upAxis` and `recentre`.
+    ///
+    /// `bytes` of the level are those that `bake build --keep-triangles` writes into the folder of
+    /// the mesh.
+    ///
+    /// # Errors
+    /// An option is wrong, the file is faulty, or it has no triangles.
+    pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<Level, JsError> {
+        let options = Options::read(options.as_ref())?;
+        let baked = bake_level(Path::new(file), &SourceFile::alone(bytes), &options.pairs())
+            .map_err(|fault| error(in_javascript(&fault.to_string(), matches!(fault, InMemoryError::Option(_)))))?;
+        let mut level = Self::new(&baked.bytes)?;
+        (level.notes, level.warnings) = (baked.notes, baked.warnings);
+        Ok(level)
+    }
+
+    /// The bytes of the file, to save or to open again.
+    #[wasm_bindgen(getter)]
+    pub fn bytes(&self) -> Vec<u8> {
+        match &self.sheet {
+            SharedSheet::Mesh(mesh) => mesh.bytes().to_vec(),
+            SharedSheet::Field(field) => field.bytes().to_vec(),
+        }
+    }
+
+    /// What it is: "mesh" or "field".
+    #[wasm_bindgen(getter)]
+    pub fn kind(&self) -> String {
+        match &self.sheet {
+            SharedSheet::Mesh(_) => "mesh".to_owned(),
+            SharedSheet::Field(_) => "field".to_owned(),
+        }
+    }
+
+    /// Number of triangles, those of holes of a field included.
+    #[wasm_bindgen(getter, js_name = triangleCount)]
+    pub fn triangle_count(&self) -> usize {
+        self.sheet.triangle_count()
+    }
+
+    /// Minimum x, y, z and maximum x, y, z of the vertices.
+    #[wasm_bindgen(getter)]
+    pub fn bounds(&self) -> Float64Array {
+        let corners = match &self.sheet {
+            SharedSheet::Mesh(mesh) => mesh.bounds().map(|corner| corner.as_dvec3()),
+            SharedSheet::Field(field) => field.bounds(),
+        };
+        Float64Array::from(corners.map(|corner| corner.to_array()).concat().as_slice())
+    }
+
+    /// Findings of interest of its bake, a sentence each.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.notes.iter().map(|note| in_javascript(note, false)).collect()
+    }
+
+    /// Findings to act on, a sentence each. The file keeps them.
+    #[wasm_bindgen(getter)]
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.iter().map(|warning| in_javascript(warning, false)).collect()
+    }
+
+    /// Vertices to draw, three numbers each.
+    pub fn vertices(&self) -> Vec<f32> {
+        self.drawn.vertices.clone()
+    }
+
+    /// Triangles to draw: three indices of vertices each, without holes.
+    pub fn triangles(&self) -> Vec<u32> {
+        self.drawn.triangles.clone()
+    }
+
+    /// Edges of a class: two indices of vertices each. An edge that triangles share is listed once.
+    ///
+    /// # Errors
+    /// There is no such class.
+    pub fn edges(&self, class: &EdgeClassName) -> Result<Uint32Array, JsError> {
+        let name = AsRef::<JsValue>::as_ref(class).as_string().unwrap_or_default();
+        let edges = EdgeClass::ALL.iter().zip(&self.drawn.edges).find(|(class, _)| class.as_str() == name);
+        let (_, edges) = edges.ok_or_else(|| {
+            let known: Vec<&str> = EdgeClass::ALL.iter().map(|class| class.as_str()).collect();
+            error(format!("there is no class {name} of edges: the classes are {}", known.join(", ")))
+        })?;
+        Ok(Uint32Array::from(edges.as_flattened()))
+    }
+
+    /// The level as a shape: for rays.
+    pub fn shape(&self) -> Shape {
+        Shape(Side::Sheet(self.sheet.clone()))
+    }
+
+    /// When a body that starts at a pose and moves by `velocity` first meets the level, for t from
+    /// 0 to `maxT`, infinite by default.
+    ///
+    /// # Errors
+    /// The body is a level or a half-space, or numbers are not finite.
+    pub fn cast(
+        &self,
+        body: &Body,
+        #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
+        #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] velocity: &[f64],
+        #[wasm_bindgen(js_name = maxT)] max_t: Option<f64>,
+    ) -> Result<ImpactAnswer, JsError> {
+        let (body, pose) = (Side::of_body("body", body)?, pose_of(pose)?);
+        let motion = Motion::new(vector_from("velocity", velocity)?).map_err(error)?;
+        let usual = CastSettings::default();
+        let settings = CastSettings { max_t: max_t.unwrap_or(usual.max_t), ..usual };
+        let cache = &mut CompoundCache::default();
+        let found = match (&body, body.convex()) {
+            (_, Some(convex)) => compound::cast(&self.sheet, convex, pose, motion, &settings, cache),
+            (Side::Compound(pack), _) => {
+                compound::cast(&self.sheet, &Compound::new(pack), pose, motion, &settings, cache)
+            }
+            _ => return Err(error("body: expected a Hull, a Pack or a convex Shape")),
+        };
+        let CompoundAnswer { answer, hulls, .. } = found;
+        let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, .. } = answer;
+        let [point_a, point_b] = if hit { [point_a, point_b] } else { [DVec3::NAN; 2] };
+        let fields = [
+            ("hit", Field::Flag(hit)),
+            ("status", Field::Word(status.as_str())),
+            ("t", Field::Number(t)),
+            ("tLower", Field::Number(t_lower)),
+            ("tUpper", Field::Number(t_upper)),
+            ("normal", Field::Vector(normal)),
+            ("pointA", Field::Vector(point_a)),
+            ("pointB", Field::Vector(point_b)),
+            ("parts", Field::Parts(hulls)),
+        ];
+        Ok(Plain::from_fields(&fields).done())
+    }
+}
+
+/// First bytes of a height field.
+const FIELD: &[u8] = b"hullfld";
