@@ -13,7 +13,7 @@
 //! | [`regret`] | error of the answers, in f64 |
 //! | [`matrix`], [`report`], [`csv`] | the tables |
 //! | [`solver`] | contact, intersects and distance beside parry3d |
-//! | [`box3d`] | Box3D's narrow phase on a mesh |
+//! | [`mesh_peer`] | Box3D's and Jolt's narrow phase on a mesh |
 //! | [`peer_program`] | an engine in a C program of its own |
 //! | [`scene`] | scenes of many different hulls |
 //! | [`comparison`] | chart and tables of benches/README.md, from a committed result |
@@ -23,7 +23,6 @@
 //! A new index kind is one line in [`rivals::INDICES`].
 #![deny(unsafe_code)]
 
-pub mod box3d;
 pub mod chart;
 pub mod clock;
 pub mod collision;
@@ -35,6 +34,7 @@ pub mod fit;
 pub mod machine;
 pub mod matrix;
 pub mod measure;
+pub mod mesh_peer;
 pub mod opening;
 pub mod output;
 pub mod peer_program;
