@@ -23,8 +23,8 @@ fn no_stumble_on(slider: Slider, forms: &[Form], height: f32, speed: f32, kicks:
         let whole = run(Form::Hulls, Cut::Whole);
         for form in forms {
             for cut in Cut::CUTS {
-                // Walls that lean are tested in the crate hullmap, by a smaller solver.
-                if (*form, cut) == (Form::Walls, Cut::Random) {
+                // Walls that lean still lift the prism by 0.7 mm.
+                if (*form, cut, slider) == (Form::Walls, Cut::Random, Slider::Bevelled) {
                     continue;
                 }
                 let found = deviation(&whole, &run(*form, cut));
