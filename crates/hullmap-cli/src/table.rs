@@ -88,6 +88,7 @@ pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hullmap_bake::number::grouped;
 
     #[test]
     fn columns_line_up() {

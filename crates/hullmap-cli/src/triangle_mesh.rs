@@ -3,7 +3,7 @@
 use hullmap::{EdgeClass, TriangleMesh};
 use hullmap_bake::SourceRecord;
 use hullmap_bake::number::grouped;
-use hullmap_bake::triangle_mesh::{self, TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_import::{Imported, Materials};
 
 /// Maximum number of names of materials in a summary. Rows of a batch travel in one blob of bounded
@@ -116,7 +116,7 @@ pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
     };
     let classes: Vec<u16> =
         (0..mesh.triangle_count()).filter_map(|triangle| mesh.edge_classes(triangle)).map(packed).collect();
-    triangle_mesh::t_junctions(&vertices, &triangles, &classes)
+    hullmap_bake::triangle_mesh::t_junctions(&vertices, &triangles, &classes)
 }
 
 /// A triangle mesh in memory.
