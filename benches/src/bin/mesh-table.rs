@@ -2,12 +2,12 @@
 //! that lie on a rough ground of 100,352 triangles, new and kept, and rays from above. Manifolds of
 //! Box3D and Jolt are measured, too, if their sources are given.
 //!
-//! Ours and theirs alternate, so that a busy machine slows both down.
+//! Ours and theirs alternate, so that a busy machine slows both down. Times are processor times,
+//! except Box3D's, which it measures itself.
 
 use std::hint::black_box;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::Parser;
 use glam::{DQuat, DVec3};
@@ -17,6 +17,7 @@ use hullmap::{
     TriangleMesh, compound,
 };
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_bench::clock::time_ns;
 use hullmap_bench::mesh_peer::{self, MeshPeer, Scene};
 use hullmap_testkit::packs::tree_pack;
 use parry3d::math;
@@ -160,11 +161,9 @@ impl Body {
     }
 }
 
-/// Microseconds of each of `count` calls.
-fn time(count: usize, mut call: impl FnMut(usize)) -> f64 {
-    let start = Instant::now();
-    (0..count).for_each(&mut call);
-    start.elapsed().as_secs_f64() * 1e6 / count as f64
+/// Microseconds of processor time of each of `count` calls.
+fn time(count: usize, call: impl FnMut(usize)) -> f64 {
+    time_ns(|| (0..count).for_each(call)) * 1e-3 / count as f64
 }
 
 fn median(mut times: Vec<f64>) -> f64 {

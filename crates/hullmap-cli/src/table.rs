@@ -82,6 +82,7 @@ mod tests {
     use hullmap_bake::number::grouped;
 
     use super::*;
+    use hullmap_bake::number::grouped;
 
     #[test]
     fn columns_line_up() {

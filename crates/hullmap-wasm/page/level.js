@@ -9,6 +9,10 @@
     get("error").hidden = !text;
     get("error").firstElementChild.textContent = text;
   };
+  const resetView = () => {
+    camera.reset();
+    camera.grow(1.15);
+  };
   const digits = (number, count = 6) => Number(number.toPrecision(count)).toString().replace("-", "−");
 
   // Samples: grids of heights, and a hall with steps and walls.
@@ -60,7 +64,8 @@
     drawn = { mesh: { points, triangles }, classes };
     camera.centre = [0, 1, 2].map((axis) => (bounds[axis] + bounds[axis + 3]) / 2);
     camera.radius = Math.max(Math.hypot(...[0, 1, 2].map((axis) => bounds[axis + 3] - bounds[axis])) / 2, 1e-30);
-    get("level-size").value = String(Number((0.07 * camera.radius).toPrecision(2)));
+    get("level-size").value = String(Number((0.12 * camera.radius).toPrecision(2)));
+    resetView();
     const rows = [
       ["Level", file],
       ["Kind", level.kind === "mesh" ? "triangle mesh" : "height field"],
@@ -152,7 +157,7 @@
       return [hull, { points: hull.vertices(), triangles: hull.triangles(), edges: hull.edges() }];
     },
   };
-  /** The hull of body B, as OBJ: its centre at the origin, and its longest side as long as `size`. */
+  /** Vertices of body B's hull, as OBJ, about the origin. The longest side has the length `size`. */
   function bytesOfHull(size) {
     const points = window.hullmapPage.pointsOfB(), rows = [];
     const range = [0, 1, 2].map((axis) => {
@@ -196,7 +201,7 @@
     redraw();
   }
 
-  /** How deep a body that was dropped is in the level, relative to its size: it has contact points. */
+  /** How deep a body that was dropped is in the level, relative to its size. */
   const SINK = 1e-3;
   /** Moves a body down until it touches the level; one that is below its top falls from there. */
   function fall(body) {
@@ -365,7 +370,7 @@
       : {
           ArrowLeft: turn(0.08, 0), ArrowRight: turn(-0.08, 0), ArrowUp: turn(0, 0.08), ArrowDown: turn(0, -0.08),
           PageDown: () => touched && fall(touched),
-          "+": () => camera.grow(1.15), "=": () => camera.grow(1.15), "-": () => camera.grow(1 / 1.15), Home: () => camera.reset(),
+          "+": () => camera.grow(1.15), "=": () => camera.grow(1.15), "-": () => camera.grow(1 / 1.15), Home: resetView,
         };
     if (!keys[event.key]) return;
     event.preventDefault();
@@ -396,7 +401,7 @@
     removeAll();
     redraw();
   });
-  get("level-reset").addEventListener("click", () => (camera.reset(), redraw()));
+  get("level-reset").addEventListener("click", () => (resetView(), redraw()));
   for (const name of CLASSES) {
     const [label, input, sample] = ["label", "input", "span"].map((name) => document.createElement(name));
     [input.type, input.id, input.checked] = ["checkbox", `level-class-${name}`, true];
@@ -432,6 +437,13 @@
     drop();
   }
   get("level-body").value = "box";
-  /** For tests: what is on the picture, and the bytes of the level. */
-  window.hullmapLevel = { drawn: () => (draw(), view ? view.share() : 0), bytes: () => level.bytes };
+  /** For tests: what is on the picture, the bytes of the level, and where the chosen body is seen. */
+  window.hullmapLevel = {
+    drawn: () => (draw(), view ? view.share() : 0),
+    bytes: () => level.bytes,
+    seen() {
+      const [x, y, z] = transform(camera.toView, touched.numbers.slice(0, 3)), lens = -z * camera.lens(aspect());
+      return [(1 + x / (lens * aspect())) / 2, (1 - y / lens) / 2];
+    },
+  };
 }

@@ -611,7 +611,7 @@
   loadSample("a", "knot")
     .then(() => loadSample("b", "ellipsoid"))
     .then(() => (root.dataset.ready = "true"));
-  /** For tests, and for other parts of the page: what is on the screen, and how long frames take. */
+  /** For tests and other parts of the page: what is on the screen, and how long frames take. */
   window.hullmapPage = {
     drawn: () => (draw(), view ? view.share() : 0),
     times: () => ({ query: [...times.query], frame: [...times.frame] }),

@@ -22,7 +22,7 @@ const TYPES: &str = r#"
 /** Where the neighbour of a triangle beyond an edge is. */
 export type EdgeClass = "border" | "flat" | "convex" | "concave" | "non-manifold" | "reversed";
 
-/** When a body that moves along a line first meets a level. Points and normal are in the level's frame. */
+/** When a body that moves along a line first meets a level. All is in the level's frame. */
 export interface Impact {
     /** False only if the body certainly misses the level up to `maxT`. */
     hit: boolean;
@@ -53,7 +53,7 @@ extern "C" {
 }
 
 /// A level or a terrain that keeps its triangles, and does not move: a triangle mesh or a height
-/// field. In a pair it is a body as others are; the parts of answers are indices of triangles.
+/// field. In a pair it is A; the parts of answers are indices of triangles.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Level {
@@ -215,8 +215,8 @@ impl Level {
         Shape(Side::Sheet(self.sheet.clone()))
     }
 
-    /// When a body that starts at a pose and moves by `velocity` first meets the level, for t from 0
-    /// to `maxT`, infinite by default.
+    /// When a body that starts at a pose and moves by `velocity` first meets the level, for t from
+    /// 0 to `maxT`, infinite by default.
     ///
     /// # Errors
     /// The body is a level or a half-space, or numbers are not finite.

@@ -38,7 +38,7 @@ export interface Contact {
     pointB: Float64Array;
     iterations: number;
     supportCalls: number;
-    /** Indices of the hulls or triangles of A and B that decided the answer; 0 for a convex body. */
+    /** Indices of the hulls or triangles that decided the answer; 0 for a convex body. */
     parts: Uint32Array;
 }
 
@@ -58,7 +58,7 @@ export interface Distance {
     pointB: Float64Array;
     iterations: number;
     supportCalls: number;
-    /** Indices of the hulls or triangles of A and B that decided the answer; 0 for a convex body. */
+    /** Indices of the hulls or triangles that decided the answer; 0 for a convex body. */
     parts: Uint32Array;
 }
 
@@ -191,27 +191,29 @@ impl Memory {
     }
 }
 
-/// Evaluates `$call` with a body as one side of a query of compounds; `None` for a half-space.
-macro_rules! of_side {
-    ($side:expr, |$x:ident| $call:expr) => {
-        match $side {
-            Side::Compound(pack) => {
-                let $x = &Compound::new(pack);
-                Some($call)
-            }
-            Side::Sheet(sheet) => {
-                let $x = sheet;
-                Some($call)
-            }
-            side => side.convex().map(|$x| $call),
-        }
-    };
-}
-
-/// The same with two bodies.
+/// Evaluates `$call` with the two bodies by their kinds; one of them is a pack, or A is a level.
 macro_rules! of_parts {
     ($a:expr, $b:expr, |$x:ident, $y:ident| $call:expr) => {
-        of_side!($a, |$x| of_side!($b, |$y| $call)).flatten()
+        match ($a, $b) {
+            (Side::Compound(a), Side::Compound(b)) => {
+                let ($x, $y) = (&Compound::new(a), &Compound::new(b));
+                Some($call)
+            }
+            (Side::Sheet($x), Side::Compound(b)) => {
+                let $y = &Compound::new(b);
+                Some($call)
+            }
+            (Side::Sheet($x), b) => b.convex().map(|$y| $call),
+            (Side::Compound(a), b) => b.convex().map(|$y| {
+                let $x = &Compound::new(a);
+                $call
+            }),
+            (a, Side::Compound(b)) => a.convex().map(|$x| {
+                let $y = &Compound::new(b);
+                $call
+            }),
+            _ => None,
+        }
     };
 }
 pub(crate) use {of_parts, of_side};
@@ -226,10 +228,8 @@ impl Pair {
         let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::intersects(a.hull(), b.hull(), pose, cache), [0, 0]),
-            (Side::HalfSpace(a), b) => match b.convex() {
-                Some(b) => (a.intersects(b, pose), [0, 0]),
-                None => of_compound(of_side!(b, |b| half_space::intersects(a, b, pose))?),
-            },
+            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::intersects(a, &Compound::new(b), pose)),
+            (Side::HalfSpace(a), b) => (a.intersects(b.convex()?, pose), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::intersects(a, b, pose, cache), [0, 0]),
                 _ => of_compound(of_parts!(a, b, |a, b| compound::intersects(a, b, pose, compound))?),
@@ -242,10 +242,8 @@ impl Pair {
         let settings = &Settings::default();
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::contact(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), b) => match b.convex() {
-                Some(b) => (a.contact(b, pose), [0, 0]),
-                None => of_compound(of_side!(b, |b| half_space::contact(a, b, pose))?),
-            },
+            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::contact(a, &Compound::new(b), pose)),
+            (Side::HalfSpace(a), b) => (a.contact(b.convex()?, pose), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::contact(a, b, pose, settings, cache), [0, 0]),
                 _ => of_parts!(a, b, |a, b| compound::contact(a, b, pose, settings, compound))?
@@ -259,10 +257,8 @@ impl Pair {
         let settings = &Settings::default();
         Some(match (&self.a, &self.b) {
             (Side::Hull(a), Side::Hull(b)) => (hullmap::distance(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), b) => match b.convex() {
-                Some(b) => (a.distance(b, pose), [0, 0]),
-                None => of_compound(of_side!(b, |b| half_space::distance(a, b, pose))?),
-            },
+            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::distance(a, &Compound::new(b), pose)),
+            (Side::HalfSpace(a), b) => (a.distance(b.convex()?, pose), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (hullmap::distance(a, b, pose, settings, cache), [0, 0]),
                 _ => of_compound(of_parts!(a, b, |a, b| compound::distance(a, b, pose, settings, compound))?),
@@ -358,13 +354,18 @@ impl Pair {
     /// usable.
     ///
     /// # Errors
-    /// A body is not a hull, pack, shape or level, or B is a half-space.
+    /// A body is not a hull, pack, shape or level, or B is a half-space or a level.
     #[wasm_bindgen(constructor)]
     pub fn new(a: &Body, b: &Body) -> Result<Pair, JsError> {
         let (a, b) = (Side::of_body("A", a)?, Side::of_body("B", b)?);
-        if matches!(b, Side::HalfSpace(_)) {
+        let kind = match b {
+            Side::HalfSpace(_) => Some(("a half-space", "Two half-spaces have")),
+            Side::Sheet(_) => Some(("a level", "A level and a half-space, and two levels, have")),
+            _ => None,
+        };
+        if let Some((kind, others)) = kind {
             let remedy = "make it A, and pass the pose of the other body in its frame";
-            return Err(error(format!("B is a half-space: {remedy}. Two half-spaces have no query")));
+            return Err(error(format!("B is {kind}: {remedy}. {others} no query")));
         }
         let is_compound = [&a, &b].into_iter().any(|side| matches!(side, Side::Compound(_) | Side::Sheet(_)));
         Ok(Self { a, b, memory: Memory::new(is_compound) })
@@ -477,7 +478,9 @@ impl Pair {
         let (mut normal, mut dropped) = (DVec3::NAN, 0);
         if let Some(manifolds) = manifolds {
             let counts = match (&self.a, &self.b) {
-                (Side::HalfSpace(a), b) => of_side!(b, |b| manifolds.update_half_space(a, b, pose, settings)),
+                (Side::HalfSpace(a), Side::Compound(b)) => {
+                    Some(manifolds.update_half_space(a, &Compound::new(b), pose, settings))
+                }
                 (a, b) => of_parts!(a, b, |a, b| manifolds.update(a, b, pose, settings)),
             };
             dropped = counts.ok_or_else(no_query)?.dropped;

@@ -1,5 +1,5 @@
-//! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces, levels;
-//! and rays against them.
+//! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces,
+//! levels; and rays against them.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -65,8 +65,8 @@ extern "C" {
     #[wasm_bindgen(typescript_type = "RayHits")]
     pub type Hits;
 
-    /// The method `shape` of `Hull`, `Pack`, `Shape` and `Level`. It makes a new `Shape`, which is passed
-    /// into WebAssembly while the body remains usable.
+    /// The method `shape` of `Hull`, `Pack`, `Shape` and `Level`. It makes a new `Shape`, which is
+    /// passed into WebAssembly while the body remains usable.
     #[wasm_bindgen(method, catch, js_name = shape)]
     fn shape_of(this: &Body) -> Result<Shape, JsValue>;
 }

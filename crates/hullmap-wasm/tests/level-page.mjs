@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
-/** `native` runs the command; `meshes` is a folder of meshes; `screenshot` is the start of a path, or undefined. */
+/** `native` runs the command. `screenshot` is the start of a path, or undefined. */
 export async function testLevelPage(page, native, meshes, hasGl, screenshot) {
   const shown = () => page.evaluate(() => JSON.parse(document.getElementById("level-answer").dataset.answer ?? "null"));
   const facts = () => page.locator("#level-facts").textContent();
@@ -49,25 +49,14 @@ export async function testLevelPage(page, native, meshes, hasGl, screenshot) {
   assert.notDeepEqual((await shown()).pose, resting.pose);
 
   // The mouse grips a body.
-  const moved = await page.evaluate(() => {
-    const canvas = document.getElementById("level-view"), rect = canvas.getBoundingClientRect();
-    const fire = (type, x, y) => canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, clientX: rect.left + x, clientY: rect.top + y, bubbles: true }));
-    canvas.setPointerCapture = () => {};
-    const pose = () => JSON.parse(document.getElementById("level-answer").dataset.answer).pose.join();
-    for (let row = 1; row < 16; row++) {
-      for (let column = 1; column < 30; column++) {
-        const [x, y] = [(rect.width * column) / 30, (rect.height * row) / 16];
-        fire("pointerdown", x, y);
-        const start = pose();
-        fire("pointermove", x + 5, y - 3);
-        const end = pose();
-        fire("pointerup", x + 5, y - 3);
-        if (start !== end) return true;
-      }
-    }
-    return false;
-  });
-  assert.ok(moved, "no body can be gripped");
+  await page.locator("#level-view").scrollIntoViewIfNeeded();
+  const box = await page.locator("#level-view").boundingBox(), [x, y] = await page.evaluate(() => window.hullmapLevel.seen());
+  const gripped = await shown();
+  await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+  await page.mouse.down();
+  await page.mouse.move(box.x + x * box.width + 9, box.y + y * box.height - 6);
+  await page.mouse.up();
+  assert.notDeepEqual((await shown()).pose, gripped.pose, "the body was not gripped");
 
   // A file that is baked, and files of the command: the same bytes.
   const gear = join(meshes, "gear.obj");
@@ -80,7 +69,7 @@ export async function testLevelPage(page, native, meshes, hasGl, screenshot) {
   await drop("ball");
   assert.ok((await shown()).hit);
 
-  // Dropped on the picture: it is no body. A file that is no level is an error, and the level remains.
+  // Dropped on the picture: it is no body. A file that is no level is an error; the level stays.
   const bodies = () => page.locator("#facts").textContent(), before = await bodies();
   const dropFile = async (name, text) => {
     const dataTransfer = await page.evaluateHandle(([name, text]) => {

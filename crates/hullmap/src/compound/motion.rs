@@ -365,7 +365,7 @@ mod tests {
         ]
     }
 
-    /// Triangles that share many vertices: closed, random, flat, far away, of one triangle, and slivers.
+    /// Triangles that share many vertices: random, flat, on a line, far away, tiny, and slivers.
     fn meshes(rng: &mut SplitMix64) -> Vec<TriangleMesh> {
         let of = |positions: &[[f32; 3]], corners: &[[u32; 3]]| {
             let baked = bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).unwrap();

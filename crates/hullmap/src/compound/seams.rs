@@ -16,8 +16,8 @@
 //!   all other parts. Then the face is exposed there, and x may be in a concave corner.
 //!
 //! Triangles have no inside: there, in both cases, a point above x must also be visible to the
-//! other body. The wall of a slab is not, if the body is on the floor above it. A wall that leans is
-//! nearest to the body below the floor, where no triangle contains x.
+//! other body. The wall of a slab is not, if the body is on the floor above it. A wall that leans
+//! is nearest to the body below the floor, where no triangle contains x.
 //!
 //! # Steps
 //! 1. Test the normal. In most cases the first point passes, with one descent of the BVH.

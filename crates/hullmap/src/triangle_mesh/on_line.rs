@@ -9,8 +9,8 @@
 //!
 //! # Deviations
 //! Planes are moved outwards by a margin, which is more than the rounding error of all steps. So no
-//! triangle is missed. Along an axis in which the ray does not move, numbers are compared with those
-//! around the ray.
+//! triangle is missed. Along an axis in which the ray does not move, numbers are compared with
+//! those around the ray.
 //!
 //! # Reference
 //! Kay, Kajiya, "Ray Tracing Complex Scenes", 1986 (slabs); Mahovsky, "Ray Tracing with
@@ -149,19 +149,20 @@ impl TriangleMesh {
     fn line(&self, [origin, direction]: [DVec3; 2], margin: f64) -> Option<Line> {
         let [low, high] = self.bounds().map(|corner| corner.as_dvec3());
         let grown = DVec3::splat(margin);
-        let [below, above] = self.grid.around((origin - grown).to_array(), (origin + grown).to_array());
-        let steps = self.grid.steps();
-        let mut slabs = [Slab::still(0, 0, 0); 3];
-        for (axis, slab) in slabs.iter_mut().enumerate() {
-            let (from, by) = (origin[axis], direction[axis]);
-            *slab = if by != 0.0 {
-                Slab::moving(axis, low[axis] - from, steps[axis], margin, by.recip())
-            } else if from + margin < low[axis] || from - margin > high[axis] {
-                return None;
-            } else {
-                Slab::still(axis, below[axis], above[axis])
-            };
-        }
-        Some(Line(slabs))
+        let [[x, y, z], [x1, y1, z1]] = self.grid.around((origin - grown).to_array(), (origin + grown).to_array());
+        let [step_x, step_y, step_z] = self.grid.steps();
+        let slab = |axis: usize, [low, high]: [f64; 2], step: f64, [from, by]: [f64; 2], [below, above]: [u16; 2]| {
+            if by != 0.0 {
+                return Some(Slab::moving(axis, low - from, step, margin, by.recip()));
+            }
+            // NaN takes the branch that goes on.
+            let is_beside = from + margin < low || from - margin > high;
+            (!is_beside).then(|| Slab::still(axis, below, above))
+        };
+        Some(Line([
+            slab(0, [low.x, high.x], step_x, [origin.x, direction.x], [x, x1])?,
+            slab(1, [low.y, high.y], step_y, [origin.y, direction.y], [y, y1])?,
+            slab(2, [low.z, high.z], step_z, [origin.z, direction.z], [z, z1])?,
+        ]))
     }
 }
