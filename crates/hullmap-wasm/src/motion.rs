@@ -90,9 +90,9 @@ impl Pair {
             (Side::HalfSpace(a), b) => (a.cast_motion(still, b.convex()?, motion, settings), [0, 0]),
             (a, b) => match (a.convex(), b.convex()) {
                 (Some(a), Some(b)) => (cast_motion(a, still, b, motion, settings, cache), [0, 0]),
-                _ => of_compound(of_parts!(a, b, |a, b| compound::cast_motion(
-                    a, still, b, motion, settings, compound
-                ))?),
+                _ => {
+                    of_compound(of_parts!(a, b, |a, b| compound::cast_motion(a, still, b, motion, settings, compound))?)
+                }
             },
         })
     }
