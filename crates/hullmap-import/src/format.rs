@@ -42,8 +42,8 @@ impl Format {
 
     fn of_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        let place = EXTENSIONS.iter().position(|known| *known == extension)?;
-        Some(FORMATS[place])
+        let known = EXTENSIONS.iter().zip(FORMATS).find(|(known, _)| **known == extension);
+        known.map(|(_, format)| format)
     }
 }
 
