@@ -82,7 +82,6 @@ mod tests {
     use hullmap_bake::number::grouped;
 
     use super::*;
-    use hullmap_bake::number::grouped;
 
     #[test]
     fn columns_line_up() {
