@@ -29,7 +29,7 @@ pub struct MeshSummary {
     pub t_junctions: Option<usize>,
     /// Numbers of edges.
     pub edges: EdgeCounts,
-    /// Names of the materials from number 1 on, at most [`MAX_MATERIALS`]; `None` if the mesh was
+    /// Names of the materials from number 1 on, at most 1,000; `None` if the mesh was
     /// not baked now, because the file has numbers alone.
     pub materials: Option<Vec<String>>,
 }
