@@ -189,9 +189,9 @@ impl HullVerification {
 
 /// Proves the index of every hull of a pack, and verifies the hull in `count` directions. `cover`
 /// are the parameters with which meshes were decomposed, as the pack records them. The file names
-/// in the results are left empty. Fails if the source has a different number of hulls than the pack,
-/// or redundant data in the pack disagree. Complexity: O(points · directions) for each hull; with
-/// decomposed meshes, the time to cut them again.
+/// in the results are left empty. Fails if the source has a different number of hulls than the
+/// pack, or redundant data in the pack disagree. Complexity: O(points · directions) for each hull;
+/// with decomposed meshes, the time to cut them again.
 pub fn verify_hulls(
     pack: &Pack,
     reference: Reference,

@@ -98,7 +98,7 @@ pub struct MeshVerification {
     pub mismatches: Option<usize>,
     /// Whether there are none.
     pub pass: bool,
-    /// What is wrong, at most [`MAX_PROBLEMS`] sentences.
+    /// What is wrong, at most eight sentences.
     pub problems: Vec<String>,
 }
 

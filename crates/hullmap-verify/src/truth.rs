@@ -87,17 +87,9 @@ impl Points {
 
     fn greatest_in_block(&self, block: usize, dir: [f64; 3]) -> f64 {
         let [x, y, z] = self.columns.each_ref().map(|column| &column[block * BLOCK..][..BLOCK]);
-        let mut greatest = f64::NEG_INFINITY;
-        // A plain loop: without optimisation, as in tests of the command, iterators take most of the
-        // time of a verification.
-        for i in 0..BLOCK {
-            let next = dot([x[i], y[i], z[i]], dir);
-            // Not f64::max, whose handling of NaN, which cannot occur here, costs time.
-            if next > greatest {
-                greatest = next;
-            }
-        }
-        greatest
+        let dots = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| dot([x, y, z], dir));
+        // Not f64::max, whose handling of NaN, which cannot occur here, costs time.
+        dots.fold(f64::NEG_INFINITY, |best, next| if next > best { next } else { best })
     }
 
     /// Distance between two of the points that is the maximum or slightly less, never more.

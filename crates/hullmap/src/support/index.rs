@@ -79,8 +79,8 @@ impl Leaf<'_> {
     }
 }
 
-/// Kernel of a support query that finds the leaf first: through the index, or all blocks if there is
-/// none.
+/// Kernel of a support query that finds the leaf first: through the index, or all blocks if there
+/// is none.
 struct WholeLookup<'i, 'a, T>(&'i Index<'a>, PhantomData<T>);
 
 impl<T> Clone for WholeLookup<'_, '_, T> {

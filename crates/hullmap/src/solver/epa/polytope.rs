@@ -93,8 +93,8 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     a: [DVec3; V],
     features: [[u32; 2]; V],
     point_count: usize,
-    /// Squares of the faces' offsets, with the signs of the offsets. So faces that are never selected cost
-    /// no square root. Infinite for free places.
+    /// Squares of the faces' offsets, with the signs of the offsets. So faces that are never
+    /// selected cost no square root. Infinite for free places.
     offsets: [f64; F],
     /// The normals of the faces, not of unit length, and the dot product above which a point sees
     /// the face.
