@@ -255,6 +255,7 @@ mod hull;
 pub mod manifold;
 mod pack;
 pub mod pose;
+mod ray_box;
 pub mod shapes;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod solver;

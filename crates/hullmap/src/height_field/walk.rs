@@ -26,6 +26,7 @@ use glam::DVec3;
 use hullmap_format::height_field::pyramid::{Cells, position_of, share};
 
 use super::HeightField;
+use crate::ray_box::{BoxedRay, LENGTH_ERROR};
 
 /// Number of patches that the ray crosses in a row at most, if there are coarser ones. A patch
 /// costs less than a level of patches does.
@@ -37,18 +38,12 @@ const LEVELS: u32 = 6;
 /// Number of a node that the tree does not have.
 const NO_NODE: u32 = u32::MAX;
 
-/// Relative rounding error of a length along the ray: of a sum, an inverse and a product.
-const LENGTH_ERROR: f64 = 4.0 * f64::EPSILON;
-
 /// A ray, followed across a field.
 pub(crate) struct Walk<'f, V> {
     field: &'f HeightField,
-    origin: DVec3,
+    ray: BoxedRay,
     /// Of unit length.
     direction: DVec3,
-    inverse: DVec3,
-    /// By how much boxes are grown: more than the rounding error of a coordinate.
-    margin: f64,
     /// Length up to which the ray is followed.
     reach: f64,
     boxes: u32,
@@ -79,29 +74,15 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         reach: f64,
         visit: V,
     ) -> u32 {
-        let mut walk = Self { field, origin, direction, inverse: direction.recip(), margin, reach, boxes: 1, visit };
+        let ray = BoxedRay { origin, inverse: direction.recip(), margin };
+        let mut walk = Self { field, ray, direction, reach, boxes: 1, visit };
         let [across, along] = field.layout.cells();
-        if let Some(span) = walk.clip(field.bounds(), [0.0, f64::INFINITY])
+        if let Some(span) = walk.ray.clip(field.bounds(), [0.0, f64::INFINITY])
             && span[0] <= reach
         {
             walk.cross(Cells { columns: [0, across], rows: [0, along] }, span, None);
         }
         walk.boxes
-    }
-
-    /// The part of the ray from `span` that is in a box; `None` if there is none.
-    #[inline]
-    fn clip(&self, [low, high]: [DVec3; 2], [mut enter, mut leave]: [f64; 2]) -> Option<[f64; 2]> {
-        let margin = DVec3::splat(self.margin);
-        let p = ((low - margin - self.origin) * self.inverse).to_array();
-        let q = ((high + margin - self.origin) * self.inverse).to_array();
-        // Along an axis without motion both are infinite, of the same sign outside. A NaN is passed
-        // over by `min` and `max`.
-        for (p, q) in p.into_iter().zip(q) {
-            (enter, leave) = (enter.max(p.min(q)), leave.min(p.max(q)));
-        }
-        let span = [enter * (1.0 - LENGTH_ERROR), leave * (1.0 + LENGTH_ERROR)];
-        (span[0] <= span[1]).then_some(span)
     }
 
     /// The level of the finest patches of which the ray crosses few, and the axis along which it
@@ -163,7 +144,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         self.boxes = self.boxes.saturating_add(1);
         let node = level.map_or(NO_NODE, |level| field.pyramid.node_at(level, position));
         let Some(own) = field.box_of(cells, node) else { return };
-        let Some(span) = self.clip(own, span) else { return };
+        let Some(span) = self.ray.clip(own, span) else { return };
         if !(span[0] <= self.reach) {
             return;
         }
@@ -182,12 +163,18 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
     fn positions(&self, axis: Axis, area: Cells, [enter, leave]: [f64; 2]) -> [u32; 2] {
         let layout = &self.field.layout;
         let (from, by, [first, spacing], [start, end], count) = if axis.is_y {
-            (self.origin.y, self.direction.y, [layout.origin[1], layout.spacing[1]], area.rows, layout.cells()[1])
+            (self.ray.origin.y, self.direction.y, [layout.origin[1], layout.spacing[1]], area.rows, layout.cells()[1])
         } else {
-            (self.origin.x, self.direction.x, [layout.origin[0], layout.spacing[0]], area.columns, layout.cells()[0])
+            (
+                self.ray.origin.x,
+                self.direction.x,
+                [layout.origin[0], layout.spacing[0]],
+                area.columns,
+                layout.cells()[0],
+            )
         };
         let (a, b) = (from + by * enter, from + by * leave);
-        let cells = [a.min(b) - self.margin, a.max(b) + self.margin].map(|at| (at - first) / spacing);
+        let cells = [a.min(b) - self.ray.margin, a.max(b) + self.ray.margin].map(|at| (at - first) / spacing);
         // The cast saturates, and turns NaN into 0.
         let cells = cells.map(|cell| (cell as usize).clamp(start, (end - 1).max(start)));
         cells.map(|cell| axis.divisions.map_or(cell as u32, |levels| position_of(cell, count, levels)))
@@ -214,11 +201,11 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
     fn clip_strip(&self, axis: Axis, [start, end]: [usize; 2], [enter, leave]: [f64; 2]) -> Option<[f64; 2]> {
         let layout = &self.field.layout;
         let (low, high, from, inverse) = if axis.is_y {
-            (layout.y(start), layout.y(end), self.origin.y, self.inverse.y)
+            (layout.y(start), layout.y(end), self.ray.origin.y, self.ray.inverse.y)
         } else {
-            (layout.x(start), layout.x(end), self.origin.x, self.inverse.x)
+            (layout.x(start), layout.x(end), self.ray.origin.x, self.ray.inverse.x)
         };
-        let (p, q) = ((low - self.margin - from) * inverse, (high + self.margin - from) * inverse);
+        let (p, q) = ((low - self.ray.margin - from) * inverse, (high + self.ray.margin - from) * inverse);
         let span = [enter.max(p.min(q)) * (1.0 - LENGTH_ERROR), leave.min(p.max(q)) * (1.0 + LENGTH_ERROR)];
         (span[0] <= span[1]).then_some(span)
     }

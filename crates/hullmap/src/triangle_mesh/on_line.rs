@@ -5,7 +5,8 @@
 //!    which it reaches the plane of a number is a linear function of the number. So boxes are
 //!    clipped without decoding them.
 //! 2. Clip the ray by the boxes of two children. Go on with the nearer one, and keep the other one.
-//! 3. Below the stored boxes, visit the two or three triangles of a node.
+//! 3. Below the stored boxes, clip the ray by the box of each of the two or three triangles of a
+//!    node, and visit those that it meets.
 //!
 //! # Deviations
 //! Planes are moved outwards by a margin, which is more than the rounding error of all steps. So no
@@ -23,12 +24,10 @@ use hullmap_format::triangle_mesh::tree;
 use rkyv::rend::u16_le;
 
 use super::TriangleMesh;
+use crate::ray_box::{BoxedRay, LENGTH_ERROR};
 
 /// A stack of nodes: one more than the levels of a tree of 2²⁸ triangles.
 const MAX_STACK: usize = 32;
-
-/// Relative rounding error of a length along the ray: of a sum, an inverse and a product.
-const LENGTH_ERROR: f64 = 4.0 * f64::EPSILON;
 
 /// A length for each number by which a box is beside a ray that does not move along an axis: more
 /// than any other length, so that the ray misses the box. A power of two: no product is rounded.
@@ -102,6 +101,7 @@ impl TriangleMesh {
         let sections = self.sections();
         let count = sections.triangle_count();
         let Some(line) = self.line([origin, direction], margin) else { return 1 };
+        let ray = BoxedRay { origin, inverse: direction.recip(), margin };
         let mut stack = [(0_u32, 0.0_f64); MAX_STACK];
         let (mut len, mut boxes) = (1_usize, 1_u32);
         while let Some(top) = len.checked_sub(1) {
@@ -117,7 +117,12 @@ impl TriangleMesh {
                 let Some([first, second]) = sections.boxes.get(child as usize..child as usize + 2) else {
                     let [start, end] = tree::triangles(node, count);
                     for triangle in start..end {
-                        reach = visit(triangle);
+                        let Some(bounds) = self.corner_bounds(triangle, triangle + 1) else { continue };
+                        // A ray that misses the box must not seem to graze the triangle.
+                        if ray.clip(bounds, [0.0, f64::INFINITY]).is_some_and(|span| span[0] <= reach) {
+                            reach = visit(triangle);
+                        }
+                        boxes += 1;
                     }
                     break;
                 };
