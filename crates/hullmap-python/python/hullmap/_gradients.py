@@ -27,11 +27,11 @@ Gradients = Tuple[Floats, ...]
 
 
 def required(module: str) -> Any:
-    """An optional module, whose extra has its name."""
+    """An optional module. The extra has the name of its package."""
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise Error(f"this requires {module} ({error}): install it with `pip install hullmap[{module}]`") from None
+        raise Error(f"this requires {module} ({error}): install it with `pip install hullmap[{module.split('.')[0]}]`") from None
 
 
 def _unit(rows: Floats) -> Tuple[Floats, Floats]:
