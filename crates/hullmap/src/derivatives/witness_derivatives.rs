@@ -215,7 +215,7 @@ impl Distance {
     /// assert_eq!(by.status, Differentiability::Unique);
     /// // If the ball moves along the edge, both points do.
     /// assert!((by.of_b.point_a[2][2] - 1.0).abs() < 1e-9 && (by.of_b.point_b[2][2] - 1.0).abs() < 1e-9);
-    /// // If it moves along x, the normal turns by half of that, and its x component changes by 1/√8.
+    /// // If it moves along x, the normal turns by half of that: its x component by 1/√8.
     /// assert!((by.of_b.normal[0][0] - 0.5 / 2_f64.sqrt()).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
