@@ -47,8 +47,8 @@ use crate::hull::Hull;
 use crate::manifold::{Manifold, ManifoldPoint, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::triangle::closest_of_triangle;
-use crate::shapes::{Feature, Shape, Sphere};
-use crate::solver::{Cache, queries};
+use crate::shapes::{Feature, Shape};
+use crate::solver::signed_distance::is_near;
 use crate::support::SupportMap;
 use crate::vector::unit;
 use glam::DVec3;
@@ -457,9 +457,7 @@ fn contains(near: &Neighbour<'_>, point: DVec3, seam: f64) -> bool {
         // NaN takes the failing branch.
         return closest_of_triangle(corners, point).distance_squared(point) <= seam * seam;
     }
-    let place = Pose::from_translation(near.place.inverse().transform_point(point));
-    let (Ok(place), Ok(ball)) = (place, Sphere::new(seam)) else { return false };
-    queries::intersects(near.shape, &ball, place, &mut Cache::new()).is_hit()
+    is_near(near.shape, near.place.inverse().transform_point(point), seam)
 }
 
 /// Whether a triangle is between two points.

@@ -7,6 +7,8 @@
 use glam::DVec3;
 
 use super::cache::Cache;
+use super::gjk::{self, Simplex, closest_within};
+use super::minkowski::Minkowski;
 use super::motion::{VectorError, checked};
 use super::queries::{contact, distance};
 use super::ray::Dot;
@@ -109,4 +111,19 @@ pub fn signed_distance<S: SupportMap + ?Sized>(
         (found.point, found.normal) = (inside.point_a, inside.normal);
     }
     Ok(found)
+}
+
+/// Whether `point` is in `shape`, or not certainly farther than `radius` from it. Both are in the
+/// shape's frame. GJK alone decides it, on a small stack; at the surface of thin shapes, EPA would
+/// tell inside from outside, which does not matter here.
+pub(crate) fn is_near<S: SupportMap + ?Sized>(shape: &S, point: DVec3, radius: f64) -> bool {
+    let Ok(place) = Pose::from_translation(point) else { return false };
+    let mut m = Minkowski::new(shape, &Dot, place);
+    if m.inner_balls_overlap() {
+        return true;
+    }
+    let (mut simplex, radius) = (Simplex::new(m.center_point()), shape.convex_radius() + radius);
+    let Settings { tolerance, max_iterations } = Settings::default();
+    let found = closest_within(&mut m, &mut simplex, radius, tolerance, max_iterations);
+    found.end == gjk::End::Inside || found.lower <= radius + m.rounding_error()
 }

@@ -2,6 +2,7 @@
 //! [`Scratch::STACK_SIZE`]. An overflow ends the process.
 
 use std::hint::black_box;
+use std::process::Command;
 
 use hullmap::{
     Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Contact, Feature, Manifold, ManifoldSettings,
@@ -18,9 +19,20 @@ use hullmap_testkit::packs::{self, point_set};
 use shapes::families::Family;
 
 /// Stack that a query takes beyond [`Scratch::STACK_SIZE`], which is stated for optimised builds.
-/// Threads may reuse larger stacks of threads that have ended, so `.ci/nightly` runs the test alone
-/// in a release build.
 const UNOPTIMISED: usize = if cfg!(debug_assertions) { 8 * 1024 } else { 0 };
+
+/// Runs a test in a process of its own: a thread of this one may reuse the larger stack of a thread
+/// that has ended.
+fn alone(test: &str, run: impl FnOnce()) {
+    const CHILD: &str = "HULLMAP_STACK_TEST";
+    if std::env::var_os(CHILD).is_some() {
+        return run();
+    }
+    let mut child = Command::new(std::env::current_exe().unwrap());
+    let output = child.args([&format!("stack::{test}"), "--exact", "--nocapture"]).env(CHILD, "1").output().unwrap();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && printed.contains("1 passed"), "{printed}{output:?}");
+}
 
 /// Hulls whose contact takes the largest polytope, and small ones.
 fn pack() -> Pack {
@@ -127,43 +139,49 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
 
 #[test]
 fn settings_state_the_stack_of_a_query() {
-    for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS, u32::MAX] {
-        let settings = Settings { max_iterations, ..Settings::default() };
-        let most = on_stack(settings.stack_size(), settings, false);
-        assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
-    }
+    alone("settings_state_the_stack_of_a_query", || {
+        for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS, u32::MAX] {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let most = on_stack(settings.stack_size(), settings, false);
+            assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
+        }
+    });
 }
 
 /// Contacts in flight have the polytopes of several queries on the stack. Without the feature
 /// `parallel`, the calling thread solves them.
 #[test]
 fn contacts_in_flight_take_64_kb_more() {
-    for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS] {
-        let settings = Settings { max_iterations, ..Settings::default() };
-        let run = move || {
-            let pack = pack();
-            // Each copy has an address of its own, and counts as another shape.
-            let hulls = vec![pack.hull(0).unwrap(); 32];
-            let pose = |i: usize| poses()[i % poses().len()];
-            let pairs: Vec<_> = hulls.iter().enumerate().map(|(i, a)| Pair { a, b: a, b_in_a: pose(i) }).collect();
-            let mut caches = vec![Cache::new(); pairs.len()];
-            let mut found = vec![Contact::default(); pairs.len()];
-            batch::contact(&pairs, &settings, &mut caches, &mut found).unwrap();
-            found.iter().map(|contact| contact.iterations).max().unwrap()
-        };
-        let thread = std::thread::Builder::new().stack_size(settings.stack_size() + 64 * 1024).spawn(run).unwrap();
-        let most = thread.join().unwrap();
-        assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
-    }
+    alone("contacts_in_flight_take_64_kb_more", || {
+        for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS] {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let run = move || {
+                let pack = pack();
+                // Each copy has an address of its own, and counts as another shape.
+                let hulls = vec![pack.hull(0).unwrap(); 32];
+                let pose = |i: usize| poses()[i % poses().len()];
+                let pairs: Vec<_> = hulls.iter().enumerate().map(|(i, a)| Pair { a, b: a, b_in_a: pose(i) }).collect();
+                let mut caches = vec![Cache::new(); pairs.len()];
+                let mut found = vec![Contact::default(); pairs.len()];
+                batch::contact(&pairs, &settings, &mut caches, &mut found).unwrap();
+                found.iter().map(|contact| contact.iterations).max().unwrap()
+            };
+            let thread = std::thread::Builder::new().stack_size(settings.stack_size() + 64 * 1024).spawn(run).unwrap();
+            let most = thread.join().unwrap();
+            assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
+        }
+    });
 }
 
 #[test]
 fn scratch_memory_makes_a_small_stack_enough() {
-    for max_iterations in [0, Settings::DEFAULT_MAX_ITERATIONS] {
-        let settings = Settings { max_iterations, ..Settings::default() };
-        let most = on_stack(Scratch::STACK_SIZE + UNOPTIMISED, settings, true);
-        assert!(most >= max_iterations.min(900), "only {most} iterations");
-    }
+    alone("scratch_memory_makes_a_small_stack_enough", || {
+        for max_iterations in [0, Settings::DEFAULT_MAX_ITERATIONS] {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let most = on_stack(Scratch::STACK_SIZE + UNOPTIMISED, settings, true);
+            assert!(most >= max_iterations.min(900), "only {most} iterations");
+        }
+    });
 }
 
 #[test]
