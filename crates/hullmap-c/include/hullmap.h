@@ -1331,6 +1331,18 @@ HullmapResult hullmap_contact_derivatives(const HullmapShape *a,
                                           HullmapDerivatives *derivatives,
                                           HullmapWitnessDerivatives *witness);
 
+// Where a ray first enters a convex shape, and the derivatives of t, in the shape's frame. settings
+// may be NULL.
+//
+// by_a is by the pose of the shape, and by_b by the pose of the ray: of a frame with its origin at
+// the ray's, which turns with the direction.
+HullmapResult hullmap_ray_derivatives(const HullmapShape *shape,
+                                      HullmapVec3 origin,
+                                      HullmapVec3 direction,
+                                      const HullmapCastSettings *settings,
+                                      HullmapRayHit *out,
+                                      HullmapDerivatives *derivatives);
+
 // Makes a manifold without points, for one ordered pair of shapes. `max_pairs` is the maximum
 // number of pairs of hulls of two compounds that may touch at the same time; for convex shapes,
 // pass 1. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.

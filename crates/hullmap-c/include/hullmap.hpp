@@ -362,6 +362,14 @@ inline Contact contact(const Shape &a, const Shape &b, const Pose &b_in_a, Deriv
     return found;
 }
 
+// Where a ray enters a convex shape, and the derivatives of t in `derivatives`.
+inline RayHit ray(const Shape &shape, Vec3 origin, Vec3 direction, Derivatives &derivatives,
+                  const CastSettings *settings = nullptr) {
+    RayHit found{};
+    check(hullmap_ray_derivatives(shape.get(), origin, direction, settings, &found, &derivatives));
+    return found;
+}
+
 inline SignedDistance signed_distance(const Shape &shape, Vec3 point, Cache *cache = nullptr,
                                       const Settings *settings = nullptr) {
     SignedDistance found{};

@@ -4,7 +4,7 @@
 
 use hullmap::compound::{self, CompoundAnswer, Parts, half_space};
 use hullmap::shapes::HalfSpace;
-use hullmap::{ClearSettings, MotionSettings, Pose, RigidMotion, Settings};
+use hullmap::{CastSettings, ClearSettings, MotionSettings, Pose, Ray, RigidMotion, Settings};
 
 use crate::failure::Fallible;
 use crate::handles::{Kind, Memory, Shape};
@@ -136,4 +136,15 @@ pub(crate) fn contact_derivatives(
     let by = found.derivatives(a, b, b_in_a, settings, cache);
     let witness = is_witness.then(|| found.witness_derivatives(a, b, b_in_a, settings, cache).into());
     Ok((types::Contact::new(found, [0, 0]), by.into(), witness))
+}
+
+/// Where a ray first enters a convex shape, and the derivatives of t.
+pub(crate) fn ray_derivatives(
+    shape: &Shape,
+    ray: &Ray,
+    settings: &CastSettings,
+) -> Fallible<(types::RayHit, Derivatives)> {
+    let shape = convex_for(shape, "derivatives")?;
+    let found = hullmap::ray(shape, ray, settings);
+    Ok((types::RayHit::new(found, 0), found.derivatives(shape, ray).into()))
 }

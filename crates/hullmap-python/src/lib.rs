@@ -89,6 +89,7 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(motion::cast_motion, module)?)?;
     module.add_function(wrap_pyfunction!(motion::clear, module)?)?;
     module.add_function(wrap_pyfunction!(motion::derivatives, module)?)?;
+    module.add_function(wrap_pyfunction!(motion::ray_derivatives, module)?)?;
     module.add_function(wrap_pyfunction!(motion::witness_derivatives, module)?)?;
     module.add_function(wrap_pyfunction!(solve::ray, module)?)?;
     module.add_function(wrap_pyfunction!(solve::signed_distance, module)?)?;

@@ -4,8 +4,8 @@ use hullmap::compound::{self, Parts};
 use hullmap::glam::{DQuat, DVec3};
 use hullmap::shapes::HalfSpace;
 use hullmap::{
-    self as core, ClearSettings, Clearance, Compound, Derivatives, MotionSettings, Pose, RigidMotion, Settings,
-    TimeOfImpact,
+    self as core, CastSettings, ClearSettings, Clearance, Compound, Derivatives, MotionSettings, Pose, RigidMotion,
+    Settings, TimeOfImpact,
 };
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use crate::pose::Rows;
 use crate::query::{Caches, Found, convex};
 use crate::robot::{differentiability_code, verdict_code};
 use crate::shape::{AnyConvex, Shape, Side};
-use crate::solve::code;
+use crate::solve::{Rays, code};
 use crate::task::{Cut, fill};
 use crate::threads::Threads;
 
@@ -382,6 +382,37 @@ pub fn derivatives<'py>(
         Ok(())
     };
     fill::<Slopes>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+}
+
+/// Derivatives of the t of rays that meet a convex shape, by the pose of the shape and that of the
+/// ray.
+#[pyfunction]
+#[pyo3(signature = (shape, origins, directions, settings, threads))]
+pub fn ray_derivatives<'py>(
+    py: Python<'py>,
+    shape: &Shape,
+    origins: PyReadonlyArray2<'py, f64>,
+    directions: PyReadonlyArray2<'py, f64>,
+    settings: (f64, f64, u32),
+    threads: Threads,
+) -> PyResult<Bound<'py, PyDict>> {
+    let side = shape.0.clone();
+    let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
+    let (own, rays) = (convex_only(&side)?, Rays::new(&origins, &directions)?);
+    let solve = |first: usize, count: usize, rows: SlopeRows<'_>| {
+        for at in 0..count {
+            let ray = rays.get(first + at)?;
+            let hit = core::ray(own, &ray, &settings);
+            let by = hit.derivatives(own, &ray);
+            put(rows.value, at, hit.t);
+            put(rows.status, at, code(hit.status));
+            put(rows.differentiability, at, differentiability_code(by.status));
+            put_all(rows.by_a, at, &by.of_a.to_array());
+            put_all(rows.by_b, at, &by.of_b.to_array());
+        }
+        Ok(())
+    };
+    fill::<Slopes>(py, Cut::free(rays.count(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
 }
 
 /// Derivatives of the normal and the points of the distance or the contact of convex shapes, by

@@ -267,6 +267,30 @@ impl Vectors {
     }
 }
 
+/// Rays of two arguments, of which either may be one vector for all.
+pub(crate) struct Rays {
+    origins: Vectors,
+    directions: Vectors,
+}
+
+impl Rays {
+    pub(crate) fn new(origins: &PyReadonlyArray2<'_, f64>, directions: &PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let rays =
+            Self { origins: Vectors::new("origins", origins)?, directions: Vectors::new("directions", directions)? };
+        rays.directions.check_count(rays.count())?;
+        Ok(rays)
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        if self.origins.numbers.len() == 1 { self.directions.numbers.len() } else { self.origins.numbers.len() }
+    }
+
+    /// The ray of a row; the error has the row, too.
+    pub(crate) fn get(&self, row: usize) -> Result<Ray, (usize, String)> {
+        Ray::new(self.origins.get(row), self.directions.get(row)).map_err(|error| (row, format!("ray {row}: {error}")))
+    }
+}
+
 /// Where rays enter a shape. For a pack, where they first enter one of its hulls.
 #[pyfunction]
 #[pyo3(signature = (shape, origins, directions, settings, threads))]
@@ -279,15 +303,11 @@ pub fn ray<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
-    let (origins, directions) = (Vectors::new("origins", &origins)?, Vectors::new("directions", &directions)?);
-    let count = if origins.numbers.len() == 1 { directions.numbers.len() } else { origins.numbers.len() };
-    directions.check_count(count)?;
+    let rays = Rays::new(&origins, &directions)?;
     let side = shape.0.clone();
     let solve = |first: usize, count: usize, rows: RayRows<'_>| {
         for at in 0..count {
-            let row = first + at;
-            let ray = Ray::new(origins.get(row), directions.get(row))
-                .map_err(|error| (row, format!("ray {row}: {error}")))?;
+            let ray = rays.get(first + at)?;
             let (hit, part) = cast_ray(&side, &ray, &settings);
             put(rows.hit, at, hit.hit);
             put(rows.t, at, hit.t);
@@ -302,7 +322,7 @@ pub fn ray<'py>(
         }
         Ok(())
     };
-    fill::<RayHits>(py, Cut::free(count, PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<RayHits>(py, Cut::free(rays.count(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
 }
 
 /// The first hit of a ray, and the hull of a pack that it hits.

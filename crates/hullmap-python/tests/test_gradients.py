@@ -205,6 +205,69 @@ def test_clearances_of_robots(tmp_path):
     np.testing.assert_allclose(slopes, robot.clearance(q, gradient=True, tolerance=0).gradient, atol=1e-12)
 
 
+def random_rays(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rays of which most hit, from outside, with directions of any length."""
+    rng = np.random.default_rng(seed)
+    origins = rng.normal(size=(count, 3))
+    origins *= 4 / np.linalg.norm(origins, axis=-1, keepdims=True)
+    return origins, (rng.uniform(-0.8, 0.8, size=(count, 3)) - origins) * rng.uniform(0.3, 2, size=(count, 1))
+
+
+def test_derivatives_of_rays_agree_with_differences():
+    origins, directions = random_rays(400, 31)
+    found = hullmap.ray_derivatives(HULL, origins, directions, tolerance=0)
+    t = lambda o, d: HULL.ray(o, d, tolerance=0).t
+    unique = found.differentiability == hullmap.Differentiability.UNIQUE
+    missing = found.differentiability == hullmap.Differentiability.MISSING
+    assert unique.sum() > 200 and missing.sum() > 5
+    np.testing.assert_array_equal(found.value, t(origins, directions))
+    step, off = 1e-6, np.zeros(400)
+    for axis in range(6):
+        move = np.eye(6)[axis] * step
+        turn = lambda sign: directions + sign * np.cross(move[3:], directions)
+        after, before = (t(origins + sign * move[:3], turn(sign)) for sign in (1, -1))
+        with np.errstate(invalid="ignore"):
+            truth = (after - before) / (2 * step)
+        off = np.maximum(off, np.abs(found.by_b[:, axis] - truth) / (1 + np.abs(truth)))
+    # A ray that meets an edge within the step is rare.
+    assert (off[unique] > 1e-5).mean() < 0.02, np.sort(off[unique])[-10:]
+    with pytest.raises(hullmap.ShapeError, match="convex"):
+        hullmap.ray_derivatives(hullmap.HalfSpace([0, 0, 1], 0), [0, 0, 1], [0, 0, -1])
+
+
+def smooth_rays() -> tuple[np.ndarray, np.ndarray]:
+    """Rays that meet the same face from all places nearby."""
+    origins, directions = random_rays(200, 32)
+    hit = HULL.ray(origins, directions, tolerance=0)
+    kept = hit.hit.copy()
+    for shift in np.concatenate((np.eye(3), -np.eye(3))) * 1e-3:
+        near = HULL.ray(origins + shift, directions, tolerance=0)
+        kept &= near.hit & (np.abs(near.normal - hit.normal).max(-1) < 1e-9)
+    assert kept.sum() > 30, kept.sum()
+    return origins[kept][:20], directions[kept][:20]
+
+
+def test_torch_differentiates_rays():
+    module, torch = torch_module(), pytest.importorskip("torch")
+    rays = [torch.tensor(own, requires_grad=True) for own in smooth_rays()]
+    check = lambda origins, directions: module.ray(HULL, origins, directions, tolerance=0, strict=True)
+    assert torch.autograd.gradcheck(check, rays, eps=1e-6, atol=2e-5)
+    miss = torch.tensor([0.0, 0.0, 5.0], requires_grad=True)
+    t = module.ray(HULL, miss, torch.tensor([0.0, 0.0, 1.0]), strict=True)
+    t.backward()
+    assert t == float("inf") and (miss.grad == 0).all()
+    with pytest.raises(hullmap.ArrayError, match="vectors of the shape"):
+        module.ray(HULL, torch.zeros(4), torch.zeros(4))
+
+
+def test_jax_differentiates_rays():
+    module = jax_module()
+    from jax.test_util import check_grads
+
+    check = lambda origins, directions: module.ray(HULL, origins, directions, tolerance=0, strict=True)
+    check_grads(check, smooth_rays(), 1, modes=["rev"], eps=1e-6, atol=2e-5, rtol=2e-5)
+
+
 def test_missing_modules_name_their_extra(monkeypatch):
     gradients = importlib.import_module("hullmap._gradients")
     with pytest.raises(hullmap.Error, match=r"pip install hullmap\[nothing_of_that_name\]"):

@@ -9,8 +9,8 @@ use crate::failure::{Failure, Fallible};
 use crate::handles::{Cache, Shape};
 use crate::motion;
 use crate::types::{
-    ClearSettings, Clearance, Contact, Derivatives, Distance, Motion, MotionKind, MotionSettings, Pose, Result,
-    Settings, TimeOfImpact, WitnessDerivatives,
+    CastSettings, ClearSettings, Clearance, Contact, Derivatives, Distance, Motion, MotionKind, MotionSettings, Pose,
+    RayHit, Result, Settings, TimeOfImpact, Vec3, WitnessDerivatives,
 };
 
 /// A motion from C, checked.
@@ -208,6 +208,34 @@ pub unsafe extern "C" fn hullmap_contact_derivatives(
         if let (Some(witness), Some(of_points)) = (witness, of_points) {
             witness.write(of_points);
         }
+        Ok(())
+    })
+}
+
+/// Where a ray first enters a convex shape, and the derivatives of t, in the shape's frame. settings
+/// may be NULL.
+///
+/// by_a is by the pose of the shape, and by_b by the pose of the ray: of a frame with its origin at
+/// the ray's, which turns with the direction.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_ray_derivatives(
+    shape: *const Shape,
+    origin: Vec3,
+    direction: Vec3,
+    settings: *const CastSettings,
+    out: *mut RayHit,
+    derivatives: *mut Derivatives,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (shape, settings, out, by) = unsafe {
+            let (shape, settings) = (border::handle("shape", shape)?, border::read_sized("settings", settings)?);
+            (shape, settings, Out::new("out", out)?, Out::new("derivatives", derivatives)?)
+        };
+        let ray = super::query::ray_of(origin, direction)?;
+        let (found, slopes) = motion::ray_derivatives(shape, &ray, &super::cast_settings(settings))?;
+        out.write(found);
+        by.write(slopes);
         Ok(())
     })
 }

@@ -181,11 +181,16 @@ pub unsafe extern "C" fn hullmap_ray(
             let (shape, settings) = (border::handle("shape", shape)?, border::read_sized("settings", settings)?);
             (shape, settings, Out::new("out", out)?)
         };
-        let ray = hullmap::Ray::new(origin.into(), direction.into());
-        let ray = ray.map_err(|error| Failure::new(Result::InvalidArgument, error))?;
+        let ray = ray_of(origin, direction)?;
         out.write(query::ray(shape, &ray, &super::cast_settings(settings))?);
         Ok(())
     })
+}
+
+/// A ray from C, checked.
+pub(super) fn ray_of(origin: Vec3, direction: Vec3) -> Fallible<hullmap::Ray> {
+    let ray = hullmap::Ray::new(origin.into(), direction.into());
+    ray.map_err(|error| Failure::new(Result::InvalidArgument, error))
 }
 
 /// Signed distance of a point from the surface of a shape, in the shape's frame: positive outside,

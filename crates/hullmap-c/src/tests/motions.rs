@@ -151,6 +151,39 @@ fn derivatives_have_the_same_bits() {
 }
 
 #[test]
+fn derivatives_of_rays_have_the_same_bits() {
+    let (pack, file) = (open(), file());
+    let twin_pack = hullmap::Pack::from_bytes(&file).unwrap();
+    let (shapes, twins) = (all_shapes(&pack), all_twins(&twin_pack));
+    let (mut rng, mut unique, mut missing) = (SplitMix64::new(23), 0, 0);
+    for (shape, twin) in shapes.iter().zip(&twins) {
+        for case in 0..20 {
+            let origin = DVec3::from_array([0, 1, 2].map(|_| rng.between(-3.0, 3.0)));
+            let aim = DVec3::from_array([0, 1, 2].map(|_| rng.between(-0.5, 0.5)));
+            let direction = if case % 5 == 0 { origin } else { aim - origin };
+            let (mut hit, mut by): (types::RayHit, types::Derivatives) = (empty(), empty());
+            // SAFETY: the pointers are valid.
+            let code = unsafe {
+                let (origin, direction) = (origin.into(), direction.into());
+                hullmap_ray_derivatives(shape.0, origin, direction, null(), &raw mut hit, &raw mut by)
+            };
+            let Twin::Convex(twin) = twin else {
+                assert_eq!(code, Code::Unsupported);
+                continue;
+            };
+            assert_eq!(code, Code::Ok);
+            let ray = hullmap::Ray::new(origin, direction).unwrap();
+            let expected = hullmap::ray(&**twin, &ray, &hullmap::CastSettings::default());
+            assert_eq!((hit.hit, hit.t.to_bits()), (expected.hit, expected.t.to_bits()));
+            assert_eq!(by, expected.derivatives(&**twin, &ray).into());
+            unique += usize::from(by.differentiability == types::Differentiability::Unique);
+            missing += usize::from(by.differentiability == types::Differentiability::Missing);
+        }
+    }
+    assert!(unique > 20 && missing > 20, "{unique} with derivatives, {missing} without a hit");
+}
+
+#[test]
 fn wrong_motions_are_errors() {
     let pack = open();
     let shapes = all_shapes(&pack);

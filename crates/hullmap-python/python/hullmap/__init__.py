@@ -39,6 +39,7 @@ from ._motion import (
     cast_motion,
     clear,
     derivatives,
+    ray_derivatives,
     witness_derivatives,
 )
 from ._options import BakeOptions
@@ -140,6 +141,7 @@ __all__ = [
     "from_trimesh",
     "open",
     "poses",
+    "ray_derivatives",
     "relative",
     "to_mjcf",
     "to_trimesh",

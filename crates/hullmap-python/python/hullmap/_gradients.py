@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ._arrays import Floats
 from ._hullmap import ArrayError, Error
-from ._motion import derivatives
+from ._motion import derivatives, ray_derivatives
 from ._poses import relative
 from ._results import Codes, Differentiability, Status
 from ._robot import Robot
@@ -32,6 +32,13 @@ def required(module: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         raise Error(f"this requires {module} ({error}): install it with `pip install hullmap[{module.split('.')[0]}]`") from None
+
+
+def check_width(shape: Tuple[int, ...], width: Optional[int]) -> None:
+    """Checks that arrays of this shape hold rows of ``width`` numbers; of any number if it is None."""
+    if width is not None and tuple(shape[-1:]) != (width,):
+        rows = {3: "vectors", 7: "poses, rows of x y z qx qy qz qw,"}[width]
+        raise ArrayError(f"expected {rows} of the shape (..., {width}), found {tuple(shape)}")
 
 
 def _unit(rows: Floats) -> Tuple[Floats, Floats]:
@@ -112,6 +119,29 @@ class PairValue:
             kinds[flat] = Differentiability.UNIQUE
             by_a[flat], by_b[flat] = 0.0, 0.0
         return value, kinds, by_a, by_b
+
+
+@dataclass(frozen=True)
+class RayValue:
+    """The t at which rays enter a convex shape, by their origins and directions."""
+
+    shape: Shape
+    tolerance: float
+    strict: bool
+
+    def __call__(self, rays: Sequence[Floats], gradient: bool) -> Tuple[Floats, Gradients]:
+        origins, directions = rays
+        if not gradient:
+            return self.shape.ray(origins, directions, tolerance=self.tolerance).t, ()
+        found = ray_derivatives(self.shape, origins, directions, tolerance=self.tolerance)
+        by_origin, by_turn = found.by_b[..., :3], found.by_b[..., 3:]
+        # A change across the direction turns the ray, and one along it divides t.
+        t = np.where(np.isfinite(found.value), found.value, 0.0)[..., None]
+        across = np.cross(by_turn, directions) - t * directions
+        slopes = (by_origin, across / (directions**2).sum(-1, keepdims=True))
+        if self.strict:
+            slopes = (_strict(found.differentiability, slopes[0]), _strict(found.differentiability, slopes[1]))
+        return found.value, slopes
 
 
 @dataclass(frozen=True)

@@ -258,6 +258,13 @@ def witness_derivatives(
     settings: Tuple[float, int],
     threads: Optional[int],
 ) -> _Columns: ...
+def ray_derivatives(
+    shape: Shape,
+    origins: _Floats,
+    directions: _Floats,
+    settings: Tuple[float, float, int],
+    threads: Optional[int],
+) -> _Columns: ...
 def ray(
     shape: Shape,
     origins: _Floats,

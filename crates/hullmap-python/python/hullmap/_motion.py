@@ -12,7 +12,7 @@ from . import _hullmap
 from ._arrays import Counts, Floats, joint, number, transforms, vectors
 from ._hullmap import ArrayError
 from ._results import Codes, Flags, _Answer
-from ._shapes import MAX_ITERATIONS, TOLERANCE, Shape, _count, native, settings_of
+from ._shapes import MAX_ITERATIONS, RAY_TOLERANCE, TOLERANCE, Shape, _count, native, settings_of
 
 MOTION_TOLERANCE = 1e-6
 """Default tolerance of motions."""
@@ -284,6 +284,32 @@ def derivatives(
     return Derivatives._of(
         _hullmap.derivatives(native(a), native(b), rows, of == "depth", settings, threads), lead
     )
+
+
+def ray_derivatives(
+    shape: Shape,
+    origins: npt.ArrayLike,
+    directions: npt.ArrayLike,
+    *,
+    max_t: float = float("inf"),
+    tolerance: float = RAY_TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
+    threads: Optional[int] = None,
+) -> Derivatives:
+    """Derivatives of the t at which rays enter a convex shape: ``by_a`` with respect to the pose of the shape, and
+    ``by_b`` to the pose of the ray, a frame with its origin at the ray's, which turns with the direction.
+
+    Twists are those of `derivatives`, in the frame of the shape. A ray that meets an edge has no derivative.
+
+    >>> import hullmap
+    >>> found = hullmap.ray_derivatives(hullmap.Box([1, 1, 1]), [0.2, 0.3, 5], [0, 0, -2])
+    >>> found.by_b[:3].round(6) + 0.0                        # a higher start by 1 adds 1/2 to t
+    array([0. , 0. , 0.5])
+    """
+    (starts, lead_o), (ways, lead_d) = vectors("origins", origins), vectors("directions", directions)
+    lead = joint(lead_o, len(starts), lead_d, len(ways))
+    settings = (number("max_t", max_t), *settings_of(tolerance, max_iterations))
+    return Derivatives._of(_hullmap.ray_derivatives(native(shape), starts, ways, settings, threads), lead)
 
 
 def witness_derivatives(

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 import numpy as np
 
-from ._gradients import PairValue, RobotValue, perturbations, required
+from ._gradients import PairValue, RayValue, RobotValue, check_width, perturbations, required
 from ._hullmap import ArrayError
 from ._robot import Robot
 from ._shapes import Shape
@@ -31,7 +31,7 @@ from ._shapes import Shape
 if TYPE_CHECKING:
     import jax
 
-__all__ = ["clearance", "depth", "distance", "perturbed", "robot_clearance"]
+__all__ = ["clearance", "depth", "distance", "perturbed", "ray", "robot_clearance"]
 
 
 @lru_cache(maxsize=None)
@@ -68,8 +68,7 @@ def _apply(evaluate: Any, inputs: Sequence[Any], width: Optional[int]) -> Any:
     numpy = required("jax.numpy")
     arrays = [numpy.asarray(own) for own in inputs]
     for own in arrays:
-        if width is not None and own.shape[-1:] != (width,):
-            raise ArrayError(f"expected poses of the shape (..., 7), rows of x y z qx qy qz qw, found {own.shape}")
+        check_width(own.shape, width)
     kind = numpy.result_type(float, *arrays)
     return _function()(evaluate, tuple(numpy.broadcast_arrays(*(own.astype(kind) for own in arrays))))
 
@@ -124,6 +123,15 @@ def clearance(
     """Signed distances of convex shapes: the distance, or the negative depth where they overlap. For the signed
     distance of points, B is ``hullmap.Sphere(0)``."""
     found: jax.Array = _pair(PairValue("clearance", a, b, tolerance, strict), b_in_a, a_in_world, b_in_world)
+    return found
+
+
+def ray(
+    shape: Shape, origins: jax.Array, directions: jax.Array, *, tolerance: float = 1e-6, strict: bool = False
+) -> jax.Array:
+    """Where rays enter a convex shape, at ``origins + t * directions``; infinite with a gradient of 0 where they
+    miss it. Origins and directions have the shape (..., 3)."""
+    found: jax.Array = _apply(RayValue(shape, tolerance, strict), [origins, directions], 3)
     return found
 
 

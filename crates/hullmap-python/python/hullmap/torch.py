@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 import numpy as np
 
-from ._gradients import PairValue, RobotValue, perturbations, required
+from ._gradients import PairValue, RayValue, RobotValue, check_width, perturbations, required
 from ._hullmap import ArrayError
 from ._robot import Robot
 from ._shapes import Shape
@@ -31,7 +31,7 @@ from ._shapes import Shape
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["clearance", "depth", "distance", "perturbed", "robot_clearance"]
+__all__ = ["clearance", "depth", "distance", "perturbed", "ray", "robot_clearance"]
 
 
 @lru_cache(maxsize=None)
@@ -56,8 +56,7 @@ def _function() -> Any:
 
 def _apply(evaluate: Any, inputs: Sequence[Any], width: Optional[int]) -> Any:
     for own in inputs:
-        if width is not None and own.shape[-1:] != (width,):
-            raise ArrayError(f"expected poses of the shape (..., 7), rows of x y z qx qy qz qw, found {tuple(own.shape)}")
+        check_width(tuple(own.shape), width)
     return _function().apply(evaluate, *required("torch").broadcast_tensors(*inputs))
 
 
@@ -113,6 +112,15 @@ def clearance(
     distance of points, B is ``hullmap.Sphere(0)``."""
     value = PairValue("clearance", a, b, tolerance, strict)
     found: torch.Tensor = _pair(value, b_in_a, a_in_world, b_in_world)
+    return found
+
+
+def ray(
+    shape: Shape, origins: torch.Tensor, directions: torch.Tensor, *, tolerance: float = 1e-6, strict: bool = False
+) -> torch.Tensor:
+    """Where rays enter a convex shape, at ``origins + t * directions``; infinite with a gradient of 0 where they
+    miss it. Origins and directions have the shape (..., 3)."""
+    found: torch.Tensor = _apply(RayValue(shape, tolerance, strict), [origins, directions], 3)
     return found
 
 
