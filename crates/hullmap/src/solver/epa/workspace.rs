@@ -22,12 +22,12 @@ pub(crate) struct Workspace {
 impl Workspace {
     #[inline(always)]
     pub(super) fn small(&mut self) -> &mut Small {
-        self.small.get_or_insert_with(|| Polytope::empty(0.0))
+        existing(&mut self.small)
     }
 
     #[inline(always)]
     pub(super) fn medium(&mut self) -> &mut Medium {
-        self.medium.get_or_insert_with(|| Polytope::empty(0.0))
+        existing(&mut self.medium)
     }
 
     /// Copies the small polytope to the medium one.
@@ -38,6 +38,23 @@ impl Workspace {
             small.copy_into(medium);
         }
     }
+}
+
+/// The polytope in `place`. There is one: a search starts with [`cleared`].
+#[inline(always)]
+fn existing<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
+    match place {
+        Some(polytope) => polytope,
+        none => insert_empty(none),
+    }
+}
+
+/// Not inlined: the polytope is on this function's stack before it is moved, and otherwise on that
+/// of each caller.
+#[cold]
+#[inline(never)]
+fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
+    place.insert(Polytope::empty(0.0))
 }
 
 /// The polytope in `place`, without a surface. `noise` is the error bound of offsets, a length.
