@@ -37,8 +37,8 @@ def required(module: str) -> Any:
 def check_width(shape: Tuple[int, ...], width: Optional[int]) -> None:
     """Checks that arrays of this shape hold rows of ``width`` numbers; of any number if it is None."""
     if width is not None and tuple(shape[-1:]) != (width,):
-        rows = {3: "vectors", 7: "poses, rows of x y z qx qy qz qw,"}[width]
-        raise ArrayError(f"expected {rows} of the shape (..., {width}), found {tuple(shape)}")
+        rows = {3: "vectors of the shape (..., 3)", 7: "poses of the shape (..., 7), rows of x y z qx qy qz qw"}[width]
+        raise ArrayError(f"expected {rows}, found {tuple(shape)}")
 
 
 def _unit(rows: Floats) -> Tuple[Floats, Floats]:
