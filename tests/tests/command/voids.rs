@@ -23,10 +23,10 @@ fn text(mesh: &Mesh) -> String {
 #[test]
 fn filled_parts_are_recorded_and_verified() {
     let folder = tempfile::tempdir().unwrap();
-    let mesh = cubes::grooved([9, 9, 9], [4, 4, 4]);
+    let mesh = cubes::grooved([7, 7, 7], [3, 3, 3]);
     fs::write(folder.path().join("g.obj"), text(&mesh)).unwrap();
     let built = |out: &str, options: &str| {
-        let line = format!("build g.obj --out {out} --decompose --max-error 1% {options} --json");
+        let line = format!("build g.obj --out {out} --decompose --max-error 1.5% {options} --json");
         let row = bake(&folder, &line).expect(0).json()[0].clone();
         (row["objects"][0].clone(), row["notes"].to_string())
     };
@@ -37,8 +37,8 @@ fn filled_parts_are_recorded_and_verified() {
     assert!(filled["filled"] == true && filled["voids"].as_f64().unwrap() <= error, "{filled}");
     assert!(notes.contains("the parts leave no voids: every point of the solid is in a part, proven"), "{notes}");
     let protrusion = filled["protrusion"].as_f64().unwrap();
-    let diagonal = 9.0 * 3.0_f64.sqrt();
-    assert!(protrusion <= 0.01001 * diagonal && filled["uncovered"].as_f64().unwrap() < 1e-6 * diagonal, "{filled}");
+    let diagonal = 7.0 * 3.0_f64.sqrt();
+    assert!(protrusion <= 0.015015 * diagonal && filled["uncovered"].as_f64().unwrap() < 1e-6 * diagonal, "{filled}");
     let pack = Pack::open(folder.path().join("filled/g.hullmap")).unwrap();
     assert!(pack.options().ends_with(", fill true"), "{}", pack.options());
     assert!(pack.hulls().all(|hull| hull.voids().is_some_and(|voids| voids.share <= error)));
@@ -49,7 +49,7 @@ fn filled_parts_are_recorded_and_verified() {
     assert!(text.contains("<dd>none, proven</dd>"), "{page:?}");
     // One part too few.
     let most = usual["parts"].as_u64().unwrap();
-    let line = format!("build g.obj --out few --decompose --max-error 1% --max-parts {most} --fill --json");
+    let line = format!("build g.obj --out few --decompose --max-error 1.5% --max-parts {most} --fill --json");
     let few = bake(&folder, &line).expect(0).json()[0].clone();
     assert!(few["objects"][0]["parts"].as_u64().unwrap() <= most, "{few}");
     let is_filled = few["objects"][0]["filled"].as_bool().unwrap();
