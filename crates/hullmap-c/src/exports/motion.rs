@@ -212,11 +212,11 @@ pub unsafe extern "C" fn hullmap_contact_derivatives(
     })
 }
 
-/// Where a ray first enters a convex shape, and the derivatives of t, in the shape's frame. settings
-/// may be NULL.
+/// Where a ray first enters a convex shape, and the derivatives of t, in the shape's frame.
+/// settings may be NULL.
 ///
-/// by_a is by the pose of the shape, and by_b by the pose of the ray: of a frame with its origin at
-/// the ray's, which turns with the direction.
+/// by_a is with respect to the pose of the shape, and by_b to the pose of the ray: of a frame with
+/// its origin at the ray's, which turns with the direction.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_ray_derivatives(
     shape: *const Shape,
