@@ -127,7 +127,8 @@ pub trait Shape: SupportMap {
     fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
         // The parameter has this name for the documentation.
         let _ = near;
-        entry(self, ray)
+        // A reference, since `Self` need not have a size.
+        entry(&self, ray)
     }
 
     /// The corners, if the shape is a triangle. Queries of meshes use them to rule triangles out

@@ -126,7 +126,9 @@ const TOLERANCE: f64 = 1e-6;
 
 /// The t at which `line` enters `shape`, by support queries; `None` if it misses or grazes it. It
 /// starts outside.
-pub(crate) fn entry<S: SupportMap + ?Sized>(shape: &S, line: &Ray) -> Option<f64> {
+///
+/// Not generic: each `dyn Shape` calls it, and would take a solver of its own into the program.
+pub(crate) fn entry(shape: &dyn SupportMap, line: &Ray) -> Option<f64> {
     let settings = CastSettings { tolerance: TOLERANCE, ..CastSettings::default() };
     let hit = ray(shape, line, &settings);
     matches!(hit.status, Status::Exact | Status::Within).then_some(hit.t)
