@@ -1,7 +1,9 @@
 //! Prints the time of `cast_motion` beside parry3d's nonlinear cast, for hulls that move and turn
 //! towards each other, and how often parry's answer is outside our proven interval.
 //!
-//! Ours and theirs alternate, so that a busy machine slows both down.
+//! Ours and theirs alternate, so that a busy machine slows both down. Each motion is repeated, so it
+//! finds caches and branches as it left them; the column *in a row* has the mean processor time of
+//! one motion after another.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,6 +11,7 @@ use std::time::Instant;
 use clap::Parser;
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, MotionSettings, Pose, RigidMotion, TimeOfImpact, cast_motion};
+use hullmap_bench::clock;
 use hullmap_testkit::packs::tree_pack;
 use parry3d::math;
 use parry3d::query::{self, NonlinearRigidMotion, ShapeCastHit};
@@ -24,6 +27,12 @@ struct Arguments {
     /// Number of motions for each number of vertices and each angle
     #[arg(long, default_value_t = 2_000)]
     motions: usize,
+    /// Numbers of vertices
+    #[arg(long, value_delimiter = ',', default_values_t = [32, 128, 512, 2_048])]
+    vertices: Vec<usize>,
+    /// Angles in degrees by which both hulls turn
+    #[arg(long, value_delimiter = ',', default_values_t = [0, 45, 360])]
+    degrees: Vec<u32>,
     /// Number of rounds; each motion has the median of its times
     #[arg(long, default_value_t = 5)]
     rounds: usize,
@@ -73,6 +82,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[derive(Default)]
 struct Row {
     ours: Vec<f64>,
+    /// Mean time of one motion after another, when nothing is left of it from the last round.
+    in_a_row: f64,
     parry: Vec<f64>,
     queries: Vec<f64>,
     hits: usize,
@@ -101,11 +112,21 @@ fn measure(vertices: usize, angle: f64, arguments: &Arguments) -> Row {
     let own: Vec<math::Vector> = points.iter().map(|p| math::Vector::from_array(*p)).collect();
     let parry = ConvexPolyhedron::from_convex_hull(&own).expect("parry takes the rock");
     let mut row = Row::default();
-    for Motions { ours, parry: theirs } in motions(arguments.motions, angle, &mut SplitMix64::new(arguments.seed)) {
+    let settings = MotionSettings::default();
+    let motions = motions(arguments.motions, angle, &mut SplitMix64::new(arguments.seed));
+    let rounds = (0..arguments.rounds).map(|_| {
+        let all = || {
+            for Motions { ours, .. } in &motions {
+                black_box(cast_motion(&hull, &ours[0], &hull, &ours[1], &settings, &mut Cache::new()));
+            }
+        };
+        clock::time_ns(all) * 1e-3 / motions.len() as f64
+    });
+    row.in_a_row = median(rounds.collect());
+    for Motions { ours, parry: theirs } in motions {
         let (mut times, mut last) = ([Vec::new(), Vec::new()], None);
         for _ in 0..arguments.rounds {
             let start = Instant::now();
-            let settings = MotionSettings::default();
             let found = black_box(cast_motion(&hull, &ours[0], &hull, &ours[1], &settings, &mut Cache::new()));
             times[0].push(start.elapsed().as_secs_f64() * 1e6);
             let start = Instant::now();
@@ -126,11 +147,11 @@ fn measure(vertices: usize, angle: f64, arguments: &Arguments) -> Row {
 fn main() {
     let arguments = Arguments::parse();
     println!("µs a motion: median, and 99th percentile; seed {}\n", arguments.seed);
-    let columns = ["vertices", "degrees", "hits of", "queries", "hullmap", "99 %", "parry", "99 %"];
+    let columns = ["vertices", "degrees", "hits of", "queries", "hullmap", "99 %", "in a row", "parry", "99 %"];
     println!("| {} | parry missed | late | early |", columns.join(" | "));
     println!("|{}", "---|".repeat(columns.len() + 3));
-    for vertices in [32, 128, 512, 2_048] {
-        for degrees in [0, 45, 360] {
+    for &vertices in &arguments.vertices {
+        for &degrees in &arguments.degrees {
             let row = measure(vertices, f64::from(degrees).to_radians(), &arguments);
             let high = |times: &[f64]| {
                 let mut sorted = times.to_vec();
@@ -139,12 +160,13 @@ fn main() {
             };
             let tails = [high(&row.ours), high(&row.parry)];
             println!(
-                "| {vertices} | {degrees} | {} of {} | {:.0} | {:.1} | {:.1} | {:.1} | {:.1} | {} | {} | {} |",
+                "| {vertices} | {degrees} | {} of {} | {:.0} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {} | {} | {} |",
                 row.hits,
                 row.queries.len(),
                 median(row.queries),
                 median(row.ours),
                 tails[0],
+                row.in_a_row,
                 median(row.parry),
                 tails[1],
                 row.missed,

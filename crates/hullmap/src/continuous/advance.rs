@@ -18,7 +18,7 @@
 //!   other shape on the far side of the point about which the first one turns, and mostly 0. Motion
 //!   of the other shape adds a *drift*.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::rigid_motion::RigidMotion;
 use crate::pose::Pose;
@@ -56,6 +56,14 @@ const MAX_TRIES: u32 = 8;
 /// one along the same direction would hardly end later.
 const ENOUGH: f64 = 0.05;
 
+/// Share of the way to the meeting that a step leaves, for each radian until then: shapes that
+/// hardly turn meet when their closest points would.
+const REST: f64 = 0.25;
+
+/// Least and greatest of these shares.
+const LEAST_REST: f64 = 1e-4;
+const GREATEST_REST: f64 = 0.05;
+
 /// A shape and its motion.
 #[derive(Debug)]
 pub(super) struct Moving<'s, S: ?Sized> {
@@ -79,10 +87,14 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
         units * f64::EPSILON * self.length() + SHORTFALLS * self.shape.support_error()
     }
 
+    /// The maximum height of the core along `local`, in its own frame, over the origin.
+    fn own_height(&self, local: DVec3) -> f64 {
+        self.shape.core_support_point(local).point.dot(local)
+    }
+
     /// The maximum height of the core along `dir`, in the common frame, over its point `from`.
-    fn height(&self, pose: &Pose, dir: DVec3, from: DVec3) -> f64 {
-        let support = self.shape.core_support_point(pose.inverse_transform_vector(dir));
-        (pose.transform_point(support.point) - from).dot(dir)
+    fn height(&self, place: &Place, dir: DVec3, from: DVec3) -> f64 {
+        self.own_height(place.to_local(dir)) + (place.origin - from).dot(dir)
     }
 
     /// The part of `dir` in the plane of rotation; `None` if the shape does not turn, or only about
@@ -93,32 +105,51 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
         (self.turns() && part.length_squared() > SMALLEST_PART * SMALLEST_PART).then_some(part)
     }
 
+    /// Where the shape is at time `t`.
+    fn place(&self, t: f64) -> Place {
+        let pose = self.motion.at(t);
+        Place { rotation: pose.rotation_matrix(), origin: pose.translation(), center: self.motion.center_at(t), pose }
+    }
+
+    /// A point inside.
+    fn inside(&self, place: &Place) -> DVec3 {
+        place.rotation * self.shape.interior_point() + place.origin
+    }
+
     /// Radius of a ball about the point about which the shape turns that contains the core.
-    fn radius(&self, t: f64) -> f64 {
-        let inside = self.motion.at(t).transform_point(self.shape.interior_point());
-        inside.distance(self.motion.center_at(t)) + self.shape.core_radii()[1]
+    fn radius(&self, place: &Place) -> f64 {
+        self.inside(place).distance(place.center) + self.shape.core_radii()[1]
     }
 
     /// Upper bound of the height of the core along `dir` over the point about which it turns, by
     /// whatever angle it has turned.
-    fn reach(&self, dir: DVec3, t: f64) -> f64 {
-        if self.turns() { self.radius(t) } else { self.height(&self.motion.at(t), dir, self.motion.center_at(t)) }
+    fn reach(&self, dir: DVec3, place: &Place) -> f64 {
+        if self.turns() { self.radius(place) } else { self.height(place, dir, place.center) }
+    }
+
+    /// The maximum height of the core along `dir` over a point `from` of the other shape, or 0 if
+    /// its ball is below that point.
+    fn height_above(&self, place: &Place, dir: DVec3, from: DVec3) -> f64 {
+        let by_ball = (self.inside(place) - from).dot(dir) + self.shape.core_radii()[1] * dir.length();
+        // NaN takes the support query.
+        if by_ball <= 0.0 { 0.0 } else { self.height(place, dir, from) }
     }
 
     /// Upper bound of the second derivative, by time, of the heights of points of `other` along
     /// `dir`, apart from that of its extent, if `dir` turns with this shape.
-    fn drift<T: SupportMap + ?Sized>(&self, other: &Moving<'_, T>, dir: DVec3, t: f64) -> f64 {
+    fn drift<T: SupportMap + ?Sized>(&self, other: &Moving<'_, T>, dir: DVec3, of_other: &Place) -> f64 {
         let part = self.in_plane(dir).map_or(0.0, DVec3::length);
         let past = other.motion.velocity() - self.motion.velocity();
-        let (angle, radius) = (other.motion.angle(), if other.turns() { other.radius(t) } else { 0.0 });
+        let (angle, radius) = (other.motion.angle(), if other.turns() { other.radius(of_other) } else { 0.0 });
         let speed = past.cross(self.motion.axis()).length() + angle * radius;
         2.0 * self.motion.angle() * part * speed + std::f64::consts::SQRT_2 * angle * angle * radius
     }
 }
 
 /// What a direction is fixed to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Frame {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Frame {
+    #[default]
     Space,
     /// To A, with which it turns.
     A,
@@ -128,24 +159,32 @@ enum Frame {
 
 /// A direction from A to B, of unit length. It may turn with a shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Direction {
+struct Direction {
     frame: Frame,
     /// In its frame.
     local: DVec3,
+    /// The maximum height along it, over the origin of its frame, of the shape with which it turns:
+    /// that does not change.
+    own_height: f64,
+    /// Upper bound of the second derivative of the heights along it, apart from that of the
+    /// extents.
+    drift: f64,
 }
 
-impl Direction {
-    /// A direction that is fixed in space.
-    pub(super) fn fixed(dir: DVec3) -> Self {
-        Self { frame: Frame::Space, local: dir }
-    }
+/// Where a shape is at one time.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    pose: Pose,
+    rotation: DMat3,
+    origin: DVec3,
+    /// The point about which the shape turns.
+    center: DVec3,
+}
 
-    fn at(&self, [a, b]: &[Pose; 2]) -> DVec3 {
-        match self.frame {
-            Frame::Space => self.local,
-            Frame::A => a.transform_vector(self.local),
-            Frame::B => b.transform_vector(self.local),
-        }
+impl Place {
+    fn to_local(&self, dir: DVec3) -> DVec3 {
+        let DMat3 { x_axis, y_axis, z_axis } = self.rotation;
+        DVec3::new(x_axis.dot(dir), y_axis.dot(dir), z_axis.dot(dir))
     }
 }
 
@@ -156,7 +195,24 @@ pub(super) struct Approach<'s, A: ?Sized, B: ?Sized> {
     pub(super) b: Moving<'s, B>,
     /// A is a point of the plane of a half-space. The only direction is the normal, which turns
     /// with A.
-    pub(super) is_plane: bool,
+    is_plane: bool,
+    /// Upper bounds of the rounding error of a separation along a direction that is fixed in space,
+    /// to A, and to B.
+    noises: [f64; 3],
+}
+
+/// Two moving shapes at one time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment {
+    pub(super) t: f64,
+    /// Of A and of B.
+    places: [Place; 2],
+}
+
+impl Moment {
+    pub(super) fn poses(&self) -> [Pose; 2] {
+        self.places.map(|place| place.pose)
+    }
 }
 
 /// Separation along a direction at one time.
@@ -183,7 +239,14 @@ pub(super) enum Step {
 /// A try to end a step at a time, and by how much the bound exceeds the target.
 type Try = (f64, f64);
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
+    pub(super) fn new(a: Moving<'s, A>, b: Moving<'s, B>, is_plane: bool) -> Self {
+        let (own, lengths) = (a.noise() + b.noise(), a.length() + b.length());
+        let turning = |angle: f64| own + (TURNING + TURN_ROUNDINGS * angle) * f64::EPSILON * lengths;
+        let noises = [own, turning(a.motion.angle()), turning(b.motion.angle())];
+        Self { a, b, is_plane, noises }
+    }
+
     /// Upper bound of the rounding error of the poses, and of a separation along a direction that
     /// is fixed in space or is the only one: a length.
     pub(super) fn noise(&self) -> f64 {
@@ -193,71 +256,95 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
     /// Upper bound of the rounding error of a separation along a direction that is fixed to
     /// `frame`.
     fn noise_in(&self, frame: Frame) -> f64 {
-        let own = self.a.noise() + self.b.noise();
-        let angle = match frame {
-            Frame::Space => return own,
-            Frame::A => self.a.motion.angle(),
-            Frame::B => self.b.motion.angle(),
-        };
-        own + (TURNING + TURN_ROUNDINGS * angle) * f64::EPSILON * (self.a.length() + self.b.length())
+        let [space, a, b] = self.noises;
+        match frame {
+            Frame::Space => space,
+            Frame::A => a,
+            Frame::B => b,
+        }
     }
 
-    /// The poses at time `t`.
-    pub(super) fn poses(&self, t: f64) -> [Pose; 2] {
-        [self.a.motion.at(t), self.b.motion.at(t)]
+    /// Where the shapes are at time `t`.
+    pub(super) fn at(&self, t: f64) -> Moment {
+        Moment { t, places: [self.a.place(t), self.b.place(t)] }
     }
 
-    /// What directions can be fixed to.
-    fn frames(&self) -> impl Iterator<Item = Frame> {
-        let (a, b, is_plane) = (self.a.turns(), self.b.turns(), self.is_plane);
-        let candidates = [(!(is_plane && a), Frame::Space), (a, Frame::A), (b && !is_plane, Frame::B)];
-        candidates.into_iter().filter(|(is_possible, _)| *is_possible).map(|(_, frame)| frame)
+    /// What directions can be fixed to, `first` before the others.
+    fn frames(&self, first: Frame) -> impl Iterator<Item = Frame> {
+        let others = [Frame::Space, Frame::A, Frame::B].into_iter().filter(move |frame| *frame != first);
+        std::iter::once(first).chain(others).filter(|frame| match frame {
+            Frame::Space => !(self.is_plane && self.a.turns()),
+            Frame::A => self.a.turns(),
+            Frame::B => self.b.turns() && !self.is_plane,
+        })
     }
 
-    /// The direction that is `normal` at time `t`, fixed to `frame`.
-    fn direction(&self, frame: Frame, normal: DVec3, t: f64) -> Direction {
-        let local = match frame {
-            Frame::Space => normal,
-            Frame::A => self.a.motion.at(t).inverse_transform_vector(normal),
-            Frame::B => self.b.motion.at(t).inverse_transform_vector(normal),
-        };
-        Direction { frame, local }
+    /// The direction that is `normal` at one time, fixed to `frame`.
+    fn direction(&self, frame: Frame, normal: DVec3, at: &Moment) -> Direction {
+        let ([place_a, place_b], Self { a, b, .. }) = (&at.places, self);
+        match frame {
+            Frame::Space => Direction { frame, local: normal, own_height: 0.0, drift: 0.0 },
+            Frame::A => {
+                let local = place_a.to_local(normal);
+                Direction { frame, local, own_height: a.own_height(local), drift: a.drift(b, normal, place_b) }
+            }
+            Frame::B => {
+                let local = place_b.to_local(normal);
+                Direction { frame, local, own_height: b.own_height(-local), drift: b.drift(a, normal, place_a) }
+            }
+        }
     }
 
-    /// The separation along `direction` at time `t`.
+    /// The extents in planes of rotation that decide the bulge along `normal`, which is fixed to
+    /// `frame`: of A and of B.
     ///
     /// # Complexity
-    /// One support query of each shape, and another one of each whose extent counts.
-    pub(super) fn separation(&self, direction: &Direction, t: f64, support_calls: &mut u32) -> Separation {
-        let Self { a, b, .. } = self;
-        let poses = self.poses(t);
-        let normal = direction.at(&poses);
-        let [pose_a, pose_b] = &poses;
-        let radii = a.shape.convex_radius() + b.shape.convex_radius();
-        let gap = -a.height(pose_a, normal, DVec3::ZERO) - b.height(pose_b, -normal, DVec3::ZERO) - radii;
+    /// One support query of each shape whose extent counts.
+    fn extents(&self, frame: Frame, normal: DVec3, at: &Moment, support_calls: &mut u32) -> [f64; 2] {
+        let (Self { a, b, .. }, [place_a, place_b]) = (self, &at.places);
         // About its own point in space, or about that of the shape with which the direction turns.
-        let [center_a, center_b] = match direction.frame {
-            Frame::Space => [a.motion.center_at(t), b.motion.center_at(t)],
-            Frame::A => [a.motion.center_at(t); 2],
-            Frame::B => [b.motion.center_at(t); 2],
+        let extents = match frame {
+            Frame::Space => [
+                a.in_plane(normal).map(|dir| a.height(place_a, dir, place_a.center)),
+                b.in_plane(-normal).map(|dir| b.height(place_b, dir, place_b.center)),
+            ],
+            Frame::A => [None, a.in_plane(-normal).map(|dir| b.height_above(place_b, dir, place_a.center))],
+            Frame::B => [b.in_plane(normal).map(|dir| a.height_above(place_a, dir, place_b.center)), None],
         };
-        let [part_a, part_b] = match direction.frame {
-            Frame::Space => [a.in_plane(normal), b.in_plane(-normal)],
-            Frame::A => [None, a.in_plane(-normal)],
-            Frame::B => [b.in_plane(normal), None],
+        *support_calls += u32::from(extents != [None; 2]);
+        extents.map(Option::unwrap_or_default)
+    }
+
+    /// The separation along `direction` at one time.
+    ///
+    /// # Complexity
+    /// One support query of each shape that does not turn with the direction, and
+    /// [`extents`](Self::extents).
+    fn separation(&self, direction: &Direction, at: &Moment, support_calls: &mut u32) -> Separation {
+        let (Self { a, b, .. }, [place_a, place_b]) = (self, &at.places);
+        let (local, own) = (direction.local, direction.own_height);
+        let normal = match direction.frame {
+            Frame::Space => local,
+            Frame::A => place_a.rotation * local,
+            Frame::B => place_b.rotation * local,
         };
-        let extent_a = part_a.map_or(0.0, |dir| a.height(pose_a, dir, center_a));
-        let extent_b = part_b.map_or(0.0, |dir| b.height(pose_b, dir, center_b));
-        *support_calls += 1 + u32::from(part_a.is_some() || part_b.is_some());
-        Separation { t, gap, extents: [extent_a, extent_b] }
+        let of_a = || a.height(place_a, normal, DVec3::ZERO);
+        let of_b = || b.height(place_b, -normal, DVec3::ZERO);
+        let heights = match direction.frame {
+            Frame::Space => of_a() + of_b(),
+            Frame::A => own + place_a.origin.dot(normal) + of_b(),
+            Frame::B => of_a() + own - place_b.origin.dot(normal),
+        };
+        *support_calls += 1;
+        let gap = -heights - a.shape.convex_radius() - b.shape.convex_radius();
+        Separation { t: at.t, gap, extents: self.extents(direction.frame, normal, at, support_calls) }
     }
 
     /// Lower bound of the separation between two times, along `direction`, which both separations
     /// are along. Negative infinity if a shape turns by more than [`MAX_TURN`].
     fn least(&self, direction: &Direction, from: &Separation, to: &Separation) -> f64 {
-        let Self { a, b, .. } = self;
         let time = to.t - from.t;
-        let [angle_a, angle_b] = [a.motion.angle(), b.motion.angle()];
+        let [angle_a, angle_b] = [self.a.motion.angle(), self.b.motion.angle()];
         // NaN takes the failing branch.
         if !(angle_a.max(angle_b) * time <= MAX_TURN) {
             return f64::NEG_INFINITY;
@@ -271,11 +358,10 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
         let ([from_a, from_b], [to_a, to_b]) = (from.extents, to.extents);
         let (extent_a, extent_b) = (from_a.max(to_a).max(0.0), from_b.max(to_b).max(0.0));
         let by = |angle: f64, extent: f64| curve(angle) * angle * angle * extent;
-        let normal = || direction.at(&self.poses(from.t));
         let bulge = match direction.frame {
             Frame::Space => by(angle_a, extent_a) + by(angle_b, extent_b),
-            Frame::A => by(angle_a, extent_b) + curve(angle_a) * a.drift(b, normal(), from.t),
-            Frame::B => by(angle_b, extent_a) + curve(angle_b) * b.drift(a, normal(), from.t),
+            Frame::A => by(angle_a, extent_b) + curve(angle_a) * direction.drift,
+            Frame::B => by(angle_b, extent_a) + curve(angle_b) * direction.drift,
         };
         from.gap.min(to.gap) - bulge - self.noise_in(direction.frame)
     }
@@ -283,14 +369,14 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
     /// Time from `t` on until which the separation along `normal` surely stays above `target`, by
     /// whatever angles the shapes turn: then a body that spins fast needs no step for each quarter
     /// of a turn. It is `t` if nothing is sure.
-    fn clear_until(&self, normal: DVec3, [t, until]: [f64; 2], target: f64, support_calls: &mut u32) -> f64 {
-        let Self { a, b, is_plane } = self;
+    fn clear_until(&self, here: &Moment, normal: DVec3, until: f64, target: f64, support_calls: &mut u32) -> f64 {
+        let (Self { a, b, is_plane, .. }, Moment { t, places: [place_a, place_b] }) = (self, *here);
         // A half-space that turns reaches everywhere.
         if *is_plane && a.turns() {
             return t;
         }
         let radii = a.shape.convex_radius() + b.shape.convex_radius();
-        let needed = a.reach(normal, t) + b.reach(-normal, t) + radii + self.noise() + target;
+        let needed = a.reach(normal, &place_a) + b.reach(-normal, &place_b) + radii + self.noise() + target;
         *support_calls += 1;
         // It is linear in time.
         let above = |t: f64| (b.motion.center_at(t) - a.motion.center_at(t)).dot(normal) - needed;
@@ -306,49 +392,60 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
         }
     }
 
-    /// The longest step from time `t`, at most to `until`, in which the separation surely stays
-    /// above `target`. It is along `normal`, in space or with one of the shapes. `meeting` is a
-    /// guess of the time at which the shapes meet.
+    /// The longest step from a time on, at most to `until`, in which the separation surely stays
+    /// above `target`. It is along `normal`, in space or with one of the shapes. There, `gap` is a
+    /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet, and
+    /// `frame` one of what the direction is to be fixed to.
     ///
     /// # Complexity
-    /// At most [`MAX_TRIES`] separations, and six more.
+    /// At most [`MAX_TRIES`] separations, and four more.
     pub(super) fn step(
         &self,
-        normal: DVec3,
-        [t, until]: [f64; 2],
+        here: &Moment,
+        (normal, gap): (DVec3, f64),
+        until: f64,
         meeting: f64,
         target: f64,
-        support_calls: &mut u32,
+        (frame, support_calls): (&mut Frame, &mut u32),
     ) -> Step {
+        let t = here.t;
         let fastest = self.a.motion.angle().max(self.b.motion.angle());
         let end = until.min(t + LONGEST_TURN / fastest);
         if end < until {
-            let clear = self.clear_until(normal, [t, until], target, support_calls);
+            let clear = self.clear_until(here, normal, until, target, support_calls);
             if clear > end {
                 return if clear == until { Step::Apart(target) } else { Step::To(clear, target) };
             }
         }
-        // The frame in which the bound is the highest where the shapes may meet.
-        let probe = if meeting > t && meeting < end { meeting } else { end };
+        // The frame in which the bound is the highest just before the shapes may meet, or the first
+        // one that leads there.
+        let rest = (REST * fastest * (meeting - t)).clamp(LEAST_REST, GREATEST_REST);
+        let before = t + (meeting - t) * (1.0 - rest);
+        let probe = self.at(if before > t && before < end { before } else { end });
         let mut best: Option<(Direction, Separation, f64, Try)> = None;
-        for frame in self.frames() {
-            let direction = self.direction(frame, normal, t);
-            let from = self.separation(&direction, t, support_calls);
-            let start = self.least(&direction, &from, &from) - target;
+        let last = *frame;
+        for frame in self.frames(last) {
+            let start = gap - self.noise_in(frame) - target;
             // NaN takes the failing branch.
             if !(start > 0.0) {
                 continue;
             }
-            let to = self.separation(&direction, probe, support_calls);
+            let direction = self.direction(frame, normal, here);
+            let from = Separation { t, gap, extents: self.extents(frame, normal, here, support_calls) };
+            let to = self.separation(&direction, &probe, support_calls);
             let above = self.least(&direction, &from, &to) - target;
             if best.as_ref().is_none_or(|(.., found)| above > found.1) {
-                best = Some((direction, from, start, (probe, above)));
+                best = Some((direction, from, start, (probe.t, above)));
+            }
+            if above > 0.0 {
+                break;
             }
         }
         let Some((direction, from, start, tried)) = best else { return Step::Nowhere };
+        *frame = direction.frame;
         let above = |to: &Separation| self.least(&direction, &from, to) - target;
-        let found = longest((t, start), tried, end, |t| above(&self.separation(&direction, t, support_calls)));
-        match found {
+        let above = |t| above(&self.separation(&direction, &self.at(t), support_calls));
+        match longest((t, start), tried, end, rest, above) {
             (later, above) if later == until => Step::Apart(target + above),
             (later, above) if later > t => Step::To(later, target + above),
             _ => Step::Nowhere,
@@ -357,13 +454,15 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'_, A, B> {
 }
 
 /// The latest time found, up to `end`, at which `above` is positive, and its value. It is positive
-/// at `start`. `tried` is a later time.
-fn longest(start: Try, tried: Try, end: f64, mut above: impl FnMut(f64) -> f64) -> Try {
+/// at `start`. `tried` is a later time. Where `above` is nearly linear, the share `rest` of its
+/// value is left.
+fn longest(start: Try, tried: Try, end: f64, rest: f64, mut above: impl FnMut(f64) -> f64) -> Try {
     let (mut early, mut late) = if tried.1 > 0.0 { (tried, (end, f64::NAN)) } else { (start, tried) };
-    if early.0 == end {
+    let is_enough = |early: Try| early.0 == end || (early.0 > start.0 && early.1 <= ENOUGH * start.1);
+    if is_enough(early) {
         return early;
     }
-    if late.0 == end && late.1.is_nan() {
+    if late.1.is_nan() {
         late.1 = above(end);
         if late.1 > 0.0 {
             return late;
@@ -371,19 +470,19 @@ fn longest(start: Try, tried: Try, end: f64, mut above: impl FnMut(f64) -> f64) 
     }
     // Regula falsi. A try that is too late halves the next share. After one that is much too
     // early, as for shapes that graze each other, the next share is the geometric mean with 1.
-    let (mut caution, mut is_early) = (0.95, false);
+    let (mut caution, mut is_early) = (1.0 - rest, false);
     for _ in 0..MAX_TRIES {
-        if early.0 > start.0 && early.1 <= ENOUGH * start.1 {
+        if is_enough(early) {
             break;
         }
         let share = early.1 / (early.1 - late.1) * caution;
         let share = if is_early { share.sqrt() } else { share };
-        let t = early.0 + (late.0 - early.0) * share.min(0.9);
+        let t = early.0 + (late.0 - early.0) * share.min(1.0 - LEAST_REST);
         let value = above(t);
         if value > 0.0 {
             (early, caution, is_early) = ((t, value), 0.95, true);
         } else {
-            (late, caution, is_early) = ((t, value), 0.5 * caution, false);
+            (late, caution, is_early) = ((t, value), if caution > 0.95 { 0.95 } else { 0.5 * caution }, false);
         }
     }
     early

@@ -5,7 +5,7 @@ use super::rigid_motion::RigidMotion;
 use super::search::{DIRECTIONS, Goal, Queries, Search};
 use super::time_of_impact::TimeOfImpact;
 use crate::pose::Pose;
-use crate::solver::queries::{contact, distance};
+use crate::solver::queries::{contact, distance, overlap_by_simplex};
 use crate::solver::{Cache, Contact, Distance, Settings};
 use crate::support::SupportMap;
 
@@ -107,7 +107,7 @@ pub(crate) fn search_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> TimeOfImpact {
     let moving = (Moving { shape: a, motion: motion_a }, Moving { shape: b, motion: motion_b });
-    let pair = Approach { a: moving.0, b: moving.1, is_plane: false };
+    let pair = Approach::new(moving.0, moving.1, false);
     Search::run(pair, ShapeQueries { a, b, settings, cache }, tolerance, goal, window)
 }
 
@@ -126,5 +126,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Queries for ShapeQueries<'_
 
     fn contact(&mut self, b_in_a: Pose) -> Contact {
         contact(self.a, self.b, b_in_a, self.settings, self.cache)
+    }
+
+    fn overlap_near(&mut self, b_in_a: Pose, depth: f64) -> bool {
+        overlap_by_simplex(self.a, self.b, b_in_a, depth, self.cache)
     }
 }

@@ -111,7 +111,7 @@ impl HalfSpace {
         let foot = self.foot();
         let (a, b) = (Moving { shape: &foot, motion }, Moving { shape: b, motion: motion_b });
         let queries = PlaneQueries { plane: self, b: b.shape };
-        Search::run(Approach { a, b, is_plane: true }, queries, tolerance, goal, window)
+        Search::run(Approach::new(a, b, true), queries, tolerance, goal, window)
     }
 }
 

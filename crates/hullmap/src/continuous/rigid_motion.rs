@@ -107,9 +107,9 @@ impl RigidMotion {
     pub fn at(&self, t: f64) -> Pose {
         let t = t.clamp(0.0, 1.0).max(0.0);
         let turn = if self.angle > 0.0 {
-            let half = 0.5 * self.angle * t;
-            let axis = self.axis * libm::sin(half);
-            DQuat::from_xyzw(axis.x, axis.y, axis.z, libm::cos(half)).normalize()
+            let (sine, cosine) = libm::sincos(0.5 * self.angle * t);
+            let axis = self.axis * sine;
+            DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine).normalize()
         } else {
             DQuat::IDENTITY
         };

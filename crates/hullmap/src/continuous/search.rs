@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use super::advance::{Approach, Direction, Step};
+use super::advance::{Approach, Frame, Moment, Step};
 use super::time_of_impact::TimeOfImpact;
 use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Settings, Status};
@@ -86,6 +86,12 @@ impl Goal {
 pub(crate) trait Queries {
     fn distance(&mut self, b_in_a: Pose) -> Distance;
     fn contact(&mut self, b_in_a: Pose) -> Contact;
+
+    /// Whether it is certain without a search, from what the last distance query found at a pose
+    /// nearby, that the bodies overlap by more than `depth`.
+    fn overlap_near(&mut self, _b_in_a: Pose, _depth: f64) -> bool {
+        false
+    }
 }
 
 /// A search in a window of time.
@@ -96,6 +102,10 @@ pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     /// The separation may exceed the margin by this length.
     enough: f64,
     goal: &'g mut Goal,
+    /// The time of the last distance query.
+    here: Moment,
+    /// What the direction of the last step was fixed to.
+    frame: Frame,
     /// The answer so far: until `t_lower`, the bodies surely are farther apart than the target.
     found: TimeOfImpact,
 }
@@ -117,13 +127,14 @@ where
     ) -> TimeOfImpact {
         let enough = tolerance.max(0.0) * (pair.a.shape.outer_radius() + pair.b.shape.outer_radius());
         let found = TimeOfImpact { t_lower: window[0], ..TimeOfImpact::default() };
-        let mut search = Self { noise: pair.noise(), pair, queries, enough, goal, found };
+        let (noise, here) = (pair.noise(), pair.at(window[0]));
+        let mut search = Self { noise, pair, queries, enough, goal, here, frame: Frame::default(), found };
         search.advance(window);
         search.found
     }
 
     fn advance(&mut self, [start, until]: [f64; 2]) {
-        let mut gap = self.distance_at(start);
+        let mut gap = self.distance();
         if self.meet(&gap) {
             let status = if start == 0.0 { Status::Overlapping } else { Status::Within };
             self.found = TimeOfImpact { status, t: start, t_upper: start, ..self.found };
@@ -140,13 +151,15 @@ where
             // Flat shapes have no depth, so it is never sure that they meet.
             let is_near = is_last || (excess <= self.enough + self.noise && !has_tried);
             let tries = is_near && self.goal.seeks_meeting;
-            if tries && self.find_meeting(until) {
+            if tries && self.find_meeting(until, gap.distance) {
                 return self.found.status = Status::Within;
             }
             has_tried |= tries;
             let speed = self.speed(t);
             let meeting = if speed > 0.0 { t + excess / speed } else { f64::INFINITY };
-            let step = self.pair.step(normal, [t, until], meeting, target, &mut self.found.support_calls);
+            let plane = (normal, gap.lower);
+            let hints = (&mut self.frame, &mut self.found.support_calls);
+            let step = self.pair.step(&self.here, plane, until, meeting, target, hints);
             let (later, least) = match step {
                 Step::Apart(least) => {
                     self.goal.clearance = self.goal.clearance.min(least);
@@ -159,7 +172,8 @@ where
             };
             self.found.t_lower = later;
             self.goal.clearance = self.goal.clearance.min(least);
-            gap = self.distance_at(later);
+            self.here = self.pair.at(later);
+            gap = self.distance();
         }
         self.end(Status::IterationLimit);
     }
@@ -176,9 +190,10 @@ where
         (a.motion.velocity_at(t, point_a) - b.motion.velocity_at(t, point_b)).dot(normal)
     }
 
-    /// The distance of the bodies at time `t`. Its direction and points become those of the answer.
-    fn distance_at(&mut self, t: f64) -> Distance {
-        let poses = self.pair.poses(t);
+    /// The distance of the bodies where they are now. Its direction and points become those of the
+    /// answer.
+    fn distance(&mut self) -> Distance {
+        let poses = self.here.poses();
         let gap = self.queries.distance(relative(poses));
         let place = |point: DVec3| poses[0].transform_point(point);
         self.found.normal = poses[0].transform_vector(gap.normal);
@@ -199,17 +214,16 @@ where
         gap.status == Status::Overlapping || gap.upper + self.noise <= self.goal.margin
     }
 
-    /// Looks for a time after the lower bound at which the bodies surely meet. Sets the answer and
-    /// returns true if there is one.
-    fn find_meeting(&mut self, until: f64) -> bool {
-        let TimeOfImpact { t_lower: t, normal, .. } = self.found;
+    /// Looks for a time after the lower bound, where they are at `distance`, at which the bodies
+    /// surely meet. Sets the answer and returns true if there is one.
+    fn find_meeting(&mut self, until: f64, distance: f64) -> bool {
+        let t = self.found.t_lower;
         let speed = self.speed(t);
         // NaN takes the failing branch.
         if !(speed > 0.0) {
             return false;
         }
-        let here = self.pair.separation(&Direction::fixed(normal), t, &mut self.found.support_calls);
-        let excess = (here.gap - self.goal.margin).max(0.0);
+        let excess = (distance - self.goal.margin).max(0.0);
         for attempt in ATTEMPTS {
             let later = (t + (excess + 4.0 * self.noise) / speed * attempt).min(until);
             if self.goal.budget > 0 && self.surely_meet_at(later) {
@@ -225,9 +239,12 @@ where
     }
 
     fn surely_meet_at(&mut self, t: f64) -> bool {
-        let b_in_a = relative(self.pair.poses(t));
+        let b_in_a = relative(self.pair.at(t).poses());
         if self.goal.margin == 0.0 {
             // The poses have rounding errors, too.
+            if self.queries.overlap_near(b_in_a, self.noise) {
+                return true;
+            }
             let found = self.queries.contact(b_in_a);
             self.count(found.support_calls);
             return found.hit && found.depth_lower > self.noise;

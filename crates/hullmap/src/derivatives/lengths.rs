@@ -90,8 +90,9 @@ impl Contact {
     /// Derivatives of the depth by the poses of `a` and of `b`, which is at `b_in_a`: of the shapes
     /// of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
     ///
-    /// Whether other normals have the same depth is decided by a second contact query, with B
-    /// deeper by 1e-6 of the outer radii, and `settings` and `cache` as for the first.
+    /// Whether other normals have the same depth is decided by what is known of the shapes if they
+    /// overlap little, otherwise by a second contact query, with B deeper by 1e-6 of the outer
+    /// radii, and `settings` and `cache` as for the first.
     ///
     /// # Complexity
     /// A [`contact`](crate::contact()), and 6 to 20 support queries of each shape. No allocation.
@@ -131,12 +132,39 @@ impl Contact {
             Differentiability::Touching
         } else if !is_accurate(self.status) {
             Differentiability::Inaccurate
-        } else if self.has_other_normal(a, b, b_in_a, settings, cache) {
-            Differentiability::Normals
         } else {
-            meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b])
+            let (found, disc) = meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b]);
+            let needs_query = found != Differentiability::Normals && !self.is_only_normal(a, b, b_in_a, disc);
+            let has_other = needs_query && self.has_other_normal(a, b, b_in_a, settings, cache);
+            if has_other { Differentiability::Normals } else { found }
         };
         between(-self.normal, [self.point_a, self.point_b], b_in_a, status)
+    }
+
+    /// How much deeper B is moved.
+    fn deeper<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(&self, a: &A, b: &B) -> f64 {
+        let width = self.depth_upper - self.depth_lower;
+        (DEEPER * (a.outer_radius() + b.outer_radius())).max(WIDTHS * width)
+    }
+
+    /// Whether a disc of this radius about the foot, in the face of the difference, and the ball
+    /// inside the difference prove that the depth along each other normal is greater than along
+    /// this one by more than [`has_other_normal`](Self::has_other_normal) would find.
+    ///
+    /// docs/intervals.md, section 16.
+    fn is_only_normal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        disc: f64,
+    ) -> bool {
+        let needed = self.depth_upper + 4.0 * self.deeper(a, b);
+        let center = a.interior_point() - b_in_a.transform_point(b.interior_point());
+        let behind = -center.dot(self.normal);
+        let beside = (center + self.normal * behind).length();
+        // NaN takes the failing branch.
+        disc >= needed && behind >= 0.0 && a.inner_radius() + b.inner_radius() - beside >= needed
     }
 
     /// Whether B, deeper along the normal, is less deep along another one than along this one.
@@ -148,8 +176,11 @@ impl Contact {
         settings: &Settings,
         cache: &mut Cache,
     ) -> bool {
-        let width = self.depth_upper - self.depth_lower;
-        let deeper = (DEEPER * (a.outer_radius() + b.outer_radius())).max(WIDTHS * width);
+        let deeper = self.deeper(a, b);
+        // Without a polytope to continue from, small hulls are solved faster afresh.
+        if a.facets().is_some() && b.facets().is_some() && !cache.has_polytope() {
+            cache.clear();
+        }
         let found = contact(a, b, b_in_a.moved(-self.normal * deeper), settings, cache);
         // Of smooth shapes, the normal is as accurate as the tolerance.
         let is_same = found.normal.distance(self.normal) <= SAME_NORMAL

@@ -72,7 +72,7 @@ impl RayHit {
         let speeds = [-self.normal.dot(direction), direction.length()];
         let points = [self.point, ray.at(self.t)];
         of_time(self.status, self.normal, points, [DVec3::ZERO, ray.origin()], speeds, || {
-            meeting_points((shape, &Dot, Pose::from_checked(self.point)), self.normal, points)
+            meeting_points((shape, &Dot, Pose::from_checked(self.point)), self.normal, points).0
         })
     }
 }
@@ -114,7 +114,7 @@ impl Impact {
         let at_impact = b_in_a.moved(velocity * self.t);
         let origins = [DVec3::ZERO, at_impact.translation()];
         of_time(self.status, self.normal, [self.point_a, self.point_b], origins, speeds, || {
-            meeting_points((a, b, at_impact), self.normal, [self.point_a, self.point_b])
+            meeting_points((a, b, at_impact), self.normal, [self.point_a, self.point_b]).0
         })
     }
 }

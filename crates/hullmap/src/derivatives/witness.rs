@@ -1,5 +1,9 @@
 //! Whether the witness points of an answer, and its normal, are the only ones within its interval.
 //!
+//! Of hulls, the edges at the support vertex tell it: none of them is level at a vertex, one at an
+//! edge, and more in a face. Other shapes, and hulls with features that are too small, take the
+//! steps below.
+//!
 //! # Steps
 //! 1. Support points in directions that are tilted slightly from the normal. If they are at one
 //!    place, the shape meets the other at a vertex, or at a curved place. Then there is only one
@@ -16,7 +20,7 @@
 //!    difference. The support points of the face, relative to the place, are a polygon around it:
 //!    EPA in the plane, which ends as soon as the polygon contains a small disc.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::pose_derivative::Differentiability;
 use crate::pose::Pose;
@@ -75,12 +79,18 @@ impl Facing {
 struct Placed<'s, S: ?Sized> {
     shape: &'s S,
     pose: Pose,
+    rotation: DMat3,
     tilt: f64,
 }
 
 impl<S: SupportMap + ?Sized> Placed<'_, S> {
+    fn to_local(&self, dir: DVec3) -> DVec3 {
+        let DMat3 { x_axis, y_axis, z_axis } = self.rotation;
+        DVec3::new(x_axis.dot(dir), y_axis.dot(dir), z_axis.dot(dir))
+    }
+
     fn support(&self, dir: DVec3) -> DVec3 {
-        self.pose.transform_point(self.shape.core_support_point(self.pose.inverse_transform_vector(dir)).point)
+        self.rotation * self.shape.core_support_point(self.to_local(dir)).point + self.pose.translation()
     }
 
     /// The longest chord of the support points around `normal`.
@@ -120,10 +130,33 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         }
     }
 
+    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or too
+    /// short.
+    fn facing_by_edges(&self, normal: DVec3) -> Option<Facing> {
+        // The features of a rounded shape are not vertices.
+        if self.shape.convex_radius() > 0.0 {
+            return None;
+        }
+        let dir = self.to_local(normal);
+        let feature = self.shape.support_point(dir).feature;
+        let level = self.shape.level_edges(feature, dir, 2.0 * self.tilt)?;
+        match level.count {
+            0 => Some(Facing::Vertex),
+            _ if level.shortest <= 2.0 * self.same_place() => None,
+            1 => Some(Facing::Edge(self.rotation * level.longest.normalize())),
+            _ => Some(Facing::Face),
+        }
+    }
+
+    /// What faces `normal`.
+    fn facing_feature(&self, normal: DVec3) -> Facing {
+        self.facing_by_edges(normal).unwrap_or_else(|| self.facing(normal, self.chord(normal)))
+    }
+
     /// Whether the shape is known to be a polytope: it has faces, or features identify its
     /// vertices.
     fn is_polytope(&self, normal: DVec3) -> bool {
-        let feature = || self.shape.support_point(self.pose.inverse_transform_vector(normal)).feature;
+        let feature = || self.shape.support_point(self.to_local(normal)).feature;
         let has_corners = self.shape.facets().is_some() || self.shape.point(feature()).is_some();
         has_corners && !(self.shape.convex_radius() > 0.0)
     }
@@ -139,7 +172,8 @@ fn placed<'s, A: ?Sized, B: ?Sized>(
     error: f64,
 ) -> (Placed<'s, A>, Placed<'s, B>) {
     let tilt = tilt(error);
-    (Placed { shape: a, pose: Pose::IDENTITY, tilt }, Placed { shape: b, pose: b_in_a, tilt })
+    let of_a = Placed { shape: a, pose: Pose::IDENTITY, rotation: DMat3::IDENTITY, tilt };
+    (of_a, Placed { shape: b, pose: b_in_a, rotation: b_in_a.rotation_matrix(), tilt })
 }
 
 /// Upper bound of the length of the difference of the normal and the true direction, for a distance
@@ -158,15 +192,16 @@ pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     error: f64,
 ) -> Differentiability {
     let (a, b) = placed(shapes, error);
-    let chord_a = a.chord(normal);
-    if chord_a.length() <= a.same_place() {
+    let is_point = |facing| matches!(facing, Facing::Vertex | Facing::Curved(None));
+    let of_a = a.facing_feature(normal);
+    if is_point(of_a) {
         return Differentiability::Unique;
     }
-    let chord_b = b.chord(-normal);
-    if chord_b.length() <= b.same_place() {
+    let of_b = b.facing_feature(-normal);
+    if is_point(of_b) {
         return Differentiability::Unique;
     }
-    match (a.facing(normal, chord_a).line(), b.facing(-normal, chord_b).line()) {
+    match (of_a.line(), of_b.line()) {
         (Some(a), Some(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
         _ => Differentiability::Parallel,
     }
@@ -181,14 +216,14 @@ pub(super) fn facing_features<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     error: f64,
 ) -> Result<[Facing; 2], Differentiability> {
     let (a, b) = placed(shapes, error);
-    let facing = [a.facing(normal, a.chord(normal)), b.facing(-normal, b.chord(-normal))];
+    let facing = [a.facing_feature(normal), b.facing_feature(-normal)];
     let is_inside = match facing {
         [Facing::Curved(_), _] | [_, Facing::Curved(_)] => return Err(Differentiability::Curved),
         [Facing::Vertex, Facing::Vertex] => true,
         [Facing::Edge(along), Facing::Vertex] | [Facing::Vertex, Facing::Edge(along)] => {
             is_inside_edge(&a, &b, (normal, along), points)
         }
-        _ => is_inside_face(&a, &b, normal, points),
+        _ => disc_in_face(&a, &b, normal, points).is_some(),
     };
     if is_inside { Ok(facing) } else { Err(Differentiability::Feature) }
 }
@@ -208,27 +243,33 @@ fn is_inside_edge<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     })
 }
 
-/// Whether there is one pair of points that meet along `normal`, and no other normal there.
-/// `points` are the points of A and of B.
+/// Whether there is one pair of points that meet along `normal`, and no other normal there, and the
+/// radius of a disc about the foot, in the face of the difference that faces `normal`; 0 if none is
+/// known. `points` are the points of A and of B.
 pub(super) fn meeting_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     shapes: (&A, &B, Pose),
     normal: DVec3,
     points: [DVec3; 2],
-) -> Differentiability {
+) -> (Differentiability, f64) {
     let (a, b) = placed(shapes, 0.0);
-    if a.is_polytope(normal) && b.is_polytope(-normal) && !is_inside_face(&a, &b, normal, points) {
-        return Differentiability::Normals;
+    let mut disc = 0.0;
+    if a.is_polytope(normal) && b.is_polytope(-normal) {
+        match disc_in_face(&a, &b, normal, points) {
+            Some(radius) => disc = radius,
+            None => return (Differentiability::Normals, 0.0),
+        }
     }
-    closest_points(shapes, normal, 0.0)
+    (closest_points(shapes, normal, 0.0), disc)
 }
 
-/// Whether the difference of the points is inside the face of A − B that faces `normal`.
-fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Radius of a disc about the difference of the points that is in the face of A − B that faces
+/// `normal`; `None` if that difference is not certainly inside the face.
+fn disc_in_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &Placed<'_, A>,
     b: &Placed<'_, B>,
     normal: DVec3,
     [point_a, point_b]: [DVec3; 2],
-) -> bool {
+) -> Option<f64> {
     let (x, y) = (perpendicular(normal), normal.cross(perpendicular(normal)));
     let reach = a.same_place() + b.same_place();
     let corner = |side: DVec2| {
@@ -241,18 +282,18 @@ fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         polygon.insert(polygon.len, corner(side));
     }
     while polygon.len < MAX_CORNERS {
-        let Some((at, height, outward)) = polygon.nearest_side() else { return false };
+        let (at, height, outward) = polygon.nearest_side()?;
         if height > reach {
-            return true;
+            return Some(height);
         }
         let found = corner(outward);
         // NaN takes the failing branch.
         if !(found.dot(outward) > height + reach) {
-            return false;
+            return None;
         }
         polygon.insert(at + 1, found);
     }
-    false
+    None
 }
 
 /// A convex polygon, counter-clockwise. Corners may coincide.

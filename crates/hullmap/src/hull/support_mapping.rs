@@ -8,13 +8,16 @@ use super::Hull;
 use crate::facets::view::Facets;
 use crate::support::hint::{Edges, IsLocalMaximum};
 use crate::support::simd::{Dispatch, Instructions, fetch};
-use crate::support::{Lookup, SupportMap, SupportPoint};
+use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 
 /// Maximum difference between the maximum dot product and that of the support point, divided by the
 /// outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal cone
 /// reaches less than 4e-15 beyond the cut. The worst hulls that were constructed lost
 /// 80 times as much, 3e-13, and this is three times the latter. See docs/intervals.md, section 9.
 const SUPPORT_ERROR: f64 = 1e-12;
+
+/// A vertex with more edges, such as the tip of a cone, does not tell which of them are level.
+const MAX_EDGES: usize = 32;
 
 /// Answer of [`Hull::support`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -285,6 +288,29 @@ impl SupportMap for Hull<'_> {
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {
         Some(Facets::of_hull(self.facets?, self))
+    }
+
+    /// # Complexity
+    /// One dot product for each edge at the vertex, of at most [`MAX_EDGES`].
+    fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
+        let (from, neighbours) = (self.position(feature)?, self.neighbours(feature));
+        // A solid has three edges at each vertex.
+        if !(3..=MAX_EDGES).contains(&neighbours.len()) {
+            return None;
+        }
+        let mut found = LevelEdges { shortest: f64::INFINITY, ..LevelEdges::default() };
+        for neighbour in neighbours {
+            let edge = self.position(neighbour)? - from;
+            let (length_sq, rise) = (edge.length_squared(), edge.dot(dir));
+            if rise >= 0.0 || rise * rise <= tangent * tangent * length_sq {
+                found.count += 1;
+                found.shortest = found.shortest.min(length_sq.sqrt());
+                if length_sq > found.longest.length_squared() {
+                    found.longest = edge;
+                }
+            }
+        }
+        Some(found)
     }
 
     #[inline]

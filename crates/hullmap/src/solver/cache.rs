@@ -246,6 +246,10 @@ impl Cache {
         })
     }
 
+    pub(crate) fn has_polytope(&self) -> bool {
+        self.point_count > 0
+    }
+
     pub(super) fn forget_polytope(&mut self) {
         self.point_count = 0;
     }

@@ -228,6 +228,26 @@ fn cached_portal_encloses<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         && is_certainly_inside(m, &portal)
 }
 
+/// Whether a ball of radius `depth` around the origin certainly is in the tetrahedron of the centre
+/// and of the triangle of these features, or beside it by less than the room that the inner ball
+/// leaves. No support call.
+pub(super) fn simplex_encloses<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    features: &[[u32; 2]],
+    depth: f64,
+) -> bool {
+    let &[first, second, third] = features else { return false };
+    let [Some(v1), Some(v2), Some(v3)] = [first, second, third].map(|features| m.recall(features)) else {
+        return false;
+    };
+    let v0 = m.center_point().w;
+    let mut portal = Portal { vertices: [v1, v2, v3] };
+    if !portal.faces_away(v0) {
+        portal.vertices.swap(1, 2);
+    }
+    portal.holds_origin(v0, m.inner_radius(), m.rounding_error() + depth)
+}
+
 /// Whether the origin, which is behind the portal, is certainly inside and not on the surface.
 fn is_certainly_inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,

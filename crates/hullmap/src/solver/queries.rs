@@ -32,7 +32,7 @@ use super::bound::FOOT_ROUNDINGS;
 use super::cache::Cache;
 use super::contact::core_contact;
 use super::distance::{Distance, core_distance};
-use super::intersection::{Intersection, core_intersects};
+use super::intersection::{Intersection, core_intersects, simplex_encloses};
 use super::minkowski::Minkowski;
 use super::settings::Settings;
 use super::status::{Overlap, Status};
@@ -456,4 +456,24 @@ fn intersects_by_depth<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         _ => Overlap::Undecided,
     };
     Intersection { status, iterations, support_calls }
+}
+
+/// Whether the points closest to the origin that the last [`distance`] query found prove under this
+/// pose that `a` and `b` overlap by more than `depth`, a length of at least 0.
+///
+/// It is for a pose nearby, in which the shapes have just met. Rounded shapes are not proven.
+///
+/// # Complexity
+/// No support query.
+pub(crate) fn overlap_by_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    depth: f64,
+    cache: &Cache,
+) -> bool {
+    if a.convex_radius() + b.convex_radius() > 0.0 {
+        return false;
+    }
+    simplex_encloses(&Minkowski::new(a, b, b_in_a), cache.simplex(), depth)
 }

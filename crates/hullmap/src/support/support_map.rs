@@ -40,6 +40,18 @@ pub struct SupportPoint {
     pub feature: u32,
 }
 
+/// Edges at a vertex that are perpendicular to a direction, nearly.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LevelEdges {
+    /// Their number.
+    pub count: usize,
+    /// The longest one, from the vertex on.
+    pub longest: DVec3,
+    /// Length of the shortest one.
+    pub shortest: f64,
+}
+
 /// A convex shape, described by its support mapping.
 ///
 /// All points, directions and lengths are in the shape's local frame and units. Four methods are
@@ -228,6 +240,15 @@ pub trait SupportMap {
         None
     }
 
+    /// The edges of a polytope that leave the vertex of a feature and are perpendicular to `dir`, a
+    /// unit vector, up to an angle with this tangent. The default is `None`: edges are not known.
+    ///
+    /// A wrapper may forward this method if it forwards all others.
+    #[doc(hidden)]
+    fn level_edges(&self, _feature: u32, _dir: DVec3, _tangent: f64) -> Option<LevelEdges> {
+        None
+    }
+
     /// Axis-aligned bounds of the shape, placed at `pose`, in the frame that the pose maps to.
     ///
     /// The box certainly contains the shape: it is larger than the tightest box by the rounding
@@ -337,6 +358,10 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {
         (**self).facets()
+    }
+    #[inline(always)]
+    fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
+        (**self).level_edges(feature, dir, tangent)
     }
     fn bounds_under(&self, pose: Pose) -> Bounds {
         (**self).bounds_under(pose)

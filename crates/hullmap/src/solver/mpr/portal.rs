@@ -67,7 +67,7 @@ impl Portal {
 
     /// Whether the normal points away from `v0`.
     #[inline(always)]
-    pub(super) fn faces_away(&self, v0: DVec3) -> bool {
+    pub(in crate::solver) fn faces_away(&self, v0: DVec3) -> bool {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
         (v2 - v1).cross(v3 - v1).dot(v1 - v0) > 0.0
     }
