@@ -259,38 +259,45 @@ impl Pose {
     }
 
     /// The inverse pose, `a_in_b`.
+    #[inline]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
     /// The pose that translates to a point which has been checked already.
+    #[inline]
     pub(crate) fn from_checked(translation: DVec3) -> Self {
         Self { rotation: DQuat::IDENTITY, translation }
     }
 
     /// The pose of a rotation of unit length and a translation, which have been checked already.
+    #[inline]
     pub(crate) fn from_parts(rotation: DQuat, translation: DVec3) -> Self {
         Self { rotation, translation }
     }
 
     /// The pose after a translation by `by` in A's frame, which may lead beyond
     /// [`MAX_TRANSLATION`].
+    #[inline]
     pub(crate) fn moved(&self, by: DVec3) -> Self {
         Self { rotation: self.rotation, translation: self.translation + by }
     }
 
     /// Maps a point from B's frame into A's.
+    #[inline]
     pub fn transform_point(&self, point_in_b: DVec3) -> DVec3 {
         self.rotation * point_in_b + self.translation
     }
 
     /// Maps a direction from B's frame into A's: rotates it and does not translate it.
+    #[inline]
     pub fn transform_vector(&self, vector_in_b: DVec3) -> DVec3 {
         self.rotation * vector_in_b
     }
 
     /// Maps a direction from A's frame into B's.
+    #[inline]
     pub fn inverse_transform_vector(&self, vector_in_a: DVec3) -> DVec3 {
         self.rotation.conjugate() * vector_in_a
     }

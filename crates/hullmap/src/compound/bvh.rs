@@ -248,14 +248,6 @@ impl<'q> Placement<'q> {
         Self { a, b, b_in_a, rotation, abs_rotation, rounding_error }
     }
 
-    /// The corners of a box along A's axes around all parts of B, with a margin; `None` if B has
-    /// none.
-    pub(super) fn bounds_of_b(&self, margin: f64) -> Option<[DVec3; 2]> {
-        let PlacedBox { center, around, .. } = self.placed(&self.b.get(0)?);
-        let reach = around + DVec3::splat(margin + self.rounding_error);
-        Some([center - reach, center + reach])
-    }
-
     /// A box of B in A's frame.
     pub(super) fn placed(&self, b: &Node) -> PlacedBox {
         let center = self.b_in_a.transform_point(b.center);

@@ -15,16 +15,17 @@ use super::bvh::{Node, Placement};
 use super::cache::CompoundCache;
 use super::half_space::Descent;
 use super::joined::Joined;
-use super::near::NearParts;
+use super::near::{NearParts, NearTriangles};
 use super::parts::Parts;
 use super::seams::{self, Side, Union};
-use super::sheet::Pair;
+use super::sheet::{BesideSheet, Pair};
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
 use crate::solver::{Cache, Contact, Scratch};
 use crate::support::SupportMap;
+use glam::DVec3;
 
 /// Contact manifolds of two compounds, or of a compound and a shape: caller-owned memory of one
 /// ordered pair (A, B).
@@ -151,13 +152,10 @@ impl CompoundManifolds {
         b_in_a: Pose,
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
-        // The correction of normals asks for parts within the prediction of the body, and a little
-        // farther.
-        let (center, radius) = b.nodes().ball();
-        let reach = radius + 2.0 * settings.prediction.length(radius);
-        let union_a = NearParts::new(a, b_in_a.transform_point(center), reach);
-        let in_a = (self.welds && a.part_count() > 1).then_some((&union_a as &dyn Union, 0, Pose::IDENTITY));
-        self.update_within(in_a, a, b, b_in_a, settings)
+        let mut triangles = NearTriangles::new();
+        let near = NearParts::new((a, b, b_in_a), settings, &mut triangles);
+        let in_a = (self.welds && a.part_count() > 1).then_some((&near as &dyn Union, 0, Pose::IDENTITY));
+        self.update_within(in_a, &near, (a, b, b_in_a), settings)
     }
 
     /// [`update`](Self::update) for a mesh or a compound that meets others: `a` is the tile `tile`
@@ -178,62 +176,70 @@ impl CompoundManifolds {
     ) -> ManifoldCounts {
         let in_a = joined.tile(tile).filter(|_| self.welds);
         let in_a = in_a.map(|(first, place)| (joined as &dyn Union, first, place));
-        self.update_within(in_a, a, b, b_in_a, settings)
+        let mut triangles = NearTriangles::new();
+        let near = NearParts::new((a, b, b_in_a), settings, &mut triangles);
+        self.update_within(in_a, &near, (a, b, b_in_a), settings)
     }
 
     /// Updates the manifolds of `a`, which is in a union: the union, the index of its first part
-    /// there, and its pose.
+    /// there, and its pose. `near` has the parts of `a` near the body.
     fn update_within<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         in_a: Option<(&dyn Union, usize, Pose)>,
-        a: &A,
-        b: &B,
-        b_in_a: Pose,
+        near: &NearParts<'_, A>,
+        (a, b, b_in_a): (&A, &B, Pose),
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
         let mut frame = self.start();
         let union_b = seams::of(b);
         let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
-        let bodies = BodyPair { a, b, b_in_a, in_a, in_b, settings };
+        let bodies = BodyPair { b_in_a, in_a, in_b, settings };
+        if let Some(part) = b.part(0).filter(|_| b.part_count() == 1) {
+            let radius = part.outer_radius();
+            self.reach = radius.min(0.5 * a.nodes().diagonal());
+            let beside = BesideSheet::new(&part, b_in_a);
+            let prediction = settings.prediction.length(radius);
+            let mut visit = |index: usize, corners: [DVec3; 3]| {
+                if !beside.is_apart(corners, prediction)
+                    && let Some(parts) = Pair::new(a, b, [index, 0], b_in_a)
+                    && !parts.is_behind()
+                {
+                    self.meet(&mut frame, &bodies, [index, 0], &parts);
+                }
+            };
+            if let Some(boxes) = near.triangles(&mut visit) {
+                frame.counts.boxes = boxes;
+                return self.finish(frame);
+            }
+        }
         let nodes = [a.nodes(), b.nodes()];
         self.reach = 0.5 * nodes[0].diagonal().min(nodes[1].diagonal());
         let placement = Placement::new(nodes[0], nodes[1], b_in_a);
-        if nodes[1].count() == 1
-            && let Some(bounds) = placement.bounds_of_b(settings.prediction.length(nodes[1].diagonal()))
-            && let Some((_, boxes)) = a.any_in_box(bounds, &mut |part| {
-                self.meet(&mut frame, &bodies, [part, 0], 0.0);
-                false
-            })
-        {
-            frame.counts.boxes = boxes;
-            return self.finish(frame);
-        }
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
         let mut traversal = Traversal::new(placement);
         while let Some(pair) = traversal.next_within(reach) {
-            self.meet(&mut frame, &bodies, pair, traversal.lower_bound());
+            let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
+            let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
+            // NaN takes the branch that queries.
+            if !(traversal.lower_bound() > prediction || parts.is_behind() || parts.is_apart(prediction)) {
+                self.meet(&mut frame, &bodies, pair, &parts);
+            }
         }
         frame.counts.boxes = traversal.boxes();
         self.finish(frame)
     }
 
-    /// Updates the manifold of two parts whose distance is at least `lower_bound`.
+    /// Updates the manifold of two parts.
     fn meet<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         frame: &mut Frame,
-        bodies: &BodyPair<'_, A, B>,
+        bodies: &BodyPair<'_>,
         pair: [usize; 2],
-        lower_bound: f64,
+        parts: &Pair<'_, A, B>,
     ) {
-        let BodyPair { a, b, b_in_a, in_a, in_b, settings } = *bodies;
-        let Some(parts) = Pair::new(a, b, pair, b_in_a) else { return };
-        let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
-        // NaN takes the branch that queries.
-        if lower_bound > prediction || parts.is_behind() || parts.is_apart(prediction) {
-            return;
-        }
+        let BodyPair { b_in_a, in_a, in_b, settings } = *bodies;
         if in_a.is_none() && in_b.is_none() {
             self.visit(frame, pair, |manifold, cache| parts.update(manifold, settings, cache));
             return;
@@ -293,9 +299,11 @@ impl CompoundManifolds {
         self.finish(frame)
     }
 
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the entries; `used` is within")]
     fn start(&mut self) -> Frame {
-        for entry in &mut self.entries {
-            entry.touches = false;
+        // The free ones do not touch.
+        for entry in &self.order[..self.used] {
+            self.entries[*entry].touches = false;
         }
         Frame { old: self.used, counts: ManifoldCounts::default() }
     }
@@ -326,23 +334,27 @@ impl CompoundManifolds {
                 contact
             }
             Err(_) => {
-                let mut manifold = Manifold::new();
                 let cache = others.pair(pair);
-                let contact = update(&mut manifold, cache);
-                if !manifold.points().is_empty() {
-                    if let Some(free) = order.get(*used) {
-                        entries[*free] = Entry { pair, touches: true, manifold, cache: cache.clone() };
-                        *used += 1;
-                    } else {
-                        frame.counts.dropped += 1;
-                    }
+                let Some(free) = order.get(*used) else {
+                    let mut manifold = Manifold::new();
+                    let contact = update(&mut manifold, cache);
+                    frame.counts.dropped += u32::from(!manifold.points().is_empty());
+                    frame.count(&contact);
+                    return;
+                };
+                // In its place: an entry is large.
+                let entry = &mut entries[*free];
+                entry.manifold.clear();
+                let contact = update(&mut entry.manifold, cache);
+                if !entry.manifold.points().is_empty() {
+                    (entry.pair, entry.touches) = (pair, true);
+                    entry.cache.copy_from(cache);
+                    *used += 1;
                 }
                 contact
             }
         };
-        frame.counts.pairs += 1;
-        frame.counts.iterations += contact.iterations;
-        frame.counts.support_calls += contact.support_calls;
+        frame.count(&contact);
     }
 
     /// Frees the entries of pairs that do not touch.
@@ -423,10 +435,17 @@ struct Frame {
     counts: ManifoldCounts,
 }
 
+impl Frame {
+    /// Counts a pair of parts that was queried.
+    fn count(&mut self, contact: &Contact) {
+        self.counts.pairs += 1;
+        self.counts.iterations += contact.iterations;
+        self.counts.support_calls += contact.support_calls;
+    }
+}
+
 /// Two bodies whose manifolds are updated.
-struct BodyPair<'u, A: ?Sized, B: ?Sized> {
-    a: &'u A,
-    b: &'u B,
+struct BodyPair<'u> {
     b_in_a: Pose,
     /// The union that A is in, the index of its first part there, and its pose.
     in_a: Option<(&'u dyn Union, usize, Pose)>,

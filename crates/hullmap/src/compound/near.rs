@@ -1,4 +1,5 @@
-//! The parts of a compound near a body, found once for all tests of its normals.
+//! The parts of a compound near a body, found once: for the search of the parts that touch, and for
+//! all tests of normals.
 //!
 //! The correction of normals asks several times for the parts at a point, and all points are near
 //! one body. A list of the parts near the body replaces the descents from the root.
@@ -10,8 +11,12 @@ use std::cell::OnceCell;
 use glam::DVec3;
 
 use super::parts::Parts;
-use super::seams::{self, Neighbour, Union};
+use super::seams::{self, Neighbour, SIGHT_REACH, Union};
+use crate::manifold::ManifoldSettings;
 use crate::pose::Pose;
+use crate::shapes::triangle::is_beside_box;
+use crate::shapes::{Shape, Triangle};
+use crate::support::SupportMap;
 
 /// Maximum number of parts in the list. With more, each test descends from the root.
 const MAX_NEAR: usize = 48;
@@ -19,17 +24,50 @@ const MAX_NEAR: usize = 48;
 /// Allowance for the rounding error of distances, relative to them and to the coordinates.
 const ROUNDING: f64 = 1e-12;
 
-/// A compound as a [`Union`], with a list of the parts near a ball.
-pub(super) struct NearParts<'p, P: ?Sized> {
-    parts: &'p P,
-    center: DVec3,
-    radius: f64,
-    list: OnceCell<List>,
+/// Triangles near a body: the memory of a [`NearParts`].
+pub(super) struct NearTriangles {
+    found: [NearTriangle; MAX_NEAR],
+    count: usize,
+    /// Whether these are all.
+    is_whole: bool,
 }
 
-/// Parts near the ball.
-struct List {
-    found: [Entry; MAX_NEAR],
+/// A triangle: its index and its corners.
+#[derive(Clone, Copy)]
+struct NearTriangle {
+    index: usize,
+    corners: [DVec3; 3],
+}
+
+impl NearTriangles {
+    pub(super) fn new() -> Self {
+        let none = NearTriangle { index: 0, corners: [DVec3::ZERO; 3] };
+        Self { found: [none; MAX_NEAR], count: 0, is_whole: true }
+    }
+
+    /// The triangles whose boxes overlap a box, or may.
+    fn within(&self, bounds: [DVec3; 2]) -> impl Iterator<Item = &NearTriangle> {
+        self.found.iter().take(self.count).filter(move |near| !is_beside_box(near.corners, bounds))
+    }
+}
+
+/// A compound as a [`Union`], with a list of the parts near a body.
+pub(super) struct NearParts<'p, P: ?Sized> {
+    parts: &'p P,
+    /// Corners of a box around the body and the prediction, along the axes of the compound.
+    bounds: [DVec3; 2],
+    /// Width of the margin around that box in which parts are listed.
+    margin: f64,
+    /// All triangles near the body, if the parts are triangles.
+    triangles: Option<&'p NearTriangles>,
+    /// Number of boxes compared for them.
+    boxes: Option<u32>,
+    balls: OnceCell<Balls>,
+}
+
+/// Parts near the body that are not listed as triangles.
+struct Balls {
+    found: [Ball; MAX_NEAR],
     count: usize,
     /// Whether these are all.
     is_whole: bool,
@@ -37,53 +75,109 @@ struct List {
 
 /// A part, and a ball around it.
 #[derive(Clone, Copy)]
-struct Entry {
+struct Ball {
     index: usize,
     center: DVec3,
     radius: f64,
 }
 
 impl<'p, P: Parts + ?Sized> NearParts<'p, P> {
-    /// For tests within `radius` of `center`, in the frame of the compound.
-    pub(super) fn new(parts: &'p P, center: DVec3, radius: f64) -> Self {
-        Self { parts, center, radius, list: OnceCell::new() }
+    /// For the manifolds of `parts` and a body `b` at `b_in_a`.
+    pub(super) fn new<B: Parts + ?Sized>(
+        (parts, b, b_in_a): (&'p P, &B, Pose),
+        settings: &ManifoldSettings,
+        triangles: &'p mut NearTriangles,
+    ) -> Self {
+        let single = b.part(0).filter(|_| b.part_count() == 1);
+        let ([low, high], radius) = single.map_or_else(
+            || {
+                let (center, radius) = b.nodes().ball();
+                let (center, reach) = (b_in_a.transform_point(center), DVec3::splat(radius));
+                ([center - reach, center + reach], radius)
+            },
+            |part| {
+                let bounds = part.bounds_under(b_in_a);
+                ([bounds.min, bounds.max], part.outer_radius())
+            },
+        );
+        let prediction = settings.prediction.length(radius);
+        let reach = DVec3::splat(prediction) + ROUNDING * (low.abs().max(high.abs()) + DVec3::splat(prediction));
+        let (bounds, margin) = ([low - reach, high + reach], SIGHT_REACH * prediction);
+        let wide = [bounds[0] - DVec3::splat(margin), bounds[1] + DVec3::splat(margin)];
+        let found = parts.any_in_box(wide, &mut |index, corners| {
+            let free = triangles.found.get_mut(triangles.count);
+            triangles.is_whole = free.is_some();
+            triangles.count += usize::from(free.is_some());
+            free.map(|free| *free = NearTriangle { index, corners }).is_none()
+        });
+        let is_whole = found.is_some() && triangles.is_whole;
+        let triangles = Some(&*triangles).filter(|_| is_whole);
+        Self { parts, bounds, margin, triangles, boxes: found.map(|(_, boxes)| boxes), balls: OnceCell::new() }
     }
 
-    fn list(&self) -> &List {
-        self.list.get_or_init(|| {
-            let empty = Entry { index: 0, center: DVec3::ZERO, radius: 0.0 };
-            let mut list = List { found: [empty; MAX_NEAR], count: 0, is_whole: true };
-            seams::of(self.parts).any_near(self.center, self.radius, &mut |near| {
-                let Some(free) = list.found.get_mut(list.count) else {
-                    list.is_whole = false;
+    /// Calls `visit` with all triangles near the body, and maybe with others, and returns the
+    /// number of boxes compared; `None`, and no calls, if the parts are not triangles that are
+    /// searched by a box.
+    pub(super) fn triangles(&self, visit: &mut dyn FnMut(usize, [DVec3; 3])) -> Option<u32> {
+        let boxes = self.boxes?;
+        if let Some(triangles) = self.triangles {
+            triangles.within(self.bounds).for_each(|near| visit(near.index, near.corners));
+            return Some(boxes);
+        }
+        let found = self.parts.any_in_box(self.bounds, &mut |index, corners| {
+            visit(index, corners);
+            false
+        });
+        found.map(|(_, more)| boxes.saturating_add(more))
+    }
+
+    fn balls(&self) -> &Balls {
+        self.balls.get_or_init(|| {
+            let none = Ball { index: 0, center: DVec3::ZERO, radius: 0.0 };
+            let mut balls = Balls { found: [none; MAX_NEAR], count: 0, is_whole: true };
+            let [low, high] = self.bounds;
+            let reach = 0.5 * (high - low).length() * (1.0 + ROUNDING) + self.margin;
+            seams::of(self.parts).any_near((low + high) * 0.5, reach, &mut |near| {
+                let Some(free) = balls.found.get_mut(balls.count) else {
+                    balls.is_whole = false;
                     return true;
                 };
                 let (center, radius) = (near.shape.interior_point(), near.shape.outer_radius());
-                *free = Entry { index: near.index, center, radius };
-                list.count += 1;
+                *free = Ball { index: near.index, center, radius };
+                balls.count += 1;
                 false
             });
-            list
+            balls
         })
+    }
+
+    /// Whether all parts within `reach` of a point are listed, if any are.
+    fn is_listed(&self, point: DVec3, reach: f64) -> bool {
+        let reach = DVec3::splat(reach - self.margin) + ROUNDING * point.abs();
+        // NaN takes the failing branch.
+        (point - reach).cmpge(self.bounds[0]).all() && (point + reach).cmple(self.bounds[1]).all()
     }
 }
 
 impl<P: Parts + ?Sized> Union for NearParts<'_, P> {
     fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
-        let is_within = point.distance(self.center) + reach <= self.radius * (1.0 - ROUNDING);
-        if !is_within || !self.list().is_whole {
+        let mut meets = |index: usize, shape: &dyn Shape| test(Neighbour { index, shape, place: Pose::IDENTITY });
+        let is_listed = self.is_listed(point, reach);
+        if let Some(triangles) = self.triangles.filter(|_| is_listed) {
+            let side = DVec3::splat(reach) + ROUNDING * (point.abs() + DVec3::splat(reach));
+            return triangles
+                .within([point - side, point + side])
+                .any(|near| meets(near.index, &Triangle::of_finite(near.corners)));
+        }
+        if self.boxes.is_some() || !is_listed || !self.balls().is_whole {
             return seams::of(self.parts).any_near(point, reach, test);
         }
         let slack = ROUNDING * point.abs().element_sum();
-        let found = self.list().found.iter().take(self.list().count);
+        let found = self.balls().found.iter().take(self.balls().count);
         found
             // Written so that a NaN would not skip the part.
-            .filter(|entry| !(entry.center.distance(point) > (entry.radius + reach) * (1.0 + ROUNDING) + slack))
-            .any(|entry| {
-                self.parts
-                    .part(entry.index)
-                    .is_some_and(|part| test(Neighbour { index: entry.index, shape: &part, place: Pose::IDENTITY }))
-            })
+            .filter(|ball| !(ball.center.distance(point) > (ball.radius + reach) * (1.0 + ROUNDING) + slack))
+            .any(|ball| self.parts.part(ball.index).is_some_and(|part| meets(ball.index, &part)))
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {

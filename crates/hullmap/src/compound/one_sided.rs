@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::bvh::Nodes;
 use super::parts::{Parts, Tree};
 use crate::hull::Hull;
+use crate::shapes::triangle::VisitTriangle;
 
 /// A triangle mesh, or another sheet, whose triangles collide on their fronts alone. A cheap copy:
 /// it borrows the mesh. Hulls and shapes are not affected.
@@ -107,7 +108,7 @@ impl<M: Parts + ?Sized> Tree for OneSided<'_, M> {
         self.0.nodes()
     }
 
-    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut VisitTriangle<'_>) -> Option<(bool, u32)> {
         self.0.any_in_box(bounds, visit)
     }
 }

@@ -5,6 +5,7 @@ use super::members::Compound;
 use crate::height_field::HeightField;
 use crate::hull::Hull;
 use crate::pose::Pose;
+use crate::shapes::triangle::VisitTriangle;
 use crate::shapes::{Shape, Triangle};
 use crate::triangle_mesh::TriangleMesh;
 use glam::DVec3;
@@ -75,10 +76,11 @@ pub trait Tree {
     /// The BVH of the parts.
     fn nodes(&self) -> Nodes<'_>;
 
-    /// Visits all parts whose boxes overlap a box, given by two corners, and maybe others near it,
-    /// until a visit says `true`. Returns whether one did, and the number of boxes compared; `None`
-    /// if the parts have no faster way than their BVH.
-    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+    /// Visits all triangles, with their corners, whose boxes overlap a box, given by two corners,
+    /// and maybe others near it, until a visit says `true`. Returns whether one did, and the number
+    /// of boxes compared; `None` if the parts are no triangles, or have no faster way than their
+    /// BVH.
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut VisitTriangle<'_>) -> Option<(bool, u32)> {
         let _ = (bounds, visit);
         None
     }
@@ -129,7 +131,7 @@ impl Tree for TriangleMesh {
         Nodes::of_mesh(self)
     }
 
-    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut VisitTriangle<'_>) -> Option<(bool, u32)> {
         Some(TriangleMesh::any_in_box(self, bounds, visit))
     }
 }
@@ -154,6 +156,10 @@ impl Tree for HeightField {
 
     fn nodes(&self) -> Nodes<'_> {
         Nodes::of_field(self)
+    }
+
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut VisitTriangle<'_>) -> Option<(bool, u32)> {
+        HeightField::any_in_box(self, bounds, visit)
     }
 }
 

@@ -47,7 +47,7 @@ use crate::hull::Hull;
 use crate::manifold::{Manifold, ManifoldPoint, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::triangle::closest_of_triangle;
-use crate::shapes::{Feature, Shape};
+use crate::shapes::{Feature, Shape, Triangle};
 use crate::solver::signed_distance::is_near;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -78,6 +78,10 @@ const INWARD: f64 = 16.0;
 /// to which it extends, it is not, if the body is at most 32 times farther along the sheet than
 /// above it.
 const SIGHT: f64 = 32.0 * INWARD;
+
+/// How far from the body other triangles may hide a point of it, in units of the prediction: half
+/// the way on which this is tested, and a little more.
+pub(super) const SIGHT_REACH: f64 = 0.52 * SIGHT * SEAM;
 
 /// Sine of the angle up to which a normal is that of a face. Normals of small gaps are less exact
 /// than those of depths; a body on a face whose normal is off by 1e-3 loses a thousandth of its
@@ -183,10 +187,11 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
     let rounding = a.farthest(manifold, |p| p.point_a).max(b.farthest(manifold, |p| p.local_b)) * ROUNDING;
     let seam = (SEAM * settings.prediction.length(reach)).max(LEAST_SEAM * reach).max(rounding);
     let pair = PartPair { a, b, b_in_a, seam };
-    if pair.a_allows(manifold) && pair.b_allows(manifold) {
+    let a_allows = pair.a_allows(manifold);
+    if a_allows && pair.b_allows(manifold) {
         return false;
     }
-    pair.replace(manifold, before, settings)
+    pair.replace(a_allows, manifold, before, settings)
 }
 
 /// A compound or a shape of this crate as a [`Union`].
@@ -223,15 +228,18 @@ struct OfParts<'p, P: ?Sized>(&'p P);
 
 impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
     fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
+        // More than the rounding error of the corners.
+        let side = DVec3::splat(reach) + BOX_ROUNDING * (point.abs() + DVec3::splat(reach));
+        let triangles = self.0.any_in_box([point - side, point + side], &mut |index, corners| {
+            test(Neighbour { index, shape: &Triangle::of_finite(corners), place: Pose::IDENTITY })
+        });
+        if let Some((found, _)) = triangles {
+            return found;
+        }
         let mut visit = |index: usize| {
             let part = self.0.part(index);
             part.is_some_and(|part| test(Neighbour { index, shape: &part, place: Pose::IDENTITY }))
         };
-        // More than the rounding error of the corners.
-        let side = DVec3::splat(reach) + BOX_ROUNDING * (point.abs() + DVec3::splat(reach));
-        if let Some((found, _)) = self.0.any_in_box([point - side, point + side], &mut visit) {
-            return found;
-        }
         let nodes = self.0.nodes();
         let mut stack = [0_u32; MAX_LEVELS as usize + 1];
         let (mut len, mut visited) = (1_usize, 0_usize);
@@ -407,9 +415,14 @@ impl<S: Shape + ?Sized> Side<'_, S> {
             if near.index == part {
                 return false;
             }
-            let dir = near.place.inverse_transform_vector(outward);
-            let highest = near.place.transform_point(near.shape.support_point(dir).point);
-            (highest - point).dot(outward) > seam && contains(&near, point, seam)
+            let height = match corners(&near) {
+                Some(corners) => highest(corners, outward, point),
+                None => {
+                    let dir = near.place.inverse_transform_vector(outward);
+                    (near.place.transform_point(near.shape.support_point(dir).point) - point).dot(outward)
+                }
+            };
+            height > seam && contains(&near, point, seam)
         })
     }
 
@@ -450,10 +463,23 @@ impl<S: Shape + ?Sized> Side<'_, S> {
     }
 }
 
+/// The corners of a part in the frame of the union, if it is a triangle.
+fn corners(near: &Neighbour<'_>) -> Option<[DVec3; 3]> {
+    let corners = near.shape.triangle()?;
+    // That of every mesh which is not a tile of others.
+    let is_in_place = near.place == Pose::IDENTITY;
+    Some(if is_in_place { corners } else { corners.map(|corner| near.place.transform_point(corner)) })
+}
+
+/// Height of the highest corner above `point`, along the unit vector `outward`.
+fn highest(corners: [DVec3; 3], outward: DVec3, point: DVec3) -> f64 {
+    // NaN takes the failing branch.
+    corners.into_iter().map(|corner| (corner - point).dot(outward)).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Whether a part is within `seam` of `point`.
 fn contains(near: &Neighbour<'_>, point: DVec3, seam: f64) -> bool {
-    if let Some(corners) = near.shape.triangle() {
-        let point = near.place.inverse().transform_point(point);
+    if let Some(corners) = corners(near) {
         // NaN takes the failing branch.
         return closest_of_triangle(corners, point).distance_squared(point) <= seam * seam;
     }
@@ -462,9 +488,8 @@ fn contains(near: &Neighbour<'_>, point: DVec3, seam: f64) -> bool {
 
 /// Whether a triangle is between two points.
 fn hides(near: &Neighbour<'_>, between: [DVec3; 2]) -> bool {
-    let Some([a, b, c]) = near.shape.triangle() else { return false };
-    let back = near.place.inverse();
-    let [start, end] = between.map(|point| back.transform_point(point));
+    let Some([a, b, c]) = corners(near) else { return false };
+    let [start, end] = between;
     let normal = (b - a).cross(c - a);
     let [from, to] = [start, end].map(|point| (point - a).dot(normal));
     let along = end - start;
@@ -532,16 +557,17 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
         self.b.allows(outward, manifold.points(), |p| p.local_b, body, self.seam)
     }
 
-    /// Computes the manifold along the normal of the least deep exposed face. Returns false, and
-    /// changes nothing, if the part has no faces.
+    /// Computes the manifold along the normal of the least deep exposed face: of B's part if
+    /// `a_allows` the normal, otherwise of A's. Returns false, and changes nothing, if the part has
+    /// no faces.
     #[inline(never)]
-    fn replace(&self, manifold: &mut Manifold, before: &Manifold, settings: &ManifoldSettings) -> bool {
+    fn replace(&self, a_allows: bool, manifold: &mut Manifold, before: &Manifold, settings: &ManifoldSettings) -> bool {
         let b_in_a = self.b_in_a;
         let update = |trial: &mut Manifold, along: DVec3| {
             trial.update_along((self.a.shape, self.b.shape, b_in_a), along, settings);
         };
         let prediction = settings.prediction.length(self.a.shape.outer_radius().min(self.b.shape.outer_radius()));
-        if !self.a_allows(manifold) {
+        if !a_allows {
             let to_a = |normal: DVec3| normal;
             let points = |p: &ManifoldPoint| [p.point_a, p.point_b];
             let part = Part { own: self.a, other: self.b.shape, other_in_own: b_in_a, seam: self.seam, prediction };

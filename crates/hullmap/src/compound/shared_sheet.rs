@@ -10,6 +10,7 @@ use super::bvh::Nodes;
 use super::parts::Tree;
 use crate::height_field::HeightField;
 use crate::shapes::Triangle;
+use crate::shapes::triangle::VisitTriangle;
 use crate::triangle_mesh::TriangleMesh;
 
 /// A triangle mesh or a height field: one side of a query of programs that open both. A cheap copy.
@@ -93,7 +94,7 @@ impl Tree for SharedSheet {
         }
     }
 
-    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> Option<(bool, u32)> {
+    fn any_in_box(&self, bounds: [DVec3; 2], visit: &mut VisitTriangle<'_>) -> Option<(bool, u32)> {
         match self {
             Self::Mesh(mesh) => Tree::any_in_box(mesh.as_ref(), bounds, visit),
             Self::Field(field) => Tree::any_in_box(field.as_ref(), bounds, visit),

@@ -20,12 +20,14 @@ use crate::pose::Pose;
 use crate::shapes::{HalfSpace, Shape};
 use crate::solver::{Cache, Contact, Settings, queries};
 use crate::support::SupportMap;
-use crate::vector::unit;
 
 /// Rounding error of a height above a plane, relative to the largest length, in units of
 /// [`f64::EPSILON`]: of a rotated support query (60 of the radius, as for a box), of a rotated and
 /// moved point, and of a dot product with a computed normal.
 const ROUNDING_UNITS: f64 = 128.0;
+
+/// Squared lengths of a triangle's normal whose cubes neither overflow nor underflow.
+const SQUARES: std::ops::Range<f64> = 1e-80..1e80;
 
 /// Cosine of the angle between a contact normal and that of the back from which on the contact is
 /// one with the back.
@@ -75,8 +77,8 @@ impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> Pair<'p, A, B> {
     #[inline]
     pub(super) fn is_apart(&self, margin: f64) -> bool {
         match (self.a.triangle(), self.b.triangle()) {
-            (Some(corners), _) => is_apart(corners, &self.b, self.b_in_a, margin),
-            (None, Some(corners)) => is_apart(corners, &self.a, self.b_in_a.inverse(), margin),
+            (Some(corners), _) => BesideSheet::new(&self.b, self.b_in_a).is_apart(corners, margin),
+            (None, Some(corners)) => BesideSheet::new(&self.a, self.b_in_a.inverse()).is_apart(corners, margin),
             (None, None) => false,
         }
     }
@@ -125,28 +127,62 @@ fn is_behind(front: Option<DVec3>, on_plane: DVec3, point: DVec3) -> bool {
     front.is_some_and(|front| !((point - on_plane).dot(front) > 0.0))
 }
 
-/// Whether an axis of a triangle proves that `other` is farther away than `margin`.
-///
-/// Whatever the axis is, the test is a proof: the axes of a sliver need not be accurate.
-fn is_apart<S: Shape>(corners: [DVec3; 3], other: &S, other_in_own: Pose, margin: f64) -> bool {
-    let [a, b, c] = corners;
-    let Some(normal) = unit((b - a).cross(c - a)) else { return false };
-    let (center, radius) = (other.interior_point(), other.outer_radius());
-    let middle = other_in_own.transform_point(center);
-    let lengths = [a, b, c, center, other_in_own.translation()].map(|v| v.abs().element_sum()).iter().sum::<f64>();
-    let margin = margin + other.support_error() + ROUNDING_UNITS * f64::EPSILON * (lengths + radius);
-    let upward = if (middle - a).dot(normal) < 0.0 { -normal } else { normal };
-    // Of an edge without length the axis is zero, which proves nothing.
-    let sides = [b - a, c - b, a - c].map(|edge| edge.cross(normal).normalize_or_zero());
-    let axes = [upward, sides[0], sides[1], sides[2]];
-    // Height of a point above the highest corner.
-    let above = |axis: DVec3, point: DVec3| (point - a).dot(axis) - (b - a).dot(axis).max((c - a).dot(axis)).max(0.0);
-    let heights = axes.map(|axis| above(axis, middle));
-    if heights.iter().any(|height| *height > radius + margin) {
-        return true;
+/// A shape beside a sheet, with what the tests of all triangles have in common.
+pub(super) struct BesideSheet<'s, S: ?Sized> {
+    shape: &'s S,
+    /// Pose of the shape in the frame of the sheet.
+    pose: Pose,
+    /// The middle of the ball around the shape, in the frame of the sheet, and its radius.
+    middle: DVec3,
+    radius: f64,
+    /// Sum of the lengths that heights are computed from, without those of the triangle.
+    lengths: f64,
+}
+
+impl<'s, S: Shape + ?Sized> BesideSheet<'s, S> {
+    pub(super) fn new(shape: &'s S, pose: Pose) -> Self {
+        let (center, radius) = (shape.interior_point(), shape.outer_radius());
+        let lengths = center.abs().element_sum() + pose.translation().abs().element_sum() + radius;
+        Self { shape, pose, middle: pose.transform_point(center), radius, lengths }
     }
-    axes.into_iter().zip(heights).any(|(axis, height)| {
-        let lowest = |axis: DVec3| other.support_point(other_in_own.inverse_transform_vector(-axis)).point;
-        height > margin && above(axis, other_in_own.transform_point(lowest(axis))) > margin
-    })
+
+    /// Whether an axis of a triangle proves that the shape is farther away than `margin`.
+    ///
+    /// Whatever the axis is, the test is a proof: the axes of a sliver need not be accurate. Axes
+    /// are not of unit length: heights are compared by their squares.
+    pub(super) fn is_apart(&self, [a, b, c]: [DVec3; 3], margin: f64) -> bool {
+        let normal = (b - a).cross(c - a);
+        // The squares of heights along the edges' normals have about the cube of this. NaN takes
+        // the failing branch.
+        if !SQUARES.contains(&normal.length_squared()) {
+            return false;
+        }
+        let lengths = self.lengths + [a, b, c].map(|corner| corner.abs().element_sum()).iter().sum::<f64>();
+        let margin = margin + self.shape.support_error() + ROUNDING_UNITS * f64::EPSILON * lengths;
+        let upward = if (self.middle - a).dot(normal) < 0.0 { -normal } else { normal };
+        // The highest corners along these axes are those that the edge starts from.
+        let axes = [(upward, a), ((b - a).cross(normal), a), ((c - b).cross(normal), b), ((a - c).cross(normal), c)];
+        // Height of a point above the highest corner, in units of the axis.
+        let above = |(axis, top): (DVec3, DVec3), point: DVec3| {
+            let rise = [a, b, c].map(|corner| (corner - top).dot(axis)).into_iter().fold(0.0, f64::max);
+            (point - top).dot(axis) - rise
+        };
+        let is_farther = |axis: (DVec3, DVec3), height: f64, length: f64| {
+            height > 0.0 && height * height > length * length * axis.0.length_squared()
+        };
+        let mut heights = [0.0; 4];
+        for (height, axis) in heights.iter_mut().zip(axes) {
+            *height = above(axis, self.middle);
+            if is_farther(axis, *height, self.radius + margin) {
+                return true;
+            }
+        }
+        axes.into_iter().zip(heights).any(|(axis, height)| {
+            let lowest = || {
+                let support = self.shape.support_point(self.pose.inverse_transform_vector(-axis.0));
+                self.pose.transform_point(support.point)
+            };
+            is_farther(axis, height, margin) && is_farther(axis, above(axis, lowest()), margin)
+        })
+    }
 }

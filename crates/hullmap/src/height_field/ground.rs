@@ -24,6 +24,25 @@ pub(super) fn cells(layout: &Layout, point: DVec2) -> Option<[[usize; 2]; 2]> {
     Some([columns, rows])
 }
 
+/// The columns and the rows of the cells that a box of the plane, given by two corners, overlaps:
+/// the first and the last; `None` beyond the field.
+pub(super) fn cells_between(layout: &Layout, [low, high]: [DVec2; 2]) -> Option<[[usize; 2]; 2]> {
+    let ([x0, y0], [dx, dy], [across, along]) = (layout.origin, layout.spacing, layout.cells());
+    let between = |bounds: [f64; 2], count: usize, guess: &dyn Fn(f64) -> f64, at: &dyn Fn(usize) -> f64| {
+        let (least, most) = (at(0), at(count));
+        // NaN takes the failing branch.
+        if !(bounds[0] <= most && bounds[1] >= least) {
+            return None;
+        }
+        let cells = |coordinate: f64| cells_at(guess(coordinate), coordinate, count, at);
+        let [[first, _], [_, last]] = [cells(bounds[0].max(least))?, cells(bounds[1].min(most))?];
+        Some([first, last])
+    };
+    let columns = between([low.x, high.x], across, &|x| (x - x0) / dx, &|column| layout.x(column))?;
+    let rows = between([low.y, high.y], along, &|y| (y - y0) / dy, &|row| layout.y(row))?;
+    Some([columns, rows])
+}
+
 /// The lowest and the highest cell along an axis that contain a coordinate; `None` if no cell does.
 /// `guess` is the approximate number of the cell.
 fn cells_at(guess: f64, coordinate: f64, count: usize, at: impl Fn(usize) -> f64) -> Option<[usize; 2]> {

@@ -47,6 +47,7 @@
 //! ```
 
 mod ground;
+mod in_box;
 pub(crate) mod walk;
 
 use std::path::Path;

@@ -33,6 +33,9 @@ use glam::{DVec2, DVec3};
 /// Maximum number of points of a patch: each side adds at most one corner.
 pub(super) const MAX_POINTS: usize = 2 * MAX_CORNERS;
 
+/// Number of corners for which a patch is clipped in small arrays.
+const FEW_POINTS: usize = 12;
+
 /// Distance outside a side up to which a corner counts as on it, relative to the reference's
 /// extent. Above the rounding error of f32 (6e-8) and invisibly small.
 const SIDE_SLACK: f64 = 1e-6;
@@ -346,7 +349,8 @@ pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) -> 
     if a.corners().len() < 2 || b.corners().len() < 2 {
         return None;
     }
-    let (on_a, on_b) = (Outline::new(a, frame), Outline::new(b, frame));
+    let on_a = Outline::new(a, frame);
+    let on_b = Outline::new(b, frame);
     let reference_is_a = on_a.area >= on_b.area;
     let bodies = if reference_is_a { [Body::A, Body::B] } else { [Body::B, Body::A] };
     let (reference, incident) = if reference_is_a { (&on_a, &on_b) } else { (&on_b, &on_a) };
@@ -360,6 +364,9 @@ pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) -> 
     if reference.area == 0.0 {
         edges(&on_a, &on_b, out);
     } else {
+        // Most features have few corners, and the arrays are large.
+        let few = incident.count + reference.count <= FEW_POINTS;
+        let clip = if few { clip::<FEW_POINTS> } else { clip::<MAX_POINTS> };
         clip(incident, reference, reference_is_a, out);
     }
     None
@@ -429,9 +436,9 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
     }
 }
 
-/// Clips `incident` by the sides of `reference` (Sutherland-Hodgman).
-fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
-    let mut corners = [[Clipped::default(); MAX_POINTS]; 2];
+/// Clips `incident` by the sides of `reference` (Sutherland-Hodgman), in arrays of `N` corners.
+fn clip<const N: usize>(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
+    let mut corners = [[Clipped::default(); N]; 2];
     // Exchanged after each side, as references: the arrays are large.
     let [from, to] = &mut corners;
     let (mut from, mut to) = (from, to);
@@ -506,7 +513,7 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
 
 /// Writes a corner and returns 1, or 0 if there is no room. Only rounding errors can produce that
 /// many corners.
-fn push(to: &mut [Clipped; MAX_POINTS], count: usize, corner: Clipped) -> usize {
+fn push(to: &mut [Clipped], count: usize, corner: Clipped) -> usize {
     to.get_mut(count).map_or(0, |free| {
         *free = corner;
         1

@@ -44,6 +44,7 @@ mod surface;
 use crate::pose::Pose;
 use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Corner, Feature, Shape, TILT};
+use crate::solver::triangle_face::{self, FaceContact};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use crate::support::SupportPoint;
 use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet, vertex_over, vertex_over_swapped};
@@ -353,18 +354,11 @@ impl Manifold {
     ) -> Contact {
         let reach = a.outer_radius().min(b.outer_radius());
         let prediction = settings.prediction.length(reach);
-        let mut contact = queries::contact(a, b, b_in_a, &settings.contact, cache);
-        let mut depth = contact.depth;
-        if !contact.hit {
-            let Some(gap) = distance_within((a, b, b_in_a), contact.normal, prediction, &settings.contact, cache)
-            else {
-                self.clear();
-                return contact;
-            };
-            (contact.normal, contact.point_a, contact.point_b) = (gap.normal, gap.point_a, gap.point_b);
-            contact.iterations += gap.iterations;
-            contact.support_calls += gap.support_calls;
-            depth = -gap.distance;
+        let (contact, depth) = near_contact((a, b, b_in_a), &settings.contact, prediction, cache);
+        // NaN takes the branch that clears.
+        if !(depth >= -prediction) {
+            self.clear();
+            return contact;
         }
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
         let lengths = Lengths { depth, prediction, reach };
@@ -722,6 +716,33 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
         }
     }
     kept
+}
+
+/// The contact of two shapes, and the depth of its points. If the shapes are separated by at most
+/// `prediction`, its normal and points are those of their distance, and the depth is negative; if by
+/// more, the depth is negative infinity.
+fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    settings: &Settings,
+    prediction: f64,
+    cache: &mut Cache,
+) -> (Contact, f64) {
+    if let Some(corners) = a.triangle()
+        && let Some(FaceContact { contact, depth }) = triangle_face::contact(corners, (a, b, b_in_a), cache)
+    {
+        return (contact, depth);
+    }
+    let mut contact = queries::contact(a, b, b_in_a, settings, cache);
+    if contact.hit {
+        return (contact, contact.depth);
+    }
+    let Some(gap) = distance_within((a, b, b_in_a), contact.normal, prediction, settings, cache) else {
+        return (contact, f64::NEG_INFINITY);
+    };
+    (contact.normal, contact.point_a, contact.point_b) = (gap.normal, gap.point_a, gap.point_b);
+    contact.iterations += gap.iterations;
+    contact.support_calls += gap.support_calls;
+    (contact, -gap.distance)
 }
 
 /// The distance of shapes that `axis` separates; `None` if it is above `prediction`.

@@ -4,6 +4,9 @@ use super::direction;
 use super::error::{ShapeError, point};
 use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
+use crate::solver::ray::entry;
+use crate::solver::ray_triangle::ray_triangle;
+use crate::solver::{CastSettings, Ray};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
@@ -45,16 +48,32 @@ impl Triangle {
         for corner in corners {
             point("corner of the triangle", corner)?;
         }
+        Ok(Self::of_finite(corners))
+    }
+
+    /// The triangle with corners whose coordinates are finite in f32.
+    #[inline]
+    pub(crate) fn of_finite(corners: [DVec3; 3]) -> Self {
         let [a, b, c] = corners;
         let centroid = a + ((b - a) + (c - a)) / 3.0;
-        let outer_radius = corners.map(|corner| corner.distance(centroid)).into_iter().fold(0.0, f64::max);
-        Ok(Self { corners, centroid, outer_radius })
+        let farthest = corners.map(|corner| corner.distance_squared(centroid)).into_iter().fold(0.0, f64::max);
+        Self { corners, centroid, outer_radius: farthest.sqrt() }
     }
 
     /// The corners.
     pub fn corners(&self) -> [DVec3; 3] {
         self.corners
     }
+}
+
+/// Takes the index of a triangle of a sheet and its corners, and returns whether a search ends.
+pub(crate) type VisitTriangle<'v> = dyn FnMut(usize, [DVec3; 3]) -> bool + 'v;
+
+/// Whether the box around the `corners` of a triangle and another box, given by two corners, are
+/// apart.
+#[inline]
+pub(crate) fn is_beside_box([a, b, c]: [DVec3; 3], [low, high]: [DVec3; 2]) -> bool {
+    a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any()
 }
 
 /// The point of a triangle that is closest to `point`, up to rounding.
@@ -124,6 +143,12 @@ impl SupportMap for Triangle {
 impl Shape for Triangle {
     fn triangle(&self) -> Option<[DVec3; 3]> {
         Some(self.corners)
+    }
+
+    /// By the signs of volumes, or by support queries where a ray grazes the triangle.
+    fn entry(&self, ray: &Ray, _near: u32) -> Option<f64> {
+        let sure = ray_triangle(self.corners, ray, &CastSettings::default());
+        sure.map_or_else(|| entry(self, ray), |found| found.hit.then_some(found.t))
     }
 
     /// The support corner, and the corners whose edge to it is within [`TILT`] of perpendicular to

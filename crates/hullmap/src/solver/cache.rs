@@ -173,6 +173,21 @@ impl Cache {
         self.forget_polytope();
     }
 
+    /// Copies what another cache holds: of its polytope, what is in use.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        (self.axis, self.portal, self.simplex) = (other.axis, other.portal, other.simplex);
+        (self.simplex_count, self.starts_from_axis) = (other.simplex_count, other.starts_from_axis);
+        (self.point_count, self.face_count) = (0, 0);
+        if let Some(polytope) = other.polytope.as_ref().filter(|_| other.point_count > 0) {
+            let own = self.polytope.get_or_insert(Polytope::EMPTY);
+            let (points, faces) = (other.point_count.into(), other.face_count.into());
+            own.points[..points].copy_from_slice(&polytope.points[..points]);
+            own.corners[..faces].copy_from_slice(&polytope.corners[..faces]);
+            own.neighbours[..faces].copy_from_slice(&polytope.neighbours[..faces]);
+            (self.point_count, self.face_count) = (other.point_count, other.face_count);
+        }
+    }
+
     /// Lends scratch memory to the queries that use this cache, until it is
     /// [taken back](Self::take_scratch). Memory lent before is dropped. [`Scratch`] has an example.
     pub fn set_scratch(&mut self, scratch: Box<Scratch>) {

@@ -53,6 +53,7 @@ mod settings;
 pub(crate) mod signed_distance;
 mod status;
 mod steps;
+pub(crate) mod triangle_face;
 
 pub use answer::Contact;
 pub use cache::Cache;

@@ -6,6 +6,7 @@ use hullmap_format::triangle_mesh::tree;
 use rkyv::rend::u16_le;
 
 use super::TriangleMesh;
+use crate::shapes::triangle::{VisitTriangle, is_beside_box};
 
 /// A stack of nodes: one more than the levels of a tree of 2²⁸ triangles.
 const MAX_STACK: usize = 32;
@@ -13,7 +14,7 @@ const MAX_STACK: usize = 32;
 impl TriangleMesh {
     /// Visits all triangles whose boxes overlap a box, until a visit says `true`. Returns whether
     /// one did, and the number of boxes compared. Other triangles near the box may be visited, too.
-    pub(crate) fn any_in_box(&self, [low, high]: [DVec3; 2], visit: &mut dyn FnMut(usize) -> bool) -> (bool, u32) {
+    pub(crate) fn any_in_box(&self, [low, high]: [DVec3; 2], visit: &mut VisitTriangle<'_>) -> (bool, u32) {
         let sections = self.sections();
         let count = sections.triangle_count();
         if count == 0 {
@@ -53,9 +54,8 @@ impl TriangleMesh {
             let [start, end] = tree::triangles(node, count);
             for triangle in start..end {
                 let Some([a, b, c]) = sections.corners(triangle) else { return (false, boxes) };
-                let [a, b, c] = [a, b, c].map(|corner| DVec3::from_array(corner.map(f64::from)));
-                let is_apart = a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any();
-                if !is_apart && visit(triangle) {
+                let corners = [a, b, c].map(|corner| DVec3::from_array(corner.map(f64::from)));
+                if !is_beside_box(corners, [low, high]) && visit(triangle, corners) {
                     return (true, boxes);
                 }
             }

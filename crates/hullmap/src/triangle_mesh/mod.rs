@@ -198,7 +198,8 @@ impl TriangleMesh {
     /// O(1).
     pub fn triangle(&self, index: usize) -> Option<Triangle> {
         let corners = self.sections().corners(index)?;
-        Triangle::new(corners.map(|corner| DVec3::from_array(corner.map(f64::from)))).ok()
+        // All coordinates were tested at opening.
+        Some(Triangle::of_finite(corners.map(|corner| DVec3::from_array(corner.map(f64::from)))))
     }
 
     /// Unit normal of a triangle, to its front; `None` if it has no area, or does not exist.
