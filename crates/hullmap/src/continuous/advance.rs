@@ -387,8 +387,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
 
     /// The longest step from a time on, at most to `until`, in which the separation surely stays
     /// above `target`. It is along `normal`, in space or with one of the shapes. There, `gap` is a
-    /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet, and
-    /// `frame` one of what the direction is to be fixed to.
+    /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet,
+    /// and `frame` one of what the direction is to be fixed to.
     ///
     /// # Complexity
     /// At most [`MAX_TRIES`] separations, and four more.

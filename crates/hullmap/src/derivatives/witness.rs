@@ -126,8 +126,8 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         }
     }
 
-    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or too
-    /// short.
+    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or
+    /// too short.
     fn facing_by_edges(&self, normal: DVec3) -> Option<Facing> {
         // The features of a rounded shape are not vertices.
         if self.shape.convex_radius() > 0.0 {
