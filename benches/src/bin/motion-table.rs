@@ -1,9 +1,9 @@
 //! Prints the time of `cast_motion` beside parry3d's nonlinear cast, for hulls that move and turn
 //! towards each other, and how often parry's answer is outside our proven interval.
 //!
-//! Ours and theirs alternate, so that a busy machine slows both down. Each motion is repeated, so it
-//! finds caches and branches as it left them; the column *in a row* has the mean processor time of
-//! one motion after another.
+//! Ours and theirs alternate, so that a busy machine slows both down. Each motion is repeated, so
+//! it finds caches and branches as it left them; the column *in a row* has the mean processor time
+//! of one motion after another.
 
 use std::hint::black_box;
 use std::time::Instant;

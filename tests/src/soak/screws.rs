@@ -16,16 +16,16 @@
 //! linear in a parameter u from 0 to 1.
 //!
 //! # The proof
-//! A plane is fixed in space, to A, or to B. The height of a vertex over it, times powers of w, is a
-//! polynomial of u whose coefficients are integers. If all coefficients in Bernstein's basis are
+//! A plane is fixed in space, to A, or to B. The height of a vertex over it, times powers of w, is
+//! a polynomial of u whose coefficients are integers. If all coefficients in Bernstein's basis are
 //! positive, so is the polynomial. If not, the chord is divided.
 //!
-//! Time is no polynomial of u: t = (2 / θ) atan2(s |k|, c). Heights are linear in t, so it is enough
-//! that they are positive at both ends of an interval that contains t. From one end of a chord to
-//! the other, t differs from its linear interpolation by less than 0.13 tan³(Δ/2) 2/θ, where Δ is
-//! the difference of the half angles: with x = 2 u − 1 and T = tan(Δ/2), the difference of the half
-//! angle is f(x) = atan(x T) − x atan T, with f'' ≥ −2 x T³ for x ≥ 0 and f(0) = f(1) = 0. Hence
-//! 0 ≤ f ≤ (T³/3)(x − x³) ≤ 0.1284 T³.
+//! Time is no polynomial of u: t = (2 / θ) atan2(s |k|, c). Heights are linear in t, so it is
+//! enough that they are positive at both ends of an interval that contains t. From one end of a
+//! chord to the other, t differs from its linear interpolation by less than 0.13 tan³(Δ/2) 2/θ,
+//! where Δ is the difference of the half angles: with x = 2 u − 1 and T = tan(Δ/2), the difference
+//! of the half angle is f(x) = atan(x T) − x atan T, with f'' ≥ −2 x T³ for x ≥ 0 and f(0) = f(1) =
+//! 0. Hence 0 ≤ f ≤ (T³/3)(x − x³) ≤ 0.1284 T³.
 //!
 //! # Reference
 //! Farouki, "The Bernstein polynomial basis: a centennial retrospective", 2012, for the basis. Here

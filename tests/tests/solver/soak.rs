@@ -149,6 +149,26 @@ fn every_time_of_impact_has_a_certificate() {
     assert!(of("at most 8 queries") > pairs * 3 / 4 && of("iteration_limit") < pairs / 200, "{:?}", tally.lines);
 }
 
+/// Times of impact of small hulls, in exact arithmetic, for all times. The program `solver-soak`
+/// does this for any number of motions.
+#[test]
+fn screws_of_small_hulls_agree_with_exact_arithmetic() {
+    let stock = Stock::bake(&[], 1);
+    let bodies = Bodies::new(&stock);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let motions = 1_000;
+    let tally = soak(&bodies, Queries::Screws, SEED, 0..motions, threads);
+    println!("seed {SEED}\n{tally}");
+    let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
+    assert!(wrong.is_empty(), "seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
+    // The sample is representative: hits, misses and grazing motions. Nearly all are decided.
+    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
+    for status in ["separated", "overlapping", "touching", "within"] {
+        assert!(of(status) > motions / 20, "{status}: {}", of(status));
+    }
+    assert!(of("not decided") <= motions / 200, "{:?}", tally.lines);
+}
+
 /// Derivatives of answers about hulls. Those that are not certain are flagged, and almost none are.
 #[test]
 fn derivatives_agree_with_central_differences() {

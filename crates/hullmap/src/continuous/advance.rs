@@ -94,7 +94,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
 
     /// The maximum height of the core along `dir`, in the common frame, over its point `from`.
     fn height(&self, place: &Place, dir: DVec3, from: DVec3) -> f64 {
-        self.own_height(place.to_local(dir)) + (place.origin - from).dot(dir)
+        self.own_height(place.rotation.mul_transpose_vec3(dir)) + (place.origin - from).dot(dir)
     }
 
     /// The part of `dir` in the plane of rotation; `None` if the shape does not turn, or only about
@@ -179,13 +179,6 @@ struct Place {
     origin: DVec3,
     /// The point about which the shape turns.
     center: DVec3,
-}
-
-impl Place {
-    fn to_local(&self, dir: DVec3) -> DVec3 {
-        let DMat3 { x_axis, y_axis, z_axis } = self.rotation;
-        DVec3::new(x_axis.dot(dir), y_axis.dot(dir), z_axis.dot(dir))
-    }
 }
 
 /// Two moving shapes.
@@ -285,11 +278,11 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         match frame {
             Frame::Space => Direction { frame, local: normal, own_height: 0.0, drift: 0.0 },
             Frame::A => {
-                let local = place_a.to_local(normal);
+                let local = place_a.rotation.mul_transpose_vec3(normal);
                 Direction { frame, local, own_height: a.own_height(local), drift: a.drift(b, normal, place_b) }
             }
             Frame::B => {
-                let local = place_b.to_local(normal);
+                let local = place_b.rotation.mul_transpose_vec3(normal);
                 Direction { frame, local, own_height: b.own_height(-local), drift: b.drift(a, normal, place_a) }
             }
         }
@@ -394,8 +387,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
 
     /// The longest step from a time on, at most to `until`, in which the separation surely stays
     /// above `target`. It is along `normal`, in space or with one of the shapes. There, `gap` is a
-    /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet, and
-    /// `frame` one of what the direction is to be fixed to.
+    /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet,
+    /// and `frame` one of what the direction is to be fixed to.
     ///
     /// # Complexity
     /// At most [`MAX_TRIES`] separations, and four more.
@@ -468,8 +461,9 @@ fn longest(start: Try, tried: Try, end: f64, rest: f64, mut above: impl FnMut(f6
             return late;
         }
     }
-    // Regula falsi. A try that is too late halves the next share. After one that is much too
-    // early, as for shapes that graze each other, the next share is the geometric mean with 1.
+    // Regula falsi. After a try that is too late, the next one leaves a twentieth, and then its
+    // share is halved each time. After one that is much too early, as for shapes that graze each
+    // other, the next share is the geometric mean with 1.
     let (mut caution, mut is_early) = (1.0 - rest, false);
     for _ in 0..MAX_TRIES {
         if is_enough(early) {

@@ -84,13 +84,9 @@ struct Placed<'s, S: ?Sized> {
 }
 
 impl<S: SupportMap + ?Sized> Placed<'_, S> {
-    fn to_local(&self, dir: DVec3) -> DVec3 {
-        let DMat3 { x_axis, y_axis, z_axis } = self.rotation;
-        DVec3::new(x_axis.dot(dir), y_axis.dot(dir), z_axis.dot(dir))
-    }
-
     fn support(&self, dir: DVec3) -> DVec3 {
-        self.rotation * self.shape.core_support_point(self.to_local(dir)).point + self.pose.translation()
+        self.rotation * self.shape.core_support_point(self.rotation.mul_transpose_vec3(dir)).point
+            + self.pose.translation()
     }
 
     /// The longest chord of the support points around `normal`.
@@ -130,14 +126,14 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         }
     }
 
-    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or too
-    /// short.
+    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or
+    /// too short.
     fn facing_by_edges(&self, normal: DVec3) -> Option<Facing> {
         // The features of a rounded shape are not vertices.
         if self.shape.convex_radius() > 0.0 {
             return None;
         }
-        let dir = self.to_local(normal);
+        let dir = self.rotation.mul_transpose_vec3(normal);
         let feature = self.shape.support_point(dir).feature;
         let level = self.shape.level_edges(feature, dir, 2.0 * self.tilt)?;
         match level.count {
@@ -156,7 +152,7 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
     /// Whether the shape is known to be a polytope: it has faces, or features identify its
     /// vertices.
     fn is_polytope(&self, normal: DVec3) -> bool {
-        let feature = || self.shape.support_point(self.to_local(normal)).feature;
+        let feature = || self.shape.support_point(self.rotation.mul_transpose_vec3(normal)).feature;
         let has_corners = self.shape.facets().is_some() || self.shape.point(feature()).is_some();
         has_corners && !(self.shape.convex_radius() > 0.0)
     }
