@@ -23,6 +23,7 @@ const UNOPTIMISED: usize = if cfg!(debug_assertions) { 8 * 1024 } else { 0 };
 
 /// Runs a test in a process of its own: a thread of this one may reuse the larger stack of a thread
 /// that has ended.
+#[expect(clippy::disallowed_methods, reason = "the parent process says that this is the child")]
 fn alone(test: &str, run: impl FnOnce()) {
     const CHILD: &str = "HULLMAP_STACK_TEST";
     if std::env::var_os(CHILD).is_some() {
