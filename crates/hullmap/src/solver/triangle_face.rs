@@ -6,11 +6,11 @@
 //! # Steps
 //! 1. Of the two faces, take the one towards the shape's interior point c. Let p be the shape's
 //!    lowest point along its normal n, and d the depth of p below the face.
-//! 2. If p is above the face, and its foot is on the triangle, the foot and p are the nearest points:
-//!    the plane separates the shapes by −d.
-//! 3. Otherwise n proves that the depth is at most d. The Minkowski difference contains the prism of
-//!    the triangle and the segment from p to c, and the prism contains the ball of radius d around
-//!    the origin if all of its other faces are as far away. Then the depth is d.
+//! 2. If p is above the face, and its foot is on the triangle, the foot and p are the nearest
+//!    points: the plane separates the shapes by −d.
+//! 3. Otherwise n proves that the depth is at most d. The Minkowski difference contains the prism
+//!    of the triangle and the segment from p to c, and the prism contains the ball of radius d
+//!    around the origin if all of its other faces are as far away. Then the depth is d.
 //!
 //! Bodies that rest on the inside of a triangle are decided here. Near edges, and where bodies are
 //! deep, the general path answers.
