@@ -718,9 +718,9 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
     kept
 }
 
-/// The contact of two shapes, and the depth of its points. If the shapes are separated by at most
-/// `prediction`, its normal and points are those of their distance, and the depth is negative; if by
-/// more, the depth is negative infinity.
+/// The contact of two shapes, and the depth of its points. If the shapes are separated, the depth
+/// is negative: by at most `prediction`, the normal and the points are those of their distance; by
+/// more, the depth may be negative infinity.
 fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     settings: &Settings,

@@ -6,11 +6,11 @@
 //! # Steps
 //! 1. Of the two faces, take the one towards the shape's interior point c. Let p be the shape's
 //!    lowest point along its normal n, and d the depth of p below the face.
-//! 2. If p is above the face, and its foot is on the triangle, the foot and p are the nearest points:
-//!    the plane separates the shapes by −d.
-//! 3. Otherwise n proves that the depth is at most d. The Minkowski difference contains the prism of
-//!    the triangle and the segment from p to c, and the prism contains the ball of radius d around
-//!    the origin if all of its other faces are as far away. Then the depth is d.
+//! 2. If p is above the face, and its foot is on the triangle, the foot and p are the nearest
+//!    points: the plane separates the shapes by −d.
+//! 3. Otherwise n proves that the depth is at most d. The Minkowski difference contains the prism
+//!    of the triangle and the segment from p to c, and the prism contains the ball of radius d
+//!    around the origin if all of its other faces are as far away. Then the depth is d.
 //!
 //! Bodies that rest on the inside of a triangle are decided here. Near edges, and where bodies are
 //! deep, the general path answers.
@@ -92,4 +92,64 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         support_calls: m.support_calls(),
     };
     Some(FaceContact { contact, depth })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DQuat;
+
+    use super::*;
+    use crate::shapes::triangle::closest_of_triangle;
+    use crate::shapes::{Cuboid, Triangle};
+    use crate::solver::{Settings, queries};
+
+    /// A pseudo-random number from -1 to 1.
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*seed >> 33) as f64 / 2_f64.powi(30) - 1.0
+    }
+
+    /// Boxes near triangles of many sizes, also thin boxes, and some parallel to the triangle: the
+    /// interval of a depth shares a point with that of the general path, and a gap is the distance.
+    #[test]
+    fn depths_and_gaps_agree_with_those_of_the_general_path() {
+        let (mut seed, mut hits, mut gaps, mut undecided, rounds) = (18, 0, 0, 0, 20_000);
+        for round in 0..rounds {
+            let size = 10_f64.powi(round % 5 - 2);
+            let mut vector = || DVec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+            let corners = [vector() * size, vector() * size, vector() * size];
+            let half = (vector().abs() + DVec3::splat(0.01))
+                * if round % 3 == 0 { DVec3::new(1.0, 1.0, 0.02) } else { DVec3::ONE };
+            let turn = vector();
+            let turn = if round % 4 == 0 { DQuat::IDENTITY } else { DQuat::from_xyzw(turn.x, turn.y, turn.z, 0.5) };
+            let corners = if round % 4 == 0 { corners.map(|corner| corner.with_z(0.0)) } else { corners };
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let at = Pose::new(middle + vector() * half.length(), turn).unwrap();
+            let (triangle, cuboid) = (Triangle::new(corners).unwrap(), Cuboid::new(half).unwrap());
+            let Some(found) = contact(corners, (&triangle, &cuboid, at), &mut Cache::new()) else {
+                undecided += 1;
+                continue;
+            };
+            let (face, depth) = (found.contact, found.depth);
+            let pair = (&triangle, &cuboid, at);
+            let expected = queries::contact(pair.0, pair.1, at, &Settings::default(), &mut Cache::new());
+            let slack = 1e-12 * (size + half.length());
+            assert_eq!(face.hit, expected.hit, "round {round}: {face:?}, in general {expected:?}");
+            assert!((face.point_a - face.point_b).distance(face.normal * depth) <= slack, "round {round}: {face:?}");
+            let on_triangle = closest_of_triangle(corners, face.point_a).distance(face.point_a);
+            assert!(face.hit || on_triangle <= slack, "round {round}: {face:?}");
+            if face.hit {
+                hits += 1;
+                let agree = face.depth_lower <= expected.depth_upper && expected.depth_lower <= face.depth_upper;
+                assert!(agree, "round {round}: {face:?}, in general {expected:?}");
+            } else {
+                gaps += 1;
+                let gap = queries::distance(pair.0, pair.1, at, &Settings::default(), &mut Cache::new());
+                let is_within = gap.lower - slack <= -depth && -depth <= gap.upper + slack;
+                assert!(is_within, "round {round}: {depth}, in general {gap:?}");
+            }
+        }
+        println!("{hits} depths, {gaps} gaps, {undecided} undecided");
+        assert!(hits > rounds / 100 && gaps > rounds / 100 && undecided > rounds / 10, "{hits}, {gaps}, {undecided}");
+    }
 }
