@@ -745,3 +745,28 @@ fn large_meshes_and_many_hulls_stay_small() {
         }
     }
 }
+
+/// A joint that follows another turns with it: by −0.5 rad for each, and 0.1 more.
+#[test]
+fn robots_turn_at_their_sliders() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["crowd.urdf", "meshes/bracket.obj"] {
+        let target = folder.path().join("in").join(name);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        fs::copy(workspace().join("tests/robots").join(name), target).unwrap();
+    }
+    run(&folder, &["robot", "in/crowd.urdf", "--out", "out", "--report", "robot.html"]).expect(0);
+    let Some(browser) = browser("robots_turn_at_their_sliders") else { return };
+    let act = "const pixels = () => document.getElementById('hull').toDataURL();
+        const slider = document.querySelectorAll('#joints input')[2], before = pixels();
+        slider.value = 0.6; slider.dispatchEvent(new Event('input'));
+        requestAnimationFrame(() => requestAnimationFrame(() => {
+          document.documentElement.dataset.moved = pixels() !== before;
+          document.documentElement.dataset.joints = [...document.querySelectorAll('#joints output')].map((output) => output.textContent);
+        }));";
+    let loaded = acted(browser, &folder.path().join("robot.html"), act);
+    loaded.assert_sound();
+    assert_eq!(loaded.attribute("html ", "data-moved"), "true");
+    assert_eq!(loaded.attribute("html ", "data-joints"), "0.0°,0.0°,34.4°,−11.5°");
+    assert!(loaded.share("hull") > 0.02);
+}
