@@ -657,7 +657,10 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             return Choice::NoFaces;
         }
         let mut beside: Option<(Face, f64)> = None;
-        for _ in 0..MAX_TRIALS {
+        // A flat part has no inside. A body is in front of the face that is less deep, and through
+        // the other one it would be pushed out on the side that it has not come from.
+        let is_flat = self.own.shape.inner_radius() == 0.0;
+        for _ in 0..if is_flat { 1 } else { MAX_TRIALS } {
             let Some(face) = faces.pop() else { break };
             if !self.is_plausible(&face, contact.depth) {
                 break;
@@ -706,7 +709,7 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
 
     /// Whether the other body may have come through this face: it is not below the middle of the
     /// part, nor below the face by more than the prediction if the part is only near it. A flat
-    /// part has no middle: the faces are tried in the order of their depths.
+    /// part has no middle: the face that is less deep counts.
     fn is_plausible(&self, face: &Face, depth: f64) -> bool {
         if depth > 0.0 && self.own.shape.inner_radius() == 0.0 {
             return true;
