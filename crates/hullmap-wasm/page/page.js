@@ -79,7 +79,7 @@
     bakes++;
     get("busy").textContent = `Baking ${file} …`;
     try {
-      if (!bytes.length) throw new Error(`${file}: the file is empty; choose an OBJ, STL, PLY, GLB or DAE file`);
+      if (!bytes.length) throw new Error(`${file}: the file is empty; choose an OBJ, STL, PLY, GLB, glTF, DAE or MSH file`);
       const baked = await baker.bake(file, bytes, chosenOptions(which));
       setBody(which, file, bytes, baked);
       // The first body A is also body B.
@@ -537,7 +537,7 @@
     event.preventDefault();
     document.body.classList.remove("dropping");
     const [file] = event.dataTransfer.files;
-    if (!file) return fail("That was no file. Drop an OBJ, STL, PLY, GLB or DAE file.");
+    if (!file) return fail("That was no file. Drop an OBJ, STL, PLY, GLB, glTF, DAE or MSH file.");
     const which = event.shiftKey ? "b" : "a";
     get(`file-${which}`).value = "";
     loadFile(which, file);
