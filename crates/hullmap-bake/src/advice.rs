@@ -276,7 +276,7 @@ const COVERED: f64 = 1.5e-7;
 
 /// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
 /// largest part. If there is a radius `reachable`, protrusion counts only where a ball of that
-/// radius can come from outside.
+/// radius can get from outside.
 pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachable: Option<Length>) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
@@ -295,7 +295,7 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     };
     let protrusion = short(protrusion);
     let place =
-        reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} from outside can reach"));
+        reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} can get from outside"));
     let text =
         format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}");
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")

@@ -277,7 +277,7 @@ pub struct RemoteArgs {
         hide_default_value = true
     )]
     pub instance: String,
-    /// Header of each request, for instance authorization=@FILE, which reads its value; repeatable
+    /// Header of each request; authorization=@FILE reads the value from FILE; repeatable
     // Split later: an error of the parser would print the value, which may be a secret.
     #[arg(long = "remote-header", value_name = "NAME=VALUE", requires = "address", hide_short_help = true)]
     pub headers: Vec<String>,
@@ -453,11 +453,11 @@ pub struct RobotArgs {
     /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Folder that holds packages or models, or is one; repeatable
+    /// Folder that contains packages or models, or is one itself; repeatable
     #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Make collisions from visuals: of links that have no collision, of all links in place of the
-    /// collisions that they have, or of no link
+    /// Make collisions from visuals: for links without a collision, for all links, whose collisions
+    /// are replaced, or for no link
     #[arg(
         long,
         value_enum,
