@@ -138,8 +138,8 @@ impl Case<'_> {
         of(0) + of(1)
     }
 
-    /// A time until which the solids surely do not meet, and from which they may within [`WIDTH`];
-    /// `None` if they do not meet in the interval.
+    /// A time until which the solids certainly do not meet, and from which they may within
+    /// [`WIDTH`]; `None` if they do not meet in the interval.
     fn first(&self, speed: f64, [start, end]: [f64; 2]) -> Option<f64> {
         let middle = 0.5 * (start + end);
         let reach = 0.5 * (end - start) * speed;

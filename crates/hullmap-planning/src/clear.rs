@@ -2,7 +2,7 @@
 //! samples.
 //!
 //! # Steps
-//! 1. Both ends. An end that surely touches is a hit.
+//! 1. Both ends. An end that certainly touches is a hit.
 //! 2. An interval of the edge: the configuration in its middle, and a bound on how far each body
 //!    moves from there (`motion_bound`). A pair whose distance exceeds the motion of both is apart
 //!    in the whole interval.
@@ -142,7 +142,7 @@ struct Search<'s> {
     share: f64,
     resolution: f64,
     budget: u32,
-    /// The earliest time at which a pair surely is within the margin.
+    /// The earliest time at which a pair is certainly within the margin.
     until: f64,
     /// The start of the first interval that is not decided.
     open_from: Option<f64>,
@@ -191,7 +191,7 @@ impl Search<'_> {
         self.open_from.is_some() && (self.until < f64::INFINITY || self.budget == 0 || self.share > 0.0)
     }
 
-    /// Decides the last `count` open pairs in an interval, whose start surely is free.
+    /// Decides the last `count` open pairs in an interval, whose start is certainly free.
     fn visit(&mut self, [start, end]: [f64; 2], depth: u32, count: usize, memory: &mut Memory) {
         if start >= self.until || self.is_done() {
             return;
@@ -254,7 +254,7 @@ impl Search<'_> {
         memory.edge.motions[body].get(shared).copied().unwrap_or(0.0)
     }
 
-    /// Whether a pair surely is farther apart than the target in the interval around `mid`.
+    /// Whether a pair is certainly farther apart than the target in the interval around `mid`.
     fn is_proven(&mut self, index: usize, mid: f64, memory: &mut Memory) -> bool {
         let robot = self.robot;
         let pair = &robot.pairs[index];
@@ -339,6 +339,6 @@ impl Search<'_> {
 struct Queried {
     /// Lower bound of its distance, with allowance for rounding.
     lower: f64,
-    /// Whether it surely is within the margin.
+    /// Whether it is certainly within the margin.
     is_hit: bool,
 }

@@ -1,4 +1,4 @@
-//! Conservative advancement: how far two moving shapes surely stay apart along a direction.
+//! Conservative advancement: how far two moving shapes certainly stay apart along a direction.
 //!
 //! # Reference
 //! Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996, for the principle.
@@ -218,12 +218,12 @@ pub(super) struct Separation {
     extents: [f64; 2],
 }
 
-/// How far a step leads, and a length that the separation surely exceeds during the step.
+/// How far a step leads, and a length that the separation certainly exceeds during the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
-    /// The shapes are surely apart up to this time.
+    /// The shapes are certainly apart up to this time.
     To(f64, f64),
-    /// They are surely apart until the end.
+    /// They are certainly apart until the end.
     Apart(f64),
     /// Nothing is sure.
     Nowhere,
@@ -359,9 +359,9 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         from.gap.min(to.gap) - bulge - self.noise_in(direction.frame)
     }
 
-    /// Time from `t` on until which the separation along `normal` surely stays above `target`, by
-    /// whatever angles the shapes turn: then a body that spins fast needs no step for each quarter
-    /// of a turn. It is `t` if nothing is sure.
+    /// Time from `t` on until which the separation along `normal` certainly stays above `target`,
+    /// by whatever angles the shapes turn: then a body that spins fast needs no step for each
+    /// quarter of a turn. It is `t` if nothing is sure.
     fn clear_until(&self, here: &Moment, normal: DVec3, until: f64, target: f64, support_calls: &mut u32) -> f64 {
         let (Self { a, b, is_plane, .. }, Moment { t, places: [place_a, place_b] }) = (self, *here);
         // A half-space that turns reaches everywhere.
@@ -385,7 +385,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         }
     }
 
-    /// The longest step from a time on, at most to `until`, in which the separation surely stays
+    /// The longest step from a time on, at most to `until`, in which the separation certainly stays
     /// above `target`. It is along `normal`, in space or with one of the shapes. There, `gap` is a
     /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet,
     /// and `frame` one of what the direction is to be fixed to.

@@ -47,11 +47,11 @@ use surface_pair::surface_pair;
 ///
 /// Casts with rotation are hullmap's for these shapes, for compounds of them, and for half-spaces:
 /// [`cast_motion`](hullmap::cast_motion()). The time is the lower end of a proven interval, rounded
-/// down: until then, the shapes surely do not meet, and no body passes through another. Its status
-/// is `Converged` if they are then as near as the tolerance asks, 1e-6 of the sum of their radii;
-/// `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and `Failed`
-/// after rounding error: then it is open whether they meet. Shapes that meet at the start, and are
-/// not to stop there, are judged by parry's rule.
+/// down: until then, the shapes certainly do not meet, and no body passes through another. Its
+/// status is `Converged` if they are then as near as the tolerance asks, 1e-6 of the sum of their
+/// radii; `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and
+/// `Failed` after rounding error: then it is open whether they meet. Shapes that meet at the start,
+/// and are not to stop there, are judged by parry's rule.
 ///
 /// In Rapier, set it once:
 ///
@@ -244,7 +244,7 @@ impl QueryDispatcher for HullDispatcher {
     }
 
     /// By hullmap for convex shapes that it knows, compounds of them, surfaces and half-spaces. The
-    /// time is the lower end of a proven interval: until then, the shapes surely do not meet.
+    /// time is the lower end of a proven interval: until then, the shapes certainly do not meet.
     fn cast_shapes_nonlinear(
         &self,
         motion1: &NonlinearRigidMotion,
