@@ -22,7 +22,7 @@ const THIN: f64 = 1e4;
 const HUGE_VERTICES: usize = 1 << 16;
 
 /// Coordinate above which a hull is huge: its square overflows f32, and engines that measure
-/// distances in f32 get infinities. This is the only threshold with a unit, that of the source.
+/// distances in f32 get infinities. This is the only threshold with a unit: the unit of the source.
 const HUGE_COORDINATE: f64 = 1.8e19;
 
 /// Error relative to the size above which an inexact hull is a warning instead of a note: contacts

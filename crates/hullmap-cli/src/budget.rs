@@ -138,9 +138,9 @@ pub struct Figures {
     pub edges: usize,
     /// Number of vertices of the largest face.
     pub face_vertices: usize,
-    /// Radius of the smallest ball around the centroid that contains the hull, divided by that of
-    /// the largest one inside. At least what PhysX compares, since its box lies inside the hull.
-    /// Infinite for a flat hull.
+    /// Radius of the smallest ball around the centroid that contains the hull, divided by the
+    /// radius of the largest one inside. At least what PhysX compares, since its box lies inside
+    /// the hull. Infinite for a flat hull.
     pub aspect: f64,
     /// Smallest distance between a face and the vertex farthest from it, at least the width of the
     /// hull: 0 for a flat hull.

@@ -22,7 +22,7 @@ pub enum PlanningError {
         /// The cause, and what to do.
         cause: String,
     },
-    /// A name is that of no link and no obstacle.
+    /// No link and no obstacle has this name.
     #[error("`{name}` is neither a link with a collision nor an obstacle; there are {}", listed(known))]
     UnknownName {
         /// The name.

@@ -42,7 +42,7 @@ struct Carried {
     in_mover: Frame,
     /// Number of compositions of frames from the root to the link.
     steps: f64,
-    /// Sum of all lengths on the way from the root, apart from those of sliders.
+    /// Sum of all lengths on the path from the root, without the displacements of sliders.
     length: f64,
 }
 
@@ -228,8 +228,8 @@ impl Kinematics {
         units * f64::EPSILON * (length + at.slide + reach)
     }
 
-    /// Upper bounds of how far the displacement of each joint is from that of `at`, if each number
-    /// of the configuration is within `widths`.
+    /// For each joint, an upper bound of how far its displacement is from its displacement at `at`,
+    /// if each number of the configuration is within `widths`.
     pub fn spans(&self, widths: impl Fn(usize) -> f64, at: &Placement, out: &mut Vec<f64>) {
         out.clear();
         out.extend(self.joints.iter().map(|joint| joint.variable.map_or(0.0, &widths)));

@@ -39,7 +39,7 @@ pub enum Motion {
     Free,
 }
 
-/// The position of a joint follows that of another one.
+/// The position of a joint follows the position of another joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     /// Index of the joint that it follows; `None` if it is constant.
@@ -49,7 +49,7 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// Displacement for that of the leader.
+    /// Displacement of the joint for a displacement of the leader.
     pub fn follow(&self, leader: f64) -> f64 {
         self.coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * leader + coefficient)
     }

@@ -133,8 +133,8 @@ pub struct MeshUse {
     pub file: Result<PathBuf, Unresolved>,
     /// Factors along the axes of the mesh; negative ones mirror it.
     pub scale: [f64; 3],
-    /// The frame in which the mesh is drawn and scaled, in that of its file: `refpos` and
-    /// `refquat` of MJCF.
+    /// The frame in which the mesh is drawn and scaled, relative to the frame of its file: `refpos`
+    /// and `refquat` of MJCF.
     pub reference: Frame,
     /// The part of the file that is meant, of SDF; `None` for the whole file.
     pub submesh: Option<Submesh>,

@@ -17,7 +17,7 @@ const MAX_PACKAGE_XML: u64 = 1 << 20;
 pub struct Places {
     /// Folders that hold packages or models, or are one: `--package-path`.
     pub packages: Vec<PathBuf>,
-    /// Canonical folders below which files may be read, besides those of packages.
+    /// Canonical folders below which files may be read, in addition to the folders of packages.
     pub roots: Vec<PathBuf>,
 }
 

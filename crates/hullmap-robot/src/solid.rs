@@ -22,7 +22,7 @@ pub enum Solid {
 pub struct Primitive {
     /// Its name in the description.
     pub name: String,
-    /// The solid; `None` if its sizes are missing, or are those of a mesh that it is fitted to.
+    /// The solid; `None` if its sizes are missing, or if it is fitted to a mesh.
     pub solid: Option<Solid>,
 }
 

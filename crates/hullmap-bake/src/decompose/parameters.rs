@@ -88,8 +88,8 @@ impl Default for Cover {
 }
 
 impl Cover {
-    /// The solid from which protrusion counts: that of the mesh, with the space that a ball of the
-    /// radius [`reachable`](Self::reachable) cannot reach.
+    /// The solid from which protrusion is measured: the solid of the mesh, plus the space that a
+    /// ball of the radius [`reachable`](Self::reachable) cannot reach.
     ///
     /// # Complexity
     /// That of [`Solid::new`]; with a radius, that of [`with_unreachable`], too.

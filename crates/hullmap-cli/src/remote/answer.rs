@@ -106,8 +106,8 @@ pub fn accept(
     Ok(results)
 }
 
-/// The rows of an outcome, by the paths of meshes in the worker's folder. Rows of other meshes than
-/// those of the batch are left out.
+/// The rows of an outcome, by the paths of meshes in the worker's folder. Rows of meshes that are
+/// not in the batch are left out.
 fn rows(client: &Client, batch: &Batch, outcome: &Outcome) -> Result<HashMap<String, Row>, RemoteError> {
     let file =
         outcome.files.get(RESULTS).ok_or_else(|| RemoteError::Invalid(format!("the result has no {RESULTS}")))?;

@@ -169,7 +169,7 @@ struct Inside<'a, 'c> {
     element: Element<'a>,
     /// The class that it inherits.
     childclass: Option<&'c str>,
-    /// The frame of the elements `frame` around it, in that of the body.
+    /// The frame of the elements `frame` around it, in the frame of the body.
     frame: Frame,
 }
 

@@ -106,7 +106,8 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Adds one axis of a joint. The frames are those of the model and of the joint in the link.
+    /// Adds one axis of a joint. The frames are the frame of the model and the frame of the joint
+    /// in the link.
     fn push(
         &mut self,
         [model, node]: [Node<'a, 'a>; 2],

@@ -65,7 +65,7 @@ impl Extremes {
         }
     }
 
-    /// Adds the points of another group, which come after those of this one.
+    /// Adds the points of another group. They come after the points of this group.
     pub fn add_all(&mut self, other: &Self) {
         for k in 0..COUNT {
             let is_farther = other.reach[k] > self.reach[k];

@@ -359,7 +359,7 @@ fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Bo
 
 impl Export<'_> {
     /// Mass properties of the hulls of these indices as one body, for a document that states them.
-    /// Prints a note if they are not those of the mesh.
+    /// Prints a note if they are not the mass properties of the mesh.
     fn mass(&self, place: &PackPlace, pack: &Pack, indices: &[usize]) -> Option<MassProperties> {
         if !self.args.target.is_some_and(Target::is_document) {
             return None;

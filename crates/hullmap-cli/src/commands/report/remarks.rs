@@ -1,5 +1,5 @@
-//! Notes and warnings about a pack: those of its import and bake. A pack keeps its warnings; notes,
-//! and the warnings of packs that keep none, are computed again from the pack and its source.
+//! Notes and warnings of the import and bake of a pack. A pack stores its warnings. Notes, and
+//! warnings of packs that store none, are computed again from the pack and its source.
 
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};

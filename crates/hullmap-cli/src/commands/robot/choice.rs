@@ -249,12 +249,12 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Whether a stem may be that of a hull.
+/// Whether a stem may be the stem of a hull's file.
 fn is_ending(stem: &str) -> bool {
     stem.ends_with("_hull") || stem.contains("_part_")
 }
 
-/// The stem of a pack or of hulls: that of the mesh, or with a number if that is taken.
+/// The stem of a pack or of hulls: the stem of the mesh, with a number if it is taken.
 fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
     let stem = token(stem);
     let numbered = (2_u32..).map(|number| format!("{stem}_{number}"));
