@@ -2,8 +2,8 @@
 //! hulls.
 //!
 //! Balls, boxes and outer hulls contain their hulls, so hulls that they separate are separated.
-//! Only the inner balls and the hulls themselves prove an overlap. The answer is therefore always
-//! that of [`intersects`](crate::intersects()).
+//! Only the inner balls and the hulls themselves prove an overlap. So the answer always equals that
+//! of [`intersects`](crate::intersects()).
 //!
 //! # Reference
 //! Kenwright, section 5.0.0.1 ("a basic sphere-sphere check, followed by a cube-cube, then a
@@ -110,8 +110,8 @@ fn tests_outer(a: &Hull<'_>, b: &Hull<'_>, outer: OuterHulls) -> bool {
 
 /// Tests whether hulls `a` and `b`, placed at `b_in_a`, share a point, in stages.
 ///
-/// The status is that of [`intersects`](crate::intersects()). `cache` belongs to this ordered pair;
-/// the query reads and updates it.
+/// The status is the same as from [`intersects`](crate::intersects()). `cache` belongs to this
+/// ordered pair; the query reads and updates it.
 ///
 /// # Complexity
 /// If balls or boxes decide: no support query and a few hundred floating-point operations at most.

@@ -42,7 +42,7 @@ const ROUGH: Settings = Settings { tolerance: 1e-2, max_iterations: Settings::DE
 ///
 /// # Complexity
 /// Branch and bound: at most 2 G and 2 H boxes and G H searches for compounds of G and H, and
-/// usually those of the few pairs that may meet first. No allocation.
+/// usually only searches for the few pairs that may meet first. No allocation.
 ///
 /// # Examples
 /// ```

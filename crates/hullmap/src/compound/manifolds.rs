@@ -113,7 +113,7 @@ pub struct ManifoldCounts {
 impl CompoundManifolds {
     /// Memory for at most `pairs` pairs of parts that touch at the same time, at least one.
     ///
-    /// If more pairs touch, those of the last frame stay, and the others are counted as
+    /// If more pairs touch, the pairs of the last frame stay, and the others are counted as
     /// [`dropped`](ManifoldCounts::dropped).
     pub fn new(pairs: usize) -> Self {
         let pairs = pairs.max(1);

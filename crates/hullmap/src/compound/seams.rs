@@ -83,9 +83,9 @@ const SIGHT: f64 = 32.0 * INWARD;
 /// the way on which this is tested, and a little more.
 pub(super) const SIGHT_REACH: f64 = 0.52 * SIGHT * SEAM;
 
-/// Sine of the angle up to which a normal is that of a face. Normals of small gaps are less exact
-/// than those of depths; a body on a face whose normal is off by 1e-3 loses a thousandth of its
-/// speed.
+/// Sine of the angle up to which a normal counts as the normal of a face. Normals of small gaps are
+/// less exact than normals of depths; a body on a face whose normal is off by 1e-3 loses a
+/// thousandth of its speed.
 const FACE_ANGLE: f64 = 1e-3;
 
 /// Maximum number of faces of a part among which the replacement is searched for.

@@ -145,7 +145,7 @@ impl<P: BoxPairs> Traversal<P> {
         None
     }
 
-    /// Drops the pair if the stack is full, which requires trees deeper than those of checked
+    /// Drops the pair if the stack is full, which happens only with trees deeper than in checked
     /// packs.
     fn push(&mut self, pair: (u32, u32, f64)) {
         if let Some(slot) = self.stack.get_mut(self.len) {

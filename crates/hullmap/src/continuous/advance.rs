@@ -14,9 +14,9 @@
 //!   times the extent of the shape, from the point about which it turns, in the direction of n in
 //!   the plane of rotation. So translations cost nothing, and neither does the length of a shape
 //!   along its axis.
-//! - n turns with one of the shapes, as the normal of its face does. Then the extent is that of the
-//!   other shape on the far side of the point about which the first one turns, and mostly 0. Motion
-//!   of the other shape adds a *drift*.
+//! - n turns with one of the shapes, as the normal of its face does. Then the extent is the extent
+//!   of the other shape on the far side of the point about which the first one turns. Usually it is
+//!   0. Motion of the other shape adds a *drift*.
 
 use glam::{DMat3, DVec3};
 
@@ -136,7 +136,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
     }
 
     /// Upper bound of the second derivative, by time, of the heights of points of `other` along
-    /// `dir`, apart from that of its extent, if `dir` turns with this shape.
+    /// `dir`, without the part due to its extent, if `dir` turns with this shape.
     fn drift<T: SupportMap + ?Sized>(&self, other: &Moving<'_, T>, dir: DVec3, of_other: &Place) -> f64 {
         let part = self.in_plane(dir).map_or(0.0, DVec3::length);
         let past = other.motion.velocity() - self.motion.velocity();
@@ -166,7 +166,7 @@ struct Direction {
     /// The maximum height along it, over the origin of its frame, of the shape with which it turns:
     /// that does not change.
     own_height: f64,
-    /// Upper bound of the second derivative of the heights along it, apart from that of the
+    /// Upper bound of the second derivative of the heights along it, without the part due to the
     /// extents.
     drift: f64,
 }
@@ -295,7 +295,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
     /// One support query of each shape whose extent counts.
     fn extents(&self, frame: Frame, normal: DVec3, at: &Moment, support_calls: &mut u32) -> [f64; 2] {
         let (Self { a, b, .. }, [place_a, place_b]) = (self, &at.places);
-        // About its own point in space, or about that of the shape with which the direction turns.
+        // About its own centre in space, or about the centre of the shape with which the direction
+        // turns.
         let extents = match frame {
             Frame::Space => [
                 a.in_plane(normal).map(|dir| a.height(place_a, dir, place_a.center)),

@@ -69,7 +69,8 @@ impl Goal {
     }
 
     /// To prove a better clearance of bodies that do not meet, with what is left of the budget.
-    /// `None` if that of the first searches is good enough. NaN and negative shares count as 0.
+    /// `None` if the clearance of the first searches is good enough. NaN and negative shares count
+    /// as 0.
     pub(crate) fn better(&self, share: f64) -> Option<Self> {
         let share = share.clamp(0.0, MAX_SHARE).max(0.0);
         let is_open = self.clearance < share * self.nearest && self.margin < share * self.nearest;
@@ -260,7 +261,8 @@ where
     }
 }
 
-/// The pose of B in A's frame, from those of both in a common frame, whose lengths are in range.
+/// The pose of B in A's frame, from the poses of both in a common frame, whose lengths are in
+/// range.
 fn relative([a, b]: [Pose; 2]) -> Pose {
     let back = a.rotation().conjugate();
     Pose::from_parts((back * b.rotation()).normalize(), back * (b.translation() - a.translation()))

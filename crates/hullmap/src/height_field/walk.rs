@@ -113,7 +113,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         (level, if y > x { [second, first] } else { axes })
     }
 
-    /// Crosses a rectangle of cells: all of them, or those of a node of the level `above`.
+    /// Crosses a rectangle of cells: all cells, or the cells of a node of the level `above`.
     fn cross(&mut self, area: Cells, span: [f64; 2], above: Option<u32>) {
         let (level, [along, beside]) = self.choose(span, above);
         let strips = self.positions(along, area, span);
@@ -137,7 +137,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         }
     }
 
-    /// Enters a patch at a position among those of its level.
+    /// Enters a patch, given by its position in its level.
     #[inline]
     fn enter(&mut self, cells: Cells, level: Option<u32>, position: [u32; 2], span: [f64; 2]) {
         let field = self.field;

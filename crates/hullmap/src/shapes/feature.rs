@@ -270,8 +270,8 @@ pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, cone: &Cone) -> [Su
     std::array::from_fn(|i| shape.support_point(cone.tilted(i * STRIDE)))
 }
 
-/// Second stage of [`ring`]: queries the directions between those of `coarse` that have different
-/// support points.
+/// Second stage of [`ring`]: queries the directions between two neighbouring directions of `coarse`
+/// that have different support points.
 #[expect(clippy::indexing_slicing, reason = "the index is taken modulo the number of coarse directions")]
 pub(crate) fn refine<S: SupportMap + ?Sized>(
     shape: &S,

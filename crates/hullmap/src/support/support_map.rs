@@ -213,8 +213,8 @@ pub trait SupportMap {
         0.0
     }
 
-    /// Support point of the core in direction `dir`; by default that of the shape. The core has the
-    /// same [`interior_point`](Self::interior_point) as the shape.
+    /// Support point of the core in direction `dir`; by default the support point of the shape. The
+    /// core has the same [`interior_point`](Self::interior_point) as the shape.
     fn core_support_point(&self, dir: DVec3) -> SupportPoint {
         self.support_point(dir)
     }

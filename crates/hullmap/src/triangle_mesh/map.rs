@@ -44,7 +44,8 @@ impl TriangleMesh {
     /// # }
     /// ```
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        // SAFETY: the caller upholds the contract of this function, which is that of `open`.
+        // SAFETY: the caller upholds the contract of this function, which is the contract of
+        // `open`.
         unsafe { map::open(path.as_ref()) }
     }
 }

@@ -7,9 +7,9 @@
 //!
 //! # What an answer means
 //! Triangles are thin, and collide on both sides. `distance` is that to the nearest triangle.
-//! `contact` is that of the deepest triangle: the interval of its depth is proven for this triangle
-//! alone. The depth in a sheet is a convention: the shorter way out of the triangle, on either
-//! side.
+//! `contact` returns the contact with the deepest triangle: the interval of its depth is proven for
+//! this triangle only. The depth in a sheet is a convention: the shorter way out of the triangle,
+//! on either side.
 //!
 //! # Examples
 //! ```

@@ -3,7 +3,7 @@
 //! # Steps
 //! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifold of the pair.
-//! 3. Correct its normal if it is that of an internal edge of a compound.
+//! 3. Correct its normal if it comes from an internal edge of a compound.
 //! 4. Write its points. A point that hullmap kept retains the data that the engine stored in it.
 
 use hullmap::compound::seams::{self, Side, Union};

@@ -48,10 +48,10 @@ use surface_pair::surface_pair;
 /// Casts with rotation are hullmap's for these shapes, for compounds of them, and for half-spaces:
 /// [`cast_motion`](hullmap::cast_motion()). The time is the lower end of a proven interval, rounded
 /// down: until then, the shapes certainly do not meet, and no body passes through another. Its
-/// status is `Converged` if they are then as near as the tolerance asks, 1e-6 of the sum of their
-/// radii; `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and
-/// `Failed` after rounding error: then it is open whether they meet. Shapes that meet at the start,
-/// and are not to stop there, are judged by parry's rule.
+/// status is `Converged` if they are then within the tolerance, 1e-6 of the sum of their radii;
+/// `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and `Failed`
+/// after rounding error: then it is unknown whether they meet. For shapes that meet at the start
+/// and must not stop there, parry's rule decides.
 ///
 /// In Rapier, set it once:
 ///

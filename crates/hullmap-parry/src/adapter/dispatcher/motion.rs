@@ -10,7 +10,8 @@
 //!
 //! # Deviations
 //! parry advances along one direction until the separation there is zero, and ends at a miss if a
-//! bisection converges to the end: it misses grazing contacts, and those of shapes that turn far.
+//! bisection converges to the end: it misses grazing contacts, and contacts of shapes that turn
+//! far.
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::{HalfSpace, Sphere};
@@ -31,13 +32,13 @@ use super::nearby::{Ball, first_hit};
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
 
-/// Radius of the core of a body, as a part of that of the largest ball inside.
+/// Radius of the core of a body, relative to the radius of the largest ball inside.
 const CORE: f64 = 0.5;
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
 const SURFACE_QUERIES: u32 = 4_000;
 
-/// Number of balls that cover the way of a body on a surface.
+/// Number of balls that cover the path of a body on a surface.
 const BALLS: u32 = 16;
 
 /// Allowance for rounding when the ways of two pieces are compared, relative to the lengths.

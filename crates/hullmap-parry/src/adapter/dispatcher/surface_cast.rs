@@ -20,10 +20,10 @@ use super::nearby::{Ball, first_hit};
 use super::nearest::Nearest;
 use super::surface_pair::{Part, SurfacePair};
 
-/// Number of balls that cover the way of a body.
+/// Number of balls that cover the path of a body.
 const BALLS: u32 = 32;
 
-/// The first hit of a pair: arguments and answers as those of [`cast`](super::cast::cast).
+/// The first hit of a pair: arguments and answers as in [`cast`](super::cast::cast).
 pub(super) fn cast(
     pair: &SurfacePair<'_>,
     velocity12: Vector,
@@ -112,7 +112,7 @@ fn convex_cast(
     Some((impact, contact))
 }
 
-/// Balls that cover the way of a piece, until it is beyond the tile.
+/// Balls that cover the path of a piece, until it is beyond the tile.
 fn way(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, velocity: DVec3) -> impl Iterator<Item = Ball> {
     let shape = piece.shape();
     let (center, radius) = (b_in_a.transform_point(shape.interior_point()), shape.outer_radius() + cast.target);

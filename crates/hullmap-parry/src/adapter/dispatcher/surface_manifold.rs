@@ -37,8 +37,8 @@ use super::surface_pair::{Part, SurfacePair};
 /// Number of triangles that a piece may touch on a tile before more memory is allocated: 40 KB.
 const FEW: usize = 8;
 
-/// Maximum number of triangles that a piece may touch on a tile: 2.5 MB. With more, those of the
-/// last step stay, and others are ignored.
+/// Maximum number of triangles that a piece may touch on a tile: 2.5 MB. If there are more, the
+/// triangles of the last step stay, and others are ignored.
 const MOST: usize = 512;
 
 /// Part of the prediction up to which a body may move before its points are computed anew: more
@@ -214,7 +214,7 @@ impl SurfaceMemory {
         points
     }
 
-    /// Replaces the manifolds by those of the points that stay.
+    /// Replaces the manifolds by manifolds of the points that stay.
     fn write<M, C>(
         &mut self,
         points: &[Point],

@@ -126,7 +126,7 @@ impl Part<'_> {
         [self.tile.subshape(triangle), self.piece.subshape]
     }
 
-    /// What was found in the frame of the tile, in that of the surface.
+    /// Converts an answer from the frame of the tile to the frame of the surface.
     pub(super) fn nearest_in_surface(&self, found: Nearest) -> Nearest {
         let place = self.tile.place();
         Nearest {
@@ -137,7 +137,7 @@ impl Part<'_> {
         }
     }
 
-    /// An impact in the frame of the tile, in that of the surface.
+    /// Converts an impact from the frame of the tile to the frame of the surface.
     pub(super) fn in_surface(&self, impact: &Impact) -> Impact {
         let place = self.tile.place();
         Impact {

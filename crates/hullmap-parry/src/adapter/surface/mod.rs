@@ -160,7 +160,7 @@ impl BakedSurface {
         &self.content.tiles
     }
 
-    /// Number of triangles of all tiles; those of holes count.
+    /// Number of triangles of all tiles, including the triangles of holes.
     pub fn triangle_count(&self) -> usize {
         self.tiles().iter().map(SurfaceTile::triangle_count).sum()
     }

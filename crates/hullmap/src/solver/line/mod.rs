@@ -213,8 +213,8 @@ fn safer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if off(&last.1) > off(&first.1) + search.clip.noise { first } else { last }
 }
 
-/// The answer from the portal where the line enters the set, at parameter `at`. `error` is that of
-/// `at` if the hit is certain.
+/// The answer from the portal where the line enters the set, at parameter `at`. `error` is the
+/// error of `at` if the hit is certain.
 fn enclose<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     search: &mut LineSearch<'_, '_, A, B>,
     query: &LineQuery,

@@ -29,8 +29,7 @@ const MAX_IN_PLANE: usize = 16;
 
 /// The vertices of a shape in its support plane.
 struct Feature {
-    /// In A's frame. B's are those of the mirrored shape, so that sums are points of the
-    /// difference.
+    /// In A's frame. B's points are mirrored, so that sums are points of the difference.
     points: [DVec3; MAX_IN_PLANE],
     count: usize,
 }
@@ -130,7 +129,7 @@ struct NearPass<'p, const P: usize> {
     /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
-    /// The vertices of B, and those of A.
+    /// The vertices of B, and the vertices of A.
     near: [LaneSet; 2],
 }
 
