@@ -50,8 +50,8 @@ pub struct Remark {
 /// meshes with bevels and screw heads stay below.
 const HOLLOW: f64 = 0.1;
 
-/// Warnings and notes about baked hulls, simplified hulls first. `is_cut` tells of each, by its
-/// index, whether it is a part into which the bake cut a mesh.
+/// Warnings and notes about baked hulls, simplified hulls first. `is_cut` returns, for the index of
+/// a hull, whether the bake made the hull as a part of a mesh.
 pub fn of_hulls(hulls: &[BakedHull], is_cut: impl Fn(usize) -> bool) -> Vec<Remark> {
     let of = |(index, baked)| HullMeasures { is_cut: is_cut(index), ..HullMeasures::of(baked) };
     let measures = || hulls.iter().enumerate().map(of);

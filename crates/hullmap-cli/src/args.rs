@@ -44,7 +44,8 @@ const FARM: &str = "Farm";
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
 
-// The first line says how to start, since the help fits a screen. docs/COMMAND.md lists exit codes.
+// The first line states how to start, so that the help fits a screen. docs/COMMAND.md lists exit
+// codes.
 /// Turn render meshes into collision hulls. Start: `bake build FOLDER --out DIR`.
 #[derive(Debug, Parser)]
 #[command(name = "bake", version, disable_help_subcommand = true)]
@@ -734,7 +735,7 @@ fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsStrin
 /// An error of a subcommand, with its usage.
 fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
     let mut command = command(program);
-    // A subcommand knows its full name only after this.
+    // Only after this call does a subcommand have its full name.
     command.build();
     match command.find_subcommand_mut(subcommand) {
         Some(subcommand) => subcommand.error(kind, message),

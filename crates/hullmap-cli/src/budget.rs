@@ -125,7 +125,7 @@ pub fn budget(name: &str) -> Option<&'static Budget> {
     BUDGETS.iter().find(|budget| budget.name == name)
 }
 
-/// What the limits are about, of one hull.
+/// The figures of one hull that the limits apply to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Number of vertices.
@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(Figures::new(&[[0.0; 3]; 3], &[], DVec3::ZERO).vertices, 3);
     }
 
-    /// By Euler's formula, 44 vertices are the most of which 128 edges are enough.
+    /// By Euler's formula, a hull of at most 44 vertices has at most 128 edges.
     #[test]
     fn the_sure_number_of_vertices_is_the_largest() {
         let sure: Vec<u32> = BUDGETS.iter().map(Budget::sure_vertices).collect();

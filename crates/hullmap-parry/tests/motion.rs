@@ -123,7 +123,7 @@ impl Case<'_> {
         gaps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the solids overlap at a time, as far as rounding error can tell.
+    /// Whether the solids overlap at a time, up to rounding error.
     fn overlaps(&self, t: f64) -> bool {
         self.apart(t) < 1e-9
     }
@@ -162,7 +162,7 @@ impl Case<'_> {
     }
 }
 
-/// What became of many casts.
+/// Results of many casts.
 #[derive(Debug, Default)]
 struct Counts {
     hits: usize,

@@ -56,7 +56,7 @@ impl Default for RobotClearance {
     }
 }
 
-/// What decides.
+/// The pair that decides.
 #[derive(Clone, Copy)]
 enum Answer {
     Apart(Found<Distance>),

@@ -6,8 +6,7 @@
 //! 2. Each of them is placed in its parent by its frame at rest, then by each of its joints.
 //!
 //! A configuration has one number for each hinge and each slider that follows no other joint. Ball
-//! joints and free joints stay where they are at rest; whoever moves them passes the poses of
-//! links.
+//! joints and free joints stay where they are at rest. To move them, pass the poses of links.
 
 use glam::{DQuat, DVec3};
 use hullmap_robot::{Chain, Coupling, Frame, Motion};

@@ -1,5 +1,5 @@
-//! What a thread remembers from one configuration to the next: caches, and memory for results on
-//! the way.
+//! What a thread keeps from one configuration to the next: caches, and memory for intermediate
+//! results.
 
 use glam::DVec3;
 use hullmap_robot::Frame;

@@ -1,4 +1,4 @@
-//! What a robot must not touch besides itself.
+//! Obstacles: shapes that a robot must not touch.
 
 use std::sync::Arc;
 

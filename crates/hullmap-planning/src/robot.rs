@@ -97,7 +97,7 @@ pub struct JointFacts {
     pub is_slider: bool,
 }
 
-/// A robot, as planners ask about it.
+/// A robot for collision queries of planners.
 ///
 /// The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a
 /// joint connects, or none, are not tested against each other, nor are pairs that are allowed to
@@ -122,13 +122,13 @@ pub struct Robot {
     pub(crate) obstacles: Vec<Placed>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) couples: Vec<Couple>,
-    /// What is left out, and why.
+    /// Geometry that is ignored, and the reason.
     pub notes: Vec<String>,
 }
 
 impl Robot {
-    /// Reads a robot from a URDF, MJCF or SDF file. `places` says where its packages lie, and
-    /// `packs` where the hulls of its meshes come from.
+    /// Reads a robot from a URDF, MJCF or SDF file. `places` has the folders of its packages, and
+    /// `packs` the hulls of its meshes.
     ///
     /// # Errors
     /// The description or a mesh cannot be read, or a collision has no shape that can be queried.

@@ -268,7 +268,7 @@ fn compare_surface(mesh: &TriangleMesh, triangles: &[[DVec3; 3]], findings: &mut
                 });
             }
         }
-        // Where rounding decides, what the file says counts.
+        // If rounding decides, the class in the file is accepted.
         let class = class(sides[0]).filter(|class| expected.contains(class)).unwrap_or(expected[0]);
         for end in key {
             if let Some(at) = at_vertices.get_mut(end as usize) {

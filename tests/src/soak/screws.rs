@@ -1,7 +1,7 @@
 //! Times of impact of small hulls that move and turn, in exact arithmetic.
 //!
-//! The soak of motions samples times, and trusts the distance query. Here integers decide, for all
-//! times at once:
+//! The soak of motions samples times, and relies on the distance query. Here integers decide, for
+//! all times at once:
 //!
 //! | claim | proof |
 //! |---|---|

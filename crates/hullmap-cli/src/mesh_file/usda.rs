@@ -174,7 +174,7 @@ fn metadata(layer: &UsdLayer<'_>) -> Result<String, UsdError> {
     Ok(text + &format!("    upAxis = \"{}\"\n)\n", layer.up_axis))
 }
 
-/// A prim of the asset, and what the layer says about it and the prims below it.
+/// A prim of the asset, and what the layer states about it and the prims below it.
 #[derive(Default)]
 struct Prim {
     is_off: bool,

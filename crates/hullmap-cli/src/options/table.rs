@@ -59,7 +59,7 @@ pub enum DefaultValue {
     },
 }
 
-/// Section of the help: what people want to change.
+/// Section of the help, by what an option changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     /// The shape of a hull, its size and its frame.

@@ -130,7 +130,7 @@ fn rows(client: &Client, batch: &Batch, outcome: &Outcome) -> Result<HashMap<Str
     Ok(rows)
 }
 
-/// Takes what only the worker knows, with paths as they are here.
+/// Takes the fields that only the worker can fill, with paths on this machine.
 fn take(found: &Row, member: &Member, row: &mut Row) {
     let here = |text: &str| text.replace(&member.source, &row.source).replace(&member.pack, &row.output);
     let remarks = |list: &[String]| bounded_remarks(list.iter().map(String::as_str), here);

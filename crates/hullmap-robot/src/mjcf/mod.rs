@@ -222,7 +222,7 @@ impl<'a> Reader<'a> {
         Ok((links, geoms, chain))
     }
 
-    /// A body as a link. Adds what its edits need to know of its geoms.
+    /// A body as a link. Adds the facts about its geoms that edits need.
     fn link(
         &self,
         body: Element<'a>,

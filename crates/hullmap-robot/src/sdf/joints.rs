@@ -50,7 +50,7 @@ struct Reader<'a, 'd> {
     document: &'d Document,
     /// Joints of the chain by the start of their element, and the name of their axis.
     named: HashMap<(usize, &'static str), usize>,
-    /// Followers, their model, and the element that says so.
+    /// Joints that follow others, their model, and the element that states it.
     mimics: Vec<(usize, Node<'a, 'a>, Node<'a, 'a>)>,
 }
 

@@ -164,7 +164,7 @@ impl CompoundManifolds {
     /// Of each tile near a body, the caller keeps manifolds of its own. See [`Joined`].
     ///
     /// # Complexity
-    /// As [`update`](Self::update); a correction also asks the other tiles.
+    /// As [`update`](Self::update), but the correction also tests the other tiles.
     pub fn update_joined<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         joined: &Joined<'_>,

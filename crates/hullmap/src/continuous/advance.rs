@@ -146,7 +146,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
     }
 }
 
-/// What a direction is fixed to.
+/// The frame in which a direction is fixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Frame {
     #[default]
@@ -262,7 +262,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         Moment { t, places: [self.a.place(t), self.b.place(t)] }
     }
 
-    /// What directions can be fixed to, `first` before the others.
+    /// The frames in which directions can be fixed, starting with `first`.
     fn frames(&self, first: Frame) -> impl Iterator<Item = Frame> {
         let others = [Frame::Space, Frame::A, Frame::B].into_iter().filter(move |frame| *frame != first);
         std::iter::once(first).chain(others).filter(|frame| match frame {

@@ -1,4 +1,4 @@
-//! Whether two bodies stay clear of each other during a motion, as planners ask.
+//! Whether two bodies stay clear of each other during a motion, for planners.
 //!
 //! # Steps
 //! 1. Search for the first time at which they are within the margin, as

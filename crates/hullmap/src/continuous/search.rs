@@ -33,14 +33,15 @@ const LAST: f64 = 2.5;
 /// room for a step.
 const MAX_SHARE: f64 = 0.95;
 
-/// What searches are to prove, and what they found: of one pair, or of many that share a budget.
+/// The goal of searches, and what they found so far, for one pair or for many pairs that share a
+/// budget.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal {
     /// Bodies meet when their distance is at most this.
     margin: f64,
     /// Bodies that certainly do not meet are to be farther apart than this share of `nearest`.
     share: f64,
-    /// Whether a time is wanted at which the bodies certainly meet.
+    /// Whether the search also looks for a time at which the bodies certainly meet.
     seeks_meeting: bool,
     /// The least upper bound of a distance at any time that was tried.
     pub(crate) nearest: f64,
@@ -105,7 +106,7 @@ pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     goal: &'g mut Goal,
     /// The time of the last distance query.
     here: Moment,
-    /// What the direction of the last step was fixed to.
+    /// The frame in which the direction of the last step was fixed.
     frame: Frame,
     /// The answer so far: until `t_lower`, the bodies are certainly farther apart than the target.
     found: TimeOfImpact,

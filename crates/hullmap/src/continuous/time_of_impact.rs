@@ -18,8 +18,8 @@ pub struct TimeOfImpact {
     ///   computed there. All times are 0.
     /// - [`Within`](Status::Within): a hit in the interval. At `t_lower` the shapes are within the
     ///   tolerance of the target distance.
-    /// - [`Touching`](Status::Touching): the shapes come as close as rounding error can tell, and
-    ///   may graze each other without meeting. If they meet, they do so in the interval.
+    /// - [`Touching`](Status::Touching): the shapes come within rounding error of each other, and
+    ///   may graze without meeting. If they meet, they do so in the interval.
     /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): it is open
     ///   whether they meet. If they do, it is in the interval.
     pub status: Status,

@@ -116,7 +116,7 @@ impl Patch {
         self.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The points as the choice of four sees them.
+    /// The points in the form that the choice of four needs.
     pub(super) fn spots(&self) -> Spots {
         let mut spots = Spots { spots: [Spot::default(); MAX_POINTS + 1], count: self.count };
         for (spot, point) in spots.spots.iter_mut().zip(self.points()) {
@@ -151,7 +151,7 @@ impl Patch {
     }
 }
 
-/// Points of a patch, as the choice of four sees them.
+/// Points of a patch, in the form that the choice of four needs.
 pub(super) struct Spots {
     spots: [Spot; MAX_POINTS + 1],
     count: usize,

@@ -2,8 +2,8 @@
 //! clips.
 //!
 //! For any support mapping, [`ring`] finds the feature with support queries in directions that are
-//! tilted slightly to all sides. Shapes that know their faces return them directly, which is faster
-//! and more accurate.
+//! tilted slightly to all sides. Shapes with known faces return them directly, which is faster and
+//! more accurate.
 //!
 //! # Reference
 //! Kenwright, section 3 ("contact manifold generation"). Tilted directions: Olsen, "Convex

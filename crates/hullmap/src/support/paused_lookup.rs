@@ -17,7 +17,7 @@ pub struct Lookup {
     pub(crate) kind: LookupKind,
 }
 
-/// What a look-up has come to.
+/// The state of a look-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LookupKind {
     /// A word of the direction index.

@@ -175,8 +175,9 @@ pub trait SupportMap {
         false
     }
 
-    /// Starts the look-up of [`support_point`](Self::support_point) in direction `dir`, and tells
-    /// the processor to fetch what it reads next. Batches use it to keep several queries in flight.
+    /// Starts the look-up of [`support_point`](Self::support_point) in direction `dir`, and makes
+    /// the processor fetch the memory that it reads next. Batches use it to keep several queries in
+    /// flight.
     #[doc(hidden)]
     fn start_lookup(&self, dir: DVec3) -> Lookup {
         let _ = dir;

@@ -1,5 +1,5 @@
 //! Farthest points along fixed directions, of groups of points. The extremes of several groups are
-//! the extremes of their union, so that a trial need not see every point again.
+//! the extremes of their union, so that a trial need not visit every point again.
 
 use std::sync::LazyLock;
 

@@ -174,7 +174,7 @@ impl Export<'_> {
     }
 }
 
-/// The format: as given, as the extension of the target says, or the one that the engine reads
+/// The format: the given one, the one of the target's extension, or the one that the engine reads
 /// best. With `is_folder`, `--out` is a folder.
 fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
     if let Some(into) = &args.into {

@@ -223,7 +223,7 @@ impl Added<'_> {
     }
 }
 
-/// What of a document decides where colliders go.
+/// The members of a document that decide where colliders are added.
 #[derive(Debug, Deserialize)]
 struct Document {
     #[serde(default)]

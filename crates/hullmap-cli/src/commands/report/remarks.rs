@@ -64,7 +64,7 @@ fn fit(parts: &[Hull]) -> Option<PartsFit> {
     Some(PartsFit { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
 }
 
-/// Remarks on one hull; `is_cut` says whether the bake cut it from a mesh.
+/// Remarks on one hull; `is_cut` states whether the bake made it as a part of a mesh.
 fn about_hull(hull: &Hull, is_cut: bool) -> Vec<Remark> {
     let max_coordinate = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
     let measures = HullMeasures {

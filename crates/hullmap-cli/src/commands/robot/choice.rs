@@ -1,4 +1,4 @@
-//! What becomes of each collision: a hull, parts, or what it is.
+//! Decides what replaces each collision: a hull, parts, or nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ use crate::outcome::Failure;
 /// Options that are lengths of the robot, in metres.
 const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
 
-/// What becomes of a shape.
+/// What replaces a shape.
 #[derive(Debug)]
 pub enum Choice {
     /// These hulls: an index among [`Choices::hulls`].
@@ -42,7 +42,7 @@ pub struct ShapeChoice {
     pub shape: usize,
     /// Whether a collision is made from a visual.
     pub from_visual: bool,
-    /// What becomes of it.
+    /// What replaces it.
     pub choice: Choice,
 }
 

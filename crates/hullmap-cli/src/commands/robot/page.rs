@@ -40,7 +40,7 @@ fn key(mesh: &MeshUse) -> Option<FileKey> {
 pub struct Gatherer<'a> {
     /// The description.
     pub description: &'a Description,
-    /// What becomes of its collisions.
+    /// What replaces its collisions.
     pub choices: &'a Choices,
     /// The hulls of the meshes.
     pub hulls: &'a [Hulls],

@@ -243,8 +243,9 @@ impl QueryDispatcher for HullDispatcher {
         DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
     }
 
-    /// By hullmap for convex shapes that it knows, compounds of them, surfaces and half-spaces. The
-    /// time is the lower end of a proven interval: until then, the shapes certainly do not meet.
+    /// hullmap solves convex shapes that it supports, compounds of them, surfaces and half-spaces.
+    /// The time is the lower end of a proven interval: until then, the shapes certainly do not
+    /// meet.
     fn cast_shapes_nonlinear(
         &self,
         motion1: &NonlinearRigidMotion,

@@ -65,7 +65,7 @@ impl<'s> Body<'s> {
 }
 
 /// The first meeting of two bodies in a window of parry's time. The outer `None` is for pairs that
-/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule asks
+/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule queries
 /// `dispatcher` for distances and contacts.
 pub(super) fn cast(
     dispatcher: &dyn QueryDispatcher,

@@ -1,5 +1,5 @@
-//! Implements parry's `contact_manifolds`: hullmap solves the pairs that it knows, parry the rest,
-//! and parts of composite shapes come back to this dispatcher.
+//! Implements parry's `contact_manifolds`: hullmap solves the pairs that it supports, parry solves
+//! the others, and the parts of composite shapes are passed to this dispatcher again.
 
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;

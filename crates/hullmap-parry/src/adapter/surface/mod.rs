@@ -32,8 +32,9 @@ pub(super) use tile::{TileUnion, on_sheet};
 /// query.
 ///
 /// # Tiles that meet
-/// Rapier passes pairs of colliders to the dispatcher. A pair does not know the collider beside it.
-/// So tiles that meet should be one shape: see [`joined`](Self::joined).
+/// Rapier passes pairs of colliders to the dispatcher. The dispatcher gets one pair of colliders at
+/// a time, without the colliders beside them. So tiles that meet should be one shape: see
+/// [`joined`](Self::joined).
 ///
 /// # Examples
 /// ```

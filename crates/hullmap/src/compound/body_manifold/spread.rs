@@ -99,7 +99,7 @@ pub(super) fn reduce(corners: &mut Vec<usize>, most: usize, kept: usize, at: imp
     }
 }
 
-/// What the corners of a convex polygon, in order, span.
+/// Area that the corners of a convex polygon span, in order.
 pub(super) fn span(corners: &[usize], at: impl Fn(usize) -> DVec2) -> Span {
     let Some(first) = corners.first().map(|corner| at(*corner)) else { return Span::default() };
     let pairs = corners.iter().zip(corners.iter().skip(1));
@@ -108,7 +108,7 @@ pub(super) fn span(corners: &[usize], at: impl Fn(usize) -> DVec2) -> Span {
     Span { area, length }
 }
 
-/// What points span.
+/// Area that points span.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Span {
     area: f64,
