@@ -1,13 +1,13 @@
-//! Whether an edge in joint space is free: proven for all of its configurations, and not for
+//! Whether an edge in joint space is free: proven for all of its configurations, not only for
 //! samples.
 //!
 //! # Steps
-//! 1. Both ends. An end that certainly touches is a hit.
-//! 2. An interval of the edge: the configuration in its middle, and a bound on how far each body
-//!    moves from there (`motion_bound`). A pair whose distance exceeds the motion of both is apart
-//!    in the whole interval.
-//! 3. The pairs that are left are tested in both halves of the interval, the earlier half first.
-//! 4. If the edge is free, and the clearance that is proven is low, once more with a higher target.
+//! 1. Test both ends. An end that certainly touches is a hit.
+//! 2. For an interval of the edge, compute the configuration in its middle, and a bound on how far
+//!    each body moves from there (`motion_bound`). A pair whose distance exceeds the motion of both
+//!    is apart in the whole interval.
+//! 3. Test the remaining pairs in both halves of the interval, the earlier half first.
+//! 4. If the edge is free, but the proven clearance is low, repeat with a higher target.
 //!
 //! # Reference
 //! Schwarzer, Saha, Latombe 2005. docs/intervals.md, section 17, has the proof.

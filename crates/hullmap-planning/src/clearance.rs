@@ -1,11 +1,11 @@
-//! The clearance of a robot in one configuration: how far the nearest pair is apart, or how deep
-//! the deepest one overlaps, and its derivatives.
+//! The clearance of a robot in one configuration, and its derivatives: the distance of the nearest
+//! pair, or minus the depth of the deepest pair.
 //!
 //! # Steps
-//! 1. A lower bound of the distance of each couple of links, by the balls around them.
-//! 2. The distance of the couple with the least bound, then of those whose bound is lower than the
-//!    least distance so far.
-//! 3. If bodies overlap, the depths of all pairs whose balls overlap.
+//! 1. Compute a lower bound of the distance of each couple of links, from the balls around them.
+//! 2. Compute the distance of the couple with the least bound, then of all couples whose bound is
+//!    lower than the least distance so far.
+//! 3. If bodies overlap, compute the depths of all pairs whose balls overlap.
 
 use glam::DVec3;
 use hullmap::{Contact, Derivatives, Differentiability, Distance, Pose, PoseDerivative, Settings, Status};

@@ -1,4 +1,4 @@
-//! What is wrong with a robot or a configuration, and the remedy.
+//! Errors of robots and configurations, each with the remedy.
 
 use std::path::PathBuf;
 

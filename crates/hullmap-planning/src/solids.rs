@@ -1,4 +1,4 @@
-//! The collisions of links as convex shapes that can be queried.
+//! The collision geometry of links as convex shapes that can be queried.
 
 use std::sync::Arc;
 

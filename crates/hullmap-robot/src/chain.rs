@@ -1,7 +1,8 @@
 //! The kinematic chain of a description: which joint moves which link, and forward kinematics.
 //!
 //! A link is placed in its parent by a frame at rest, then by each of its joints, in their order.
-//! That is MuJoCo's form. URDF and SDF are a special case, with at most one joint a link, or two.
+//! This is MuJoCo's model. URDF and SDF are a special case, with at most one or two joints per
+//! link.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/modeling.html#kinematic-tree>

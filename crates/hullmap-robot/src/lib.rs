@@ -1,8 +1,8 @@
 //! Robot descriptions: finds the collision geometry of URDF, MJCF and SDF files, and edits it in
 //! place.
 //!
-//! 1. [`Description::read`] reads a file, and those that it includes. [`Places`] has the folders of
-//!    meshes and packages. The result lists links, their collisions and visuals.
+//! 1. [`Description::read`] reads a file, and the files that it includes. [`Places`] has the
+//!    folders of meshes and packages. The result lists links, their collisions and visuals.
 //! 2. The caller makes hulls of the meshes, and passes the changes: a list of [`Change`].
 //! 3. [`Description::changed`] returns the bytes of each file.
 //!

@@ -15,8 +15,8 @@
 //!    axis first.
 //! 3. Test the bounding boxes, also read from the records, on the 15 axes that can separate two
 //!    boxes (SAT).
-//! 4. Test the outer hulls where they are cheaper than the hulls. An outer hull has at most 64
-//!    vertices; a hull of up to 32 vertices has none and stands in for it.
+//! 4. Test the outer hulls if they are cheaper than the hulls. An outer hull has at most 64
+//!    vertices; a hull of up to 32 vertices has none and is used itself.
 //! 5. Test the hulls.
 //!
 //! # Deviations

@@ -2,7 +2,8 @@
 //!
 //! A geom collides unless `contype` and `conaffinity` are both 0. In many models it is drawn, and
 //! gives the body its mass, too. So a geom that is drawn, or whose mass counts, gets a copy that
-//! does neither collide nor have a name: model and masses stay what they are, to the bit.
+//! does not collide and has no name. The look of the model and its masses stay the same, to the
+//! bit.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>

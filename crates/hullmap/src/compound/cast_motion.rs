@@ -2,8 +2,9 @@
 //!
 //! # Steps
 //! 1. Visit the pairs of boxes of both trees, those that may meet first before the others. A search
-//!    of few queries on the moving boxes shows until when they certainly do not meet. The boxes
-//!    inside start there, and pairs that cannot meet before the first certain meeting are skipped.
+//!    of few queries on the moving boxes gives a time until which they certainly do not meet. The
+//!    boxes inside start at that time, and pairs that cannot meet before the first certain meeting
+//!    are skipped.
 //! 2. Search each pair of parts by itself, from the time of its boxes up to the first certain
 //!    meeting so far.
 //! 3. The first meeting has the minimum of all lower bounds and the minimum of all upper bounds.

@@ -7,16 +7,16 @@
 //! # The bounds
 //! The *separation* along a unit direction n is the gap between the planes perpendicular to n
 //! through the support points of both shapes. It is computed at the two ends of an interval of
-//! time. In between it is at least the lower of the two, less a *bulge*, which falls with the
+//! time. In between it is at least the lower of the two minus a *bulge*, which falls with the
 //! square of the interval.
 //!
 //! - n is fixed in space: each shape that turns adds a bulge. For an angle φ it is (1/cos(φ/2) − 1)
 //!   times the extent of the shape, from the point about which it turns, in the direction of n in
-//!   the plane of rotation. So translations cost nothing, and neither does the length of a shape
+//!   the plane of rotation. So translations add nothing, and neither does the length of a shape
 //!   along its axis.
 //! - n turns with one of the shapes, as the normal of its face does. Then the extent is the extent
-//!   of the other shape on the far side of the point about which the first one turns. Usually it is
-//!   0. Motion of the other shape adds a *drift*.
+//!   of the other shape on the far side of the point about which the first one turns. It is usually
+//!   zero. Motion of the other shape adds a *drift*.
 
 use glam::{DMat3, DVec3};
 

@@ -1,11 +1,12 @@
 //! The first time at which two moving bodies come within a distance of each other.
 //!
 //! # Steps
-//! 1. The distance of the bodies at a time up to which they are certainly farther apart, and its
-//!    direction.
-//! 2. The longest step in which they certainly stay so along that direction (`advance`).
-//! 3. Repeat from the end of the step, until they are certainly apart until the end, or near each
-//!    other. Then look for a time at which they are certainly within the distance.
+//! 1. Compute the distance of the bodies and its direction, at a time up to which they are
+//!    certainly farther apart than the target.
+//! 2. Take the longest step during which they certainly stay apart along that direction
+//!    (`advance`).
+//! 3. Repeat from the end of the step, until the end of the motion is reached, or the bodies are
+//!    near each other. Then look for a time at which they are certainly within the distance.
 //!
 //! # Reference
 //! Mirtich 1996 (conservative advancement); Catto, "Continuous collision", GDC 2013, for steps

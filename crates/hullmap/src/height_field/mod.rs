@@ -1,11 +1,11 @@
 //! Static height fields: ground whose heights are known on a regular grid.
 //!
-//! `bake build --height-field` and `hullmap_bake::height_field` bake the file. A [`HeightField`] is
-//! one side of the queries in [`compound`](crate::compound), as a
-//! [`TriangleMesh`](crate::TriangleMesh) is: its parts are its triangles, two for each cell that is
-//! not a hole. They are found by a tree of height ranges. Neighbours and classes of edges follow
-//! from the grid. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each
-//! triangle that touches, with normals of the surface.
+//! `bake build --height-field` and `hullmap_bake::height_field` bake the file. The queries in
+//! [`compound`](crate::compound) take a [`HeightField`] like a
+//! [`TriangleMesh`](crate::TriangleMesh): its parts are its triangles, two for each cell that is
+//! not a hole. A tree of height ranges finds them. Neighbours and classes of edges follow from the
+//! grid. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that
+//! touches, with normals of the surface.
 //!
 //! # Frame
 //! Heights are along +z, columns along +x, rows along +y, as in MuJoCo. Vertex (column, row) is at

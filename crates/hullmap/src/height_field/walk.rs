@@ -5,7 +5,7 @@
 //!
 //! # Steps
 //! 1. Clip the ray by the box around the field.
-//! 2. Choose the patches to cross: the finest of which the ray crosses few.
+//! 2. Choose the patches to cross: the finest patches of which the ray crosses only a few.
 //! 3. Go from strip to strip, along the axis along which the ray crosses more of them. In a strip,
 //!    take the patches that the ray may meet there.
 //! 4. Clip the ray by the box of each. If it meets the box of a node, cross the patches inside in

@@ -23,7 +23,7 @@
 //!    so that it tips, consider vertices farther out.
 //! 6. Move points to the surfaces where features are not flat (`surface`).
 //! 7. Match each point with one of the last frame, by feature or else by position. A matched point
-//!    keeps what the caller stored in it.
+//!    keeps the caller's data.
 //!
 //! # Deviations
 //! - The paper collects points over several frames. Here all points are found at once, so a body is

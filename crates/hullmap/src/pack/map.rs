@@ -2,7 +2,7 @@
 //! from writing to a mapped file.
 //!
 //! Rust lets the compiler assume that the bytes of a `&[u8]` do not change while it is borrowed. A
-//! shared map of a file cannot promise that, so the promise is the caller's. `memmap2` and `fst`
+//! shared map of a file cannot guarantee that, so the caller has to promise it. `memmap2` and `fst`
 //! draw the same line.
 #![allow(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Half-space: everything below a plane. Its queries are closed forms with one support query.
+//! Half-space: everything below a plane. Its queries have closed forms, with one support query.
 //!
 //! # Steps
 //! 1. Query the support point of the other shape in the direction opposite to the normal: its

@@ -1,5 +1,5 @@
-//! Memory maps of triangle meshes: a constructor that is `unsafe`, for the reason that the map of a
-//! pack gives.
+//! Memory maps of triangle meshes: a constructor that is `unsafe`, for the same reason as maps of
+//! packs.
 #![allow(unsafe_code)]
 
 use std::path::Path;

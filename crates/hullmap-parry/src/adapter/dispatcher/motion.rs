@@ -5,8 +5,8 @@
 //!    The time is the lower end of the proven interval.
 //! 2. A pair that meets at the start is a hit if the caller stops at penetrations. Otherwise,
 //!    parry's rule decides whether the shapes would pass through each other, and when. In any case,
-//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets
-//!    to the other side. On a surface, this is done for each triangle near the way.
+//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets to
+//!    the other side. On a surface, this is done for each triangle near the path.
 //!
 //! # Deviations
 //! parry advances along one direction until the separation there is zero, and ends at a miss if a

@@ -1,4 +1,4 @@
-//! The triangles of a tile near a moving body, in the order of its way.
+//! The triangles of a tile near a moving body, in the order along its path.
 
 use hullmap::compound::seams::Union as _;
 use hullmap::glam::DVec3;

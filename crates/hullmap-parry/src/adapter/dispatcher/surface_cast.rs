@@ -1,10 +1,10 @@
 //! Linear shape casts of a surface and a body.
 //!
 //! # Steps
-//! 1. The first impact of all triangles and pieces.
-//! 2. If it is a contact at the start that is to be ignored, because the triangle and the piece
-//!    move apart: the body slides on the ground, and may meet other triangles. Then, cast on each
-//!    triangle near the way, by the rule for two convex shapes.
+//! 1. Find the first impact of all triangles and pieces.
+//! 2. A contact at the start is ignored if the triangle and the piece move apart. The body then
+//!    slides on the ground, and may meet other triangles. So cast on each triangle near the path,
+//!    by the rule for two convex shapes.
 
 use hullmap::compound::CompoundAnswer;
 use hullmap::glam::DVec3;

@@ -3,11 +3,11 @@
 //! # Steps
 //! 1. If the body has hardly moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifolds of each piece of the body on each tile near it. Tiles that meet
-//!    are joined, so normals at their common edges are those of one surface.
+//!    are joined, so normals at their common edges are normals of one surface.
 //! 3. Correct normals at internal edges of a body that is a compound.
 //! 4. Choose at most eight points for each tile and piece ([`BodyManifold`]), and of these at most
-//!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, the
-//!    others are where triangles end, and stop it as it rolls.
+//!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, its
+//!    other points are at the ends of triangles, and would slow it as it rolls.
 //! 5. Write a manifold of parry's for each piece and face of the surface, with the number of the
 //!    triangle that is deepest. A point that hullmap kept retains the data that the engine stored
 //!    in it.

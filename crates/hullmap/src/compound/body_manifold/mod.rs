@@ -11,7 +11,7 @@
 //!    without those that add little area ([`spread`]).
 //! 4. Keep the points of the last frame instead, with the deepest point, if they span at least 90 %
 //!    of the area of the best choice.
-//! 5. Chosen points that were chosen in the last frame keep what the caller stored in them.
+//! 5. Points that were also chosen in the last frame keep the caller's data.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (manifold reduction:

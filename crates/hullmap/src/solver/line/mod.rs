@@ -24,7 +24,7 @@
 //!   origin may be anywhere.
 //! - A ray that grazes C, so that rounding error decides between hit and miss, is neither. It has a
 //!   status of its own.
-//! - Van den Bergen's search (GJK) has lower bounds alone. It serves for rounded shapes, see
+//! - Van den Bergen's search (GJK) has lower bounds only. It is used for rounded shapes, see
 //!   [`rounded`](super::rounded).
 
 mod clearance;

@@ -2,8 +2,8 @@
 //! combination of all vertices in the plane.
 //!
 //! # Steps
-//! 1. Of each shape, collect the vertices that are in the support plane within rounding error: a
-//!    vertex, an edge, or a face. Of two parallel faces, these are two polygons.
+//! 1. For each shape, collect the vertices that are in the support plane within rounding error: a
+//!    vertex, an edge, or a face. For two parallel faces, these are two polygons.
 //! 2. Two edges cross, or a vertex is over a triangle: both give the points at once.
 //! 3. Else, GJK in the plane: combine up to three pairs of these vertices into the foot.
 
