@@ -17,7 +17,7 @@ use hullmap::{Clearance, Settings, Status, Verdict};
 use crate::error::PlanningError;
 use crate::memory::Memory;
 use crate::motion_bound::motions;
-use crate::robot::{Partner, Robot};
+use crate::robot::{BodyOrObstacle, Robot};
 
 /// Number of times that an interval is halved at most. Then a link of a metre moves by less than a
 /// picometre for each radian of the edge.
@@ -259,7 +259,7 @@ impl Search<'_> {
         let robot = self.robot;
         let pair = &robot.pairs[index];
         let mut motion = self.motion(pair.b, pair.shared, memory);
-        if let Partner::Body(a) = pair.a {
+        if let BodyOrObstacle::Body(a) = pair.a {
             motion += self.motion(a, pair.shared, memory);
         }
         let gap = robot.pair_gap(pair, memory);

@@ -14,7 +14,7 @@ use hullmap_robot::Motion;
 use crate::error::PlanningError;
 use crate::memory::Memory;
 use crate::queries::Found;
-use crate::robot::{Partner, Robot};
+use crate::robot::{BodyOrObstacle, Robot};
 
 /// Clearance of a robot in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -253,7 +253,7 @@ impl Robot {
         };
         let (normal, mut points) = (a.rotation * normal, points.map(|point| a.apply(point)));
         // The link comes first.
-        let is_obstacle = matches!(pair.a, Partner::Obstacle(_));
+        let is_obstacle = matches!(pair.a, BodyOrObstacle::Obstacle(_));
         if is_obstacle {
             points.reverse();
         }
@@ -285,7 +285,7 @@ impl Robot {
                     };
             }
         };
-        if let Partner::Body(a) = pair.a {
+        if let BodyOrObstacle::Body(a) = pair.a {
             add(a, found.of_a);
         }
         add(pair.b, found.of_b);

@@ -10,7 +10,7 @@ use hullmap_bake::{IndexKind, PointSet};
 use hullmap_import::{self as import, ImportOptions, Imported, Limits, ReadError, SourceFile, Split};
 use hullmap_robot::{MeshUse, Submesh};
 
-use crate::solids::hull_of;
+use crate::convex::hull_of;
 
 /// Where the hulls of meshes come from.
 ///

@@ -8,7 +8,7 @@ use hullmap::shapes::HalfSpace;
 use hullmap::{Compound, Pack, Pose};
 use hullmap_robot::Frame;
 
-use crate::solids::Convex;
+use crate::convex::Convex;
 
 /// The shape of an obstacle.
 #[derive(Clone)]

@@ -6,8 +6,8 @@ use hullmap::compound::{self, SharedSheet};
 use hullmap::shapes::{Cuboid, HalfSpace};
 use hullmap::{Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Overlap, Pack, Pose, Settings, Status};
 
+use crate::convex::{AnyShape, Convex};
 use crate::obstacle::ObstacleShape;
-use crate::solids::{AnyShape, Convex};
 
 /// Number of parts of obstacles that a body's cache remembers.
 const PART_SLOTS: usize = 16;

@@ -10,7 +10,7 @@ use crate::error::RobotError;
 use crate::frame::Frame;
 use crate::mjcf::model::Model;
 use crate::places::{Places, Scheme, Unresolved, package_of, relative};
-use crate::solid::Primitive;
+use crate::primitive::NamedPrimitive;
 
 /// Format of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,8 +118,8 @@ pub struct Shape {
 pub enum Geometry {
     /// A mesh.
     Mesh(MeshUse),
-    /// A box, cylinder, sphere or another solid with a name.
-    Primitive(Primitive),
+    /// A box, cylinder, sphere or another primitive.
+    Primitive(NamedPrimitive),
     /// What cannot become a hull, with the reason.
     Other(String),
 }

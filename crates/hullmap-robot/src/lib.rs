@@ -16,7 +16,7 @@
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `chain`, `frame` | joints, and where they move links |
 //! | `neighbours` | which links a joint connects |
-//! | `solid` | sizes of primitives |
+//! | `primitive` | sizes of primitives |
 //! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
 //! | `document` | bytes, encoding, and parsing within limits |
@@ -54,8 +54,8 @@ mod links;
 mod mjcf;
 mod neighbours;
 mod places;
+mod primitive;
 mod sdf;
-mod solid;
 mod srdf;
 mod urdf;
 
@@ -68,5 +68,5 @@ pub use frame::Frame;
 pub use glam;
 pub use neighbours::Neighbours;
 pub use places::{Places, Scheme, Unresolved, relative};
-pub use solid::{Primitive, Solid};
+pub use primitive::{NamedPrimitive, Primitive};
 pub use srdf::{DisabledPair, SRDF_FIRST_LINE, disabled_pairs, srdf};

@@ -27,7 +27,7 @@ use crate::document::Document;
 use crate::error::RobotError;
 use crate::frame::Frame;
 use crate::places::{Places, folder_of};
-use crate::solid::{Primitive, Solid};
+use crate::primitive::{NamedPrimitive, Primitive};
 use classes::Classes;
 pub(crate) use edits::edits;
 use model::{Geom, Model};
@@ -321,8 +321,8 @@ impl<'a> Reader<'a> {
             (kind @ ("plane" | "hfield" | "sdf"), _) => Geometry::Other(format!("`{kind}` is not a mesh")),
             (kind, _) => {
                 let size = get("size").and_then(numbers).unwrap_or_default();
-                let solid = if mesh.is_some() { None } else { solid(kind, size, ends.map(|(_, half)| half)) };
-                Geometry::Primitive(Primitive { name: kind.to_owned(), solid })
+                let shape = if mesh.is_some() { None } else { read_primitive(kind, size, ends.map(|(_, half)| half)) };
+                Geometry::Primitive(NamedPrimitive { name: kind.to_owned(), shape })
             }
         };
         let has_mass = match get("mass") {
@@ -376,13 +376,14 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The solid of a geom; `half_length` is that between its two points, if it states these.
-fn solid(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> Option<Solid> {
+/// The primitive of a geom. `half_length` is half of the distance of its two points, if it states
+/// them.
+fn read_primitive(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> Option<Primitive> {
     if let (Some(half_length), Some(&radius)) = (half_length, size.first()) {
         let is_long = matches!(kind, "box" | "ellipsoid");
         size = if is_long { vec![radius, radius, half_length] } else { vec![radius, half_length] };
     }
-    Solid::new(kind, &size)
+    Primitive::new(kind, &size)
 }
 
 /// Files that the model names by relative paths.

@@ -1,7 +1,6 @@
 //! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull or a
 //! surface.
 
-mod body;
 mod cast;
 mod compound_union;
 mod manifold;
@@ -13,6 +12,7 @@ mod pair;
 mod part_dispatcher;
 mod patches;
 mod persistent;
+mod pieces;
 mod primitive;
 mod surface_cast;
 mod surface_manifold;

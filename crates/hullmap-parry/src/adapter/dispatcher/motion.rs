@@ -25,8 +25,8 @@ use super::super::parry::query::details::NonlinearShapeCastMode;
 use super::super::parry::query::{NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
 use super::super::parry::shape::Shape;
 use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
-use super::body::{Piece, pieces};
 use super::nearby::{Ball, first_hit};
+use super::pieces::{Piece, pieces};
 
 /// A meeting that is less than this after the start counts as one at the start, as in parry. In the
 /// unit of time of the motions.

@@ -8,9 +8,9 @@ use super::super::parry::bounding_volume::Aabb;
 use super::super::parry::query::ShapeCastHit;
 use super::super::parry::shape::Shape;
 use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
-use super::body::{Piece, pieces};
 use super::nearest::Nearest;
 use super::pair::{Placement, placement};
+use super::pieces::{Piece, pieces};
 
 /// A surface, which is A, and a body, which is B.
 pub(super) struct SurfacePair<'s> {
