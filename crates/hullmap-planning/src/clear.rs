@@ -19,7 +19,7 @@ use crate::memory::Memory;
 use crate::motion_bound::motions;
 use crate::robot::{BodyOrObstacle, Robot};
 
-/// Number of times that an interval is halved at most. Then a link of a metre moves by less than a
+/// Maximum number of times that an interval is halved. Then a link of a metre moves by less than a
 /// picometre for each radian of the edge.
 const MAX_DEPTH: u32 = 40;
 
@@ -30,7 +30,7 @@ const DISTANCES: Settings = Settings { tolerance: 1e-3, max_iterations: Settings
 /// room for motion.
 const MAX_SHARE: f64 = 0.95;
 
-/// What [`Robot::clear`] proves, and at what cost.
+/// Settings of [`Robot::clear`]: what it proves, and at what cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSettings {
     /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and
@@ -74,11 +74,11 @@ impl Robot {
     /// grazes, or the limit of queries was reached.
     ///
     /// # Errors
-    /// `start` or `end` has another length than there are joints, or a number is out of range.
+    /// The length of `start` or `end` is not the number of joints, or a number is out of range.
     ///
     /// # Complexity
-    /// One or two configurations for an edge that is short for its clearance; about as many as the
-    /// length of the edge has clearances otherwise. No allocation after the first calls.
+    /// One or two configurations if the clearance is large compared with the edge; otherwise about
+    /// the length of the edge divided by its clearance. No allocation after the first calls.
     pub fn clear(
         &self,
         start: &[f64],
@@ -154,7 +154,7 @@ struct Search<'s> {
 }
 
 impl Search<'_> {
-    /// Tests an end, at which the robot is placed, for a sure hit.
+    /// Tests whether the robot, which is placed at an end, certainly hits.
     fn try_end(&mut self, t: f64, memory: &mut Memory) {
         let robot = self.robot;
         for couple in &robot.couples {
@@ -186,7 +186,7 @@ impl Search<'_> {
         if self.share > 0.0 { self.margin.max(self.share * self.nearest.0) } else { self.margin }
     }
 
-    /// Whether nothing that is left can change the answer.
+    /// Whether the remaining intervals cannot change the answer.
     fn is_done(&self) -> bool {
         self.open_from.is_some() && (self.until < f64::INFINITY || self.budget == 0 || self.share > 0.0)
     }
@@ -282,7 +282,7 @@ impl Search<'_> {
         self.proves(found.lower - motion)
     }
 
-    /// Takes over a bound of a distance, if it exceeds the target.
+    /// Records a bound of a distance, if it exceeds the target.
     fn proves(&mut self, least: f64) -> bool {
         // NaN takes the failing branch.
         let is_proof = least > self.target();

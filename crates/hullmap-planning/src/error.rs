@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use hullmap_robot::RobotError;
 
-/// Why a robot cannot be made or queried.
+/// Why a robot cannot be built or queried.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanningError {
     /// The description cannot be read, or is invalid.
@@ -27,7 +27,7 @@ pub enum PlanningError {
     UnknownName {
         /// The name.
         name: String,
-        /// Some of the names that there are.
+        /// Some of the known names.
         known: Vec<String>,
     },
     /// An obstacle has a name that is in use.

@@ -11,7 +11,7 @@
 use glam::{DQuat, DVec3};
 use hullmap_robot::{Chain, Coupling, Frame, Motion};
 
-/// A joint, as its link is placed by it.
+/// A joint, with the data that places its link.
 #[derive(Clone, Debug)]
 pub struct Joint {
     /// How it moves its link.
@@ -34,7 +34,7 @@ struct Mover {
     joints: Vec<usize>,
 }
 
-/// A link, and the mover that it is a rigid part of.
+/// A link, and the moved link that it is a rigid part of.
 #[derive(Clone, Debug)]
 struct Carried {
     mover: usize,
@@ -241,8 +241,8 @@ impl Kinematics {
         }
     }
 
-    /// Derivatives by the numbers of a configuration, from those by the displacement of each joint,
-    /// which are used up.
+    /// Derivatives with respect to the numbers of a configuration, from derivatives with respect to
+    /// the displacement of each joint, which are overwritten.
     pub fn by_variables(&self, at: &Placement, by_joints: &mut [f64], out: &mut [f64]) {
         for &joint in self.followers.iter().rev() {
             let own = std::mem::take(&mut by_joints[joint]);
@@ -255,7 +255,7 @@ impl Kinematics {
 }
 
 /// Upper bound of the rounding error of points of a body whose pose is given, in relative poses: a
-/// length. `length` is the greatest one from which their positions are computed.
+/// length. `length` is the greatest length from which their positions are computed.
 pub fn noise_of_pose(length: f64) -> f64 {
     3.0 * STEP_ROUNDINGS * f64::EPSILON * length
 }

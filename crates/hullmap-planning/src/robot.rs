@@ -52,7 +52,7 @@ impl Body {
         Self { link, convex, in_link, contact_bits, ball, bounds: [centre, half] }
     }
 
-    /// Whether MuJoCo lets the two meet.
+    /// Whether `contype` and `conaffinity` of MuJoCo let the two collide.
     fn may_meet(&self, other: &Self) -> bool {
         let ([type_a, affinity_a], [type_b, affinity_b]) = (self.contact_bits, other.contact_bits);
         type_a & affinity_b != 0 || type_b & affinity_a != 0
@@ -100,8 +100,8 @@ pub struct JointFacts {
 /// A robot for collision queries of planners.
 ///
 /// The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a
-/// joint connects, or none, are not tested against each other, nor are pairs that are allowed to
-/// touch.
+/// joint connects, links that are connected rigidly, and pairs that are allowed to touch are not
+/// tested against each other.
 ///
 /// Lengths are in metres and angles in radians, as in the description. The world is the frame of
 /// the description's root.
@@ -134,7 +134,7 @@ impl Robot {
     /// The description or a mesh cannot be read, or a collision has no shape that can be queried.
     ///
     /// # Complexity
-    /// That of the hulls: O(n log n) for a mesh of n points without a pack.
+    /// The time to read or build the hulls: O(n log n) for a mesh of n points without a pack.
     pub fn read(file: &Path, places: &Places, packs: &mut Packs) -> Result<Self, PlanningError> {
         let description = Description::read(file, places)?;
         Self::new(&description, |mesh| packs.hulls(mesh))
@@ -222,7 +222,7 @@ impl Robot {
         &self.joints
     }
 
-    /// Number of numbers of a configuration.
+    /// How many numbers a configuration has.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
@@ -265,7 +265,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Removes all obstacles, and what was allowed for them.
+    /// Removes all obstacles, and the allowed pairs with them.
     pub fn clear_obstacles(&mut self) {
         self.obstacles.clear();
         let links = self.links.len();
@@ -273,7 +273,7 @@ impl Robot {
         self.list_pairs();
     }
 
-    /// Allows pairs of links, or of links and obstacles, to touch: they are not tested any more.
+    /// Allows pairs of links, or of links and obstacles, to touch: they are no longer tested.
     ///
     /// # Errors
     /// A name is unknown. Then nothing changes.
@@ -294,8 +294,8 @@ impl Robot {
         Ok(())
     }
 
-    /// Allows the pairs that an SRDF file disables. Names of links without a collision, or of other
-    /// robots, are passed over.
+    /// Allows the pairs that an SRDF file disables. Names of links without a collision, and of
+    /// other robots, are ignored.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -428,7 +428,7 @@ impl Robot {
         }
     }
 
-    /// The colliders of a partner, by its link, and of a link.
+    /// The colliders of a link or an obstacle `a`, and of a link.
     fn colliders(&self, a: BodyOrObstacle, b: usize) -> [usize; 2] {
         match a {
             BodyOrObstacle::Body(a) => [a, b],
@@ -448,7 +448,7 @@ impl Robot {
         }
     }
 
-    /// The same of a pair, by the balls around bodies.
+    /// The same for a pair, from the balls around bodies.
     pub(crate) fn pair_gap(&self, pair: &Pair, memory: &Memory) -> f64 {
         let centre = |body: &Body| memory.links[body.link].apply(body.ball.0);
         let b = &self.bodies[pair.b];
@@ -501,7 +501,7 @@ impl Robot {
         }
     }
 
-    /// A pair as the solver takes it.
+    /// A pair in the form that queries take.
     pub(crate) fn pairing(&self, index: usize, memory: &Memory) -> Pairing<'_> {
         let pair = &self.pairs[index];
         let (a, b) = (self.frame_of_a(pair, memory), self.body_frame(pair.b, memory));

@@ -54,7 +54,7 @@ impl<'o> Cast<'o> {
         !self.options.stop_at_penetration && normal.dot(self.velocity) >= 0.0
     }
 
-    /// A hit on the way.
+    /// A hit during the motion.
     pub(super) fn hit(&self, impact: &Impact) -> ShapeCastHit {
         let Impact { point_a, point_b, normal, t, status, .. } = *impact;
         // The point of B moved with it: subtract the motion.

@@ -63,7 +63,7 @@ where
     }
 
     /// parry calls this for the parts of composite shapes too. They have no `Memory`, so each
-    /// update starts from the normal of the last step alone.
+    /// update starts only from the normal of the last step.
     fn contact_manifold_convex_convex(
         &self,
         pos12: &Pose,

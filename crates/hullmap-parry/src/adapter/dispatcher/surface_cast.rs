@@ -62,7 +62,7 @@ fn part_cast(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, max_t: f6
     Some(CompoundAnswer { answer: as_if_grown(found.answer, cast.target), ..found })
 }
 
-/// The impact on a grown body, as one of the body on a grown surface, which [`Cast::hit`] expects.
+/// Converts an impact on a grown body to an impact on a grown surface, which [`Cast::hit`] expects.
 fn as_if_grown(impact: Impact, target: f64) -> Impact {
     let shift = impact.normal * target;
     Impact { point_a: impact.point_a + shift, point_b: impact.point_b + shift, ..impact }

@@ -123,8 +123,7 @@ impl SurfaceTile {
         }
     }
 
-    /// Material of a triangle, as the bake was given it; `None` in a hole, and beyond the last
-    /// triangle.
+    /// Material of a triangle, from the bake; `None` in a hole, and beyond the last triangle.
     pub fn material(&self, triangle: usize) -> Option<u16> {
         match &self.sheet {
             Sheet::Mesh(mesh) => mesh.material(triangle),
