@@ -22,7 +22,7 @@ const THIN: f64 = 1e4;
 const HUGE_VERTICES: usize = 1 << 16;
 
 /// Coordinate above which a hull is huge: its square overflows f32, and engines that measure
-/// distances in f32 get infinities. This is the only threshold with a unit, that of the source.
+/// distances in f32 get infinities. This is the only threshold with a unit: the unit of the source.
 const HUGE_COORDINATE: f64 = 1.8e19;
 
 /// Error relative to the size above which an inexact hull is a warning instead of a note: contacts
@@ -50,8 +50,8 @@ pub struct Remark {
 /// meshes with bevels and screw heads stay below.
 const HOLLOW: f64 = 0.1;
 
-/// Warnings and notes about baked hulls, simplified hulls first. `is_cut` tells of each, by its
-/// index, whether it is a part into which the bake cut a mesh.
+/// Warnings and notes about baked hulls, simplified hulls first. `is_cut` returns, for the index of
+/// a hull, whether the bake made the hull as a part of a mesh.
 pub fn of_hulls(hulls: &[BakedHull], is_cut: impl Fn(usize) -> bool) -> Vec<Remark> {
     let of = |(index, baked)| HullMeasures { is_cut: is_cut(index), ..HullMeasures::of(baked) };
     let measures = || hulls.iter().enumerate().map(of);
@@ -276,7 +276,7 @@ const COVERED: f64 = 1.5e-7;
 
 /// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
 /// largest part. If there is a radius `reachable`, protrusion counts only where a ball of that
-/// radius can come from outside.
+/// radius can get from outside.
 pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachable: Option<Length>) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
@@ -295,7 +295,7 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     };
     let protrusion = short(protrusion);
     let place =
-        reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} from outside can reach"));
+        reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} can get from outside"));
     let text =
         format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}");
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")

@@ -18,8 +18,8 @@ use glam::DVec3;
 /// Maximum number of points in a group that is not halved further.
 const GROUP: usize = 16;
 
-/// Relative margin of the second bound: far more than its rounding error, and far less than that of
-/// f32 coordinates.
+/// Relative margin of the second bound: far more than its rounding error, and far less than the
+/// rounding error of f32 coordinates.
 const MARGIN: f64 = 1e-9;
 
 /// Minimum cosine of a cone's half angle. The directions of a wider cone rule out nothing.

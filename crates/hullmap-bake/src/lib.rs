@@ -183,7 +183,7 @@ pub fn bake_hull_in(
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
     let index = index::build(&hull, index.into())?;
-    // The mass of a collision part is that of the mesh that it stands for, which all parts share.
+    // A collision part has the mass of the mesh that it represents, which all parts share.
     let mesh_mass = if points.stands_for.is_none() { fit::mesh_mass(points) } else { None };
     stage.reach(1.0);
     Ok(BakedHull {

@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(significant(f64::NAN, 7), "NaN");
     }
 
-    /// Messages said `0.0e0`, and `5.000e-2`.
+    /// Messages had numbers such as `0.0e0` and `5.000e-2`.
     #[test]
     fn numbers_in_sentences_are_short() {
         for (value, expected) in [

@@ -43,7 +43,7 @@ impl Progress {
 /// One stage of a computation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stage<'a> {
-    /// `None`: nobody looks.
+    /// `None`: no other thread reads the progress.
     progress: Option<&'a Progress>,
     start: f64,
     length: f64,

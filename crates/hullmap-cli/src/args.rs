@@ -44,7 +44,8 @@ const FARM: &str = "Farm";
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
 
-// The first line says how to start, since the help fits a screen. docs/COMMAND.md lists exit codes.
+// The first line states how to start, so that the help fits a screen. docs/COMMAND.md lists exit
+// codes.
 /// Turn render meshes into collision hulls. Start: `bake build FOLDER --out DIR`.
 #[derive(Debug, Parser)]
 #[command(name = "bake", version, disable_help_subcommand = true)]
@@ -277,7 +278,7 @@ pub struct RemoteArgs {
         hide_default_value = true
     )]
     pub instance: String,
-    /// Header of each request, for instance authorization=@FILE, which reads its value; repeatable
+    /// Header of each request; authorization=@FILE reads the value from FILE; repeatable
     // Split later: an error of the parser would print the value, which may be a secret.
     #[arg(long = "remote-header", value_name = "NAME=VALUE", requires = "address", hide_short_help = true)]
     pub headers: Vec<String>,
@@ -453,11 +454,11 @@ pub struct RobotArgs {
     /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Folder that holds packages or models, or is one; repeatable
+    /// Folder that contains packages or models, or is one itself; repeatable
     #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Make collisions from visuals: of links that have no collision, of all links in place of the
-    /// collisions that they have, or of no link
+    /// Make collisions from visuals: for links without a collision, for all links, whose collisions
+    /// are replaced, or for no link
     #[arg(
         long,
         value_enum,
@@ -734,7 +735,7 @@ fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsStrin
 /// An error of a subcommand, with its usage.
 fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
     let mut command = command(program);
-    // A subcommand knows its full name only after this.
+    // Only after this call does a subcommand have its full name.
     command.build();
     match command.find_subcommand_mut(subcommand) {
         Some(subcommand) => subcommand.error(kind, message),

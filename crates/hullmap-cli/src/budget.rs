@@ -125,7 +125,7 @@ pub fn budget(name: &str) -> Option<&'static Budget> {
     BUDGETS.iter().find(|budget| budget.name == name)
 }
 
-/// What the limits are about, of one hull.
+/// The figures of one hull that the limits apply to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Number of vertices.
@@ -138,9 +138,9 @@ pub struct Figures {
     pub edges: usize,
     /// Number of vertices of the largest face.
     pub face_vertices: usize,
-    /// Radius of the smallest ball around the centroid that contains the hull, divided by that of
-    /// the largest one inside. At least what PhysX compares, since its box lies inside the hull.
-    /// Infinite for a flat hull.
+    /// Radius of the smallest ball around the centroid that contains the hull, divided by the
+    /// radius of the largest one inside. At least what PhysX compares, since its box lies inside
+    /// the hull. Infinite for a flat hull.
     pub aspect: f64,
     /// Smallest distance between a face and the vertex farthest from it, at least the width of the
     /// hull: 0 for a flat hull.
@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(Figures::new(&[[0.0; 3]; 3], &[], DVec3::ZERO).vertices, 3);
     }
 
-    /// By Euler's formula, 44 vertices are the most of which 128 edges are enough.
+    /// By Euler's formula, a hull of at most 44 vertices has at most 128 edges.
     #[test]
     fn the_sure_number_of_vertices_is_the_largest() {
         let sure: Vec<u32> = BUDGETS.iter().map(Budget::sure_vertices).collect();

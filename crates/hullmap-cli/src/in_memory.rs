@@ -110,8 +110,9 @@ pub fn bake_source(
 
 /// Bakes the contents of a mesh file, and keeps its triangles.
 ///
-/// The bytes are those of `bake build --keep-triangles` with the same options, if the file is saved
-/// in the folder of the mesh. `options` are those of [`bake_file`] that apply to triangles.
+/// The bytes are the same as from `bake build --keep-triangles` with the same options, if the file
+/// is saved in the folder of the mesh. `options` are the options of [`bake_file`] that apply to
+/// triangles.
 ///
 /// # Errors
 /// See [`InMemoryError`]. A file without faces is one that could not be baked.

@@ -59,8 +59,8 @@ impl BakedFile {
     }
 }
 
-/// Reads a pack or a triangle mesh into memory and checks it. The first bytes decide which it is;
-/// if they are those of neither, the name does. The error is [`Failure::usage`] if the file cannot
+/// Reads a pack or a triangle mesh into memory and checks it. The first bytes decide which it is.
+/// If they fit neither, the extension decides. The error is [`Failure::usage`] if the file cannot
 /// be read, and [`Failure::rejected`] if it is not valid. Both name the file.
 pub fn open_baked(path: &Path) -> Result<BakedFile, Failure> {
     let mut start = Vec::new();

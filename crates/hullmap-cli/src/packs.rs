@@ -50,7 +50,8 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     Ok(places)
 }
 
-/// Whether the name is that of a file that `bake build` writes: a pack or a triangle mesh.
+/// Whether a file has an extension of the files that `bake build` writes: packs and triangle
+/// meshes.
 pub fn is_baked(path: &Path) -> bool {
     matches!(kind_by_name(path), Some(FileKind::Pack | FileKind::TriangleMesh))
 }

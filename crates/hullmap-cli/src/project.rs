@@ -1,8 +1,8 @@
 //! The project of a pack: the folder outside of which its source is not read.
 //!
-//! A pack may come from anywhere, and whoever wrote it chose the path that it records. So that path
-//! is followed only to regular files below one folder. Otherwise a pack could make `bake verify`
-//! read a device without end, wait for a pipe, or reveal which files exist.
+//! A pack may come from an untrusted author, who chose the path that it records. So that path is
+//! followed only to regular files below one folder. Otherwise a pack could make `bake verify` read
+//! a device without end, wait for a pipe, or reveal which files exist.
 
 use std::path::{Path, PathBuf};
 

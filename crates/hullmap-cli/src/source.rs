@@ -152,7 +152,7 @@ pub fn find_source(
     }
 }
 
-/// What a file is to a pack.
+/// Whether a file can be the source of a pack.
 enum Candidate {
     /// Its source.
     IsSource(Box<SourceFile>),

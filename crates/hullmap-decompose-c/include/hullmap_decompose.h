@@ -71,8 +71,8 @@ typedef struct {
     uint32_t max_parts;
     // Maximum number of vertices of a part, at least 4. Default: 64.
     uint32_t max_vertices;
-    // Share by which the sum of the parts' volumes may exceed the volume of their union, where
-    // they are merged. Default: 0.05.
+    // Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as
+    // a share of the latter. Default: 0.05.
     double overlap;
     // Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     // error. Default: 0.005.
@@ -81,9 +81,9 @@ typedef struct {
     // depend on the machine. Default: no limit.
     double seconds;
     // 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
-    // unless others are fewer.
+    // unless that takes more parts.
     uint32_t ignore_symmetry;
-    // Radius of a ball: protrusion counts only where such a ball can come from outside, a length.
+    // Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
     // Default: everywhere.
     double reachable;
 } HullmapDecomposeOptions;

@@ -37,8 +37,8 @@ pub struct Options {
     pub max_parts: u32,
     /// Maximum number of vertices of a part, at least 4. Default: 64.
     pub max_vertices: u32,
-    /// Share by which the sum of the parts' volumes may exceed the volume of their union, where
-    /// they are merged. Default: 0.05.
+    /// Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as
+    /// a share of the latter. Default: 0.05.
     pub overlap: f64,
     /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.
@@ -47,9 +47,9 @@ pub struct Options {
     /// depend on the machine. Default: no limit.
     pub seconds: f64,
     /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
-    /// unless others are fewer.
+    /// unless that takes more parts.
     pub ignore_symmetry: u32,
-    /// Radius of a ball: protrusion counts only where such a ball can come from outside, a length.
+    /// Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
     /// Default: everywhere.
     pub reachable: f64,
 }

@@ -225,8 +225,8 @@ pub struct HullRecord {
     pub solid: u32,
 }
 
-/// Mass properties of the solid that the mesh of an object bounds, at uniform density. The frame is
-/// that of the hulls.
+/// Mass properties of the solid that the mesh of an object bounds, at uniform density. It is in the
+/// frame of the hulls.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
 #[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
 pub struct MassRecord {
@@ -250,7 +250,7 @@ pub struct VoidsRecord {
     pub error: f32,
 }
 
-/// A primitive that contains the surface in a part, and may replace it. Its frame is that of the
+/// A primitive that contains the surface in a part, and may replace it. It is in the frame of the
 /// hulls.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
 #[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]

@@ -98,7 +98,7 @@ pub(crate) fn zeros_between(
     Ok(())
 }
 
-/// Checks that the sections of a pack are those of the format version in its header.
+/// Checks that a pack has the sections of the format version in its header.
 ///
 /// # Errors
 /// [`CheckError::SectionCount`] if a lean pack has starts of neighbours or another one lacks them,

@@ -215,7 +215,7 @@ pub enum HullError {
         /// 1 for the first hull of an object, 0 for its other parts.
         expected: usize,
     },
-    /// The mass of its mesh is not that of a solid.
+    /// The mass of its mesh cannot be the mass of a solid.
     #[error("{0}")]
     Mass(#[from] MassError),
     /// Its frame differs from the frame of the other hulls.

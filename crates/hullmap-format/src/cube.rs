@@ -36,8 +36,8 @@ const GRID_MASK: u32 = (1 << GRID_BITS) - 1;
 /// Margin, in units of u and v, by which a cell's square must be widened to contain every direction
 /// that [`locate`] assigns to it.
 ///
-/// Five roundings affect u: those of both coordinates to f32, of the quotient, of the product and
-/// of the sum. Together they move it by at most five times 2⁻²⁴, 3e-7.
+/// Five roundings affect u: of both coordinates to f32, of the quotient, of the product and of the
+/// sum. Together they move it by at most five times 2⁻²⁴, 3e-7.
 pub const CELL_SLACK: f64 = 4e-7;
 
 /// Where a direction pierces the cube.

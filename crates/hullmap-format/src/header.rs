@@ -132,7 +132,7 @@ pub enum HeaderError {
         /// Length of the longest pack, in bytes.
         expected: u64,
     },
-    /// The first eight bytes are not those of the expected kind of file.
+    /// The first eight bytes are not the magic of the expected kind of file.
     #[error(
         "not a {expected}: it starts with \"{}\" instead of \"{}\"; pass a file that {} wrote",
         found.escape_ascii(),

@@ -1,4 +1,4 @@
-//! Mass of a mesh: whether recorded numbers can be those of a solid.
+//! Mass of a mesh: whether recorded numbers can be the mass properties of a solid.
 //!
 //! The second moments of a solid are a positive semidefinite matrix M. Its inertia tensor is
 //! tr(M) − M, whose principal moments then are positive and satisfy the triangle inequality. So one
@@ -16,7 +16,7 @@ const MOMENT_ROUNDING: f64 = 1e-9;
 /// the box: hulls may miss source points by 1e-7 of their diameter.
 const CENTRE_ROOM: f64 = 1e-6;
 
-/// Why numbers are not those of a solid.
+/// Why numbers are not the mass properties of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MassError {
     /// The volume is not positive and finite.
@@ -37,7 +37,7 @@ pub enum MassError {
         /// Upper bound.
         high: f64,
     },
-    /// The second moments are not those of any solid.
+    /// No solid has these second moments.
     #[error("the second moments of its mesh are {found:?} (expected a positive semidefinite matrix)")]
     Moments {
         /// The moments: xx, yy, zz, yz, zx, xy.

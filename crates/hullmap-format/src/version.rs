@@ -2,7 +2,7 @@
 //! `docs/FORMAT.md` lists the history.
 //!
 //! There are four at a time, so that a pack keeps its bytes, and stays readable by older programs,
-//! unless it has what they do not know.
+//! unless it has data that they cannot read.
 //!
 //! | | lean | |
 //! |---|---|---|

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{} points with the normal {}", manifold.points.len(), manifold.local_n1);
     }
 
-    // It falls and turns: until the time of impact, it surely does not touch the level.
+    // It falls and turns: until the time of impact, it certainly does not touch the level.
     let still = NonlinearRigidMotion::constant_position(Pose::IDENTITY);
     let tumbling = NonlinearRigidMotion::new(start, Vector::ZERO, -Vector::Z * size, Vector::new(3.0, 1.0, 0.0));
     let hit = HullDispatcher.cast_shapes_nonlinear(&still, &level, &tumbling, &body, 0.0, 9.0, true)?;

@@ -52,10 +52,10 @@
 //!
 //! # Frames and units
 //!
-//! A shape has the frame and units of its hull, which are those of the source mesh. If the bake
-//! recentred the source, [`Hull::origin`](hullmap::Hull::origin) is the frame's origin in
-//! coordinates of the source. Surfaces have the frame and units of their files; heights of a field
-//! are along +z.
+//! A shape has the frame and units of its hull, and these are the frame and units of the source
+//! mesh. If the bake recentred the source, [`Hull::origin`](hullmap::Hull::origin) is the frame's
+//! origin in coordinates of the source. Surfaces have the frame and units of their files; heights
+//! of a field are along +z.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]

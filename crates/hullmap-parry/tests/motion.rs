@@ -123,7 +123,7 @@ impl Case<'_> {
         gaps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the solids overlap at a time, as far as rounding error can tell.
+    /// Whether the solids overlap at a time, up to rounding error.
     fn overlaps(&self, t: f64) -> bool {
         self.apart(t) < 1e-9
     }
@@ -138,8 +138,8 @@ impl Case<'_> {
         of(0) + of(1)
     }
 
-    /// A time until which the solids surely do not meet, and from which they may within [`WIDTH`];
-    /// `None` if they do not meet in the interval.
+    /// A time until which the solids certainly do not meet, and from which they may within
+    /// [`WIDTH`]; `None` if they do not meet in the interval.
     fn first(&self, speed: f64, [start, end]: [f64; 2]) -> Option<f64> {
         let middle = 0.5 * (start + end);
         let reach = 0.5 * (end - start) * speed;
@@ -162,7 +162,7 @@ impl Case<'_> {
     }
 }
 
-/// What became of many casts.
+/// Results of many casts.
 #[derive(Debug, Default)]
 struct Counts {
     hits: usize,

@@ -183,7 +183,8 @@ fn rays_hit_where_planes_clip_them() {
                         let solid = case.hull.cast_local_ray(&ray, f32::MAX, true).unwrap();
                         assert!(!inside || solid == 0.0);
                         if !grazing {
-                            // The normal is against the ray, and that of a plane through the point.
+                            // The normal points against the ray, and is the normal of a plane
+                            // through the point.
                             let normal = wide(found.normal);
                             let outward = if inside { -normal } else { normal };
                             let reach = case.solid.points.iter().map(|v| v.dot(outward));

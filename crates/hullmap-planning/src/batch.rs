@@ -79,7 +79,7 @@ impl Robot {
         })
     }
 
-    /// [`clear`](Self::clear) of the edges from each row of `start` to that of `end`.
+    /// [`clear`](Self::clear) of the edges from each row of `start` to the same row of `end`.
     ///
     /// # Errors
     /// As for [`in_collision_batch`](Self::in_collision_batch).

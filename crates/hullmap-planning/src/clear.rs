@@ -1,13 +1,13 @@
-//! Whether an edge in joint space is free: proven for all of its configurations, and not for
+//! Whether an edge in joint space is free: proven for all of its configurations, not only for
 //! samples.
 //!
 //! # Steps
-//! 1. Both ends. An end that surely touches is a hit.
-//! 2. An interval of the edge: the configuration in its middle, and a bound on how far each body
-//!    moves from there (`motion_bound`). A pair whose distance exceeds the motion of both is apart
-//!    in the whole interval.
-//! 3. The pairs that are left are tested in both halves of the interval, the earlier half first.
-//! 4. If the edge is free, and the clearance that is proven is low, once more with a higher target.
+//! 1. Test both ends. An end that certainly touches is a hit.
+//! 2. For an interval of the edge, compute the configuration in its middle, and a bound on how far
+//!    each body moves from there (`motion_bound`). A pair whose distance exceeds the motion of both
+//!    is apart in the whole interval.
+//! 3. Test the remaining pairs in both halves of the interval, the earlier half first.
+//! 4. If the edge is free, but the proven clearance is low, repeat with a higher target.
 //!
 //! # Reference
 //! Schwarzer, Saha, Latombe 2005. docs/intervals.md, section 17, has the proof.
@@ -17,9 +17,9 @@ use hullmap::{Clearance, Settings, Status, Verdict};
 use crate::error::PlanningError;
 use crate::memory::Memory;
 use crate::motion_bound::motions;
-use crate::robot::{Partner, Robot};
+use crate::robot::{BodyOrObstacle, Robot};
 
-/// Number of times that an interval is halved at most. Then a link of a metre moves by less than a
+/// Maximum number of times that an interval is halved. Then a link of a metre moves by less than a
 /// picometre for each radian of the edge.
 const MAX_DEPTH: u32 = 40;
 
@@ -30,7 +30,7 @@ const DISTANCES: Settings = Settings { tolerance: 1e-3, max_iterations: Settings
 /// room for motion.
 const MAX_SHARE: f64 = 0.95;
 
-/// What [`Robot::clear`] proves, and at what cost.
+/// Settings of [`Robot::clear`]: what it proves, and at what cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSettings {
     /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and
@@ -74,11 +74,11 @@ impl Robot {
     /// grazes, or the limit of queries was reached.
     ///
     /// # Errors
-    /// `start` or `end` has another length than there are joints, or a number is out of range.
+    /// The length of `start` or `end` is not the number of joints, or a number is out of range.
     ///
     /// # Complexity
-    /// One or two configurations for an edge that is short for its clearance; about as many as the
-    /// length of the edge has clearances otherwise. No allocation after the first calls.
+    /// One or two configurations if the clearance is large compared with the edge; otherwise about
+    /// the length of the edge divided by its clearance. No allocation after the first calls.
     pub fn clear(
         &self,
         start: &[f64],
@@ -142,7 +142,7 @@ struct Search<'s> {
     share: f64,
     resolution: f64,
     budget: u32,
-    /// The earliest time at which a pair surely is within the margin.
+    /// The earliest time at which a pair is certainly within the margin.
     until: f64,
     /// The start of the first interval that is not decided.
     open_from: Option<f64>,
@@ -154,7 +154,7 @@ struct Search<'s> {
 }
 
 impl Search<'_> {
-    /// Tests an end, at which the robot is placed, for a sure hit.
+    /// Tests whether the robot, which is placed at an end, certainly hits.
     fn try_end(&mut self, t: f64, memory: &mut Memory) {
         let robot = self.robot;
         for couple in &robot.couples {
@@ -186,12 +186,12 @@ impl Search<'_> {
         if self.share > 0.0 { self.margin.max(self.share * self.nearest.0) } else { self.margin }
     }
 
-    /// Whether nothing that is left can change the answer.
+    /// Whether the remaining intervals cannot change the answer.
     fn is_done(&self) -> bool {
         self.open_from.is_some() && (self.until < f64::INFINITY || self.budget == 0 || self.share > 0.0)
     }
 
-    /// Decides the last `count` open pairs in an interval, whose start surely is free.
+    /// Decides the last `count` open pairs in an interval, whose start is certainly free.
     fn visit(&mut self, [start, end]: [f64; 2], depth: u32, count: usize, memory: &mut Memory) {
         if start >= self.until || self.is_done() {
             return;
@@ -254,12 +254,12 @@ impl Search<'_> {
         memory.edge.motions[body].get(shared).copied().unwrap_or(0.0)
     }
 
-    /// Whether a pair surely is farther apart than the target in the interval around `mid`.
+    /// Whether a pair is certainly farther apart than the target in the interval around `mid`.
     fn is_proven(&mut self, index: usize, mid: f64, memory: &mut Memory) -> bool {
         let robot = self.robot;
         let pair = &robot.pairs[index];
         let mut motion = self.motion(pair.b, pair.shared, memory);
-        if let Partner::Body(a) = pair.a {
+        if let BodyOrObstacle::Body(a) = pair.a {
             motion += self.motion(a, pair.shared, memory);
         }
         let gap = robot.pair_gap(pair, memory);
@@ -282,7 +282,7 @@ impl Search<'_> {
         self.proves(found.lower - motion)
     }
 
-    /// Takes over a bound of a distance, if it exceeds the target.
+    /// Records a bound of a distance, if it exceeds the target.
     fn proves(&mut self, least: f64) -> bool {
         // NaN takes the failing branch.
         let is_proof = least > self.target();
@@ -339,6 +339,6 @@ impl Search<'_> {
 struct Queried {
     /// Lower bound of its distance, with allowance for rounding.
     lower: f64,
-    /// Whether it surely is within the margin.
+    /// Whether it is certainly within the margin.
     is_hit: bool,
 }

@@ -1,11 +1,11 @@
-//! The clearance of a robot in one configuration: how far the nearest pair is apart, or how deep
-//! the deepest one overlaps, and its derivatives.
+//! The clearance of a robot in one configuration, and its derivatives: the distance of the nearest
+//! pair, or minus the depth of the deepest pair.
 //!
 //! # Steps
-//! 1. A lower bound of the distance of each couple of links, by the balls around them.
-//! 2. The distance of the couple with the least bound, then of those whose bound is lower than the
-//!    least distance so far.
-//! 3. If bodies overlap, the depths of all pairs whose balls overlap.
+//! 1. Compute a lower bound of the distance of each couple of links, from the balls around them.
+//! 2. Compute the distance of the couple with the least bound, then of all couples whose bound is
+//!    lower than the least distance so far.
+//! 3. If bodies overlap, compute the depths of all pairs whose balls overlap.
 
 use glam::DVec3;
 use hullmap::{Contact, Derivatives, Differentiability, Distance, Pose, PoseDerivative, Settings, Status};
@@ -14,7 +14,7 @@ use hullmap_robot::Motion;
 use crate::error::PlanningError;
 use crate::memory::Memory;
 use crate::queries::Found;
-use crate::robot::{Partner, Robot};
+use crate::robot::{BodyOrObstacle, Robot};
 
 /// Clearance of a robot in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct RobotClearance {
     /// The clearance is the least distance of all pairs that are tested. If pairs overlap, it is
     /// the negative depth of the deepest pair. It is infinite if there is no pair.
     pub lower: f64,
-    /// Upper bound: the pair that decides is this near.
+    /// Upper bound: the pair that decides is at most this far apart.
     pub upper: f64,
     /// The colliders of the pair that decides, the lower index first; `None` if there is no pair.
     pub colliders: Option<[usize; 2]>,
@@ -56,7 +56,7 @@ impl Default for RobotClearance {
     }
 }
 
-/// What decides.
+/// The pair that decides.
 #[derive(Clone, Copy)]
 enum Answer {
     Apart(Found<Distance>),
@@ -101,7 +101,7 @@ impl Robot {
     /// The clearance in a configuration, against the robot itself and all obstacles.
     ///
     /// # Errors
-    /// `q` has another length than there are joints, or a number is out of range.
+    /// The length of `q` is not the number of joints, or a number is out of range.
     ///
     /// # Complexity
     /// A few comparisons for each couple of links, and a distance query for each pair that may be
@@ -134,15 +134,15 @@ impl Robot {
     /// which are written to `gradient`: metres for each radian of a hinge and for each metre of a
     /// slider.
     ///
-    /// If the status is not [`Unique`](Differentiability::Unique), they are a direction for an
-    /// optimiser, and no derivatives: see [`Derivatives`]. Another pair that is as near within the
-    /// interval is [`Normals`](Differentiability::Normals).
+    /// If the status is not [`Unique`](Differentiability::Unique), they are only a direction for an
+    /// optimiser, not derivatives: see [`Derivatives`]. If another pair is equally near within the
+    /// interval, it is [`Normals`](Differentiability::Normals).
     ///
     /// # Errors
     /// As for [`clearance`](Self::clearance), or `gradient` has another length than `q`.
     ///
     /// # Complexity
-    /// That of [`clearance`](Self::clearance), a dozen support queries, and O(joints).
+    /// As [`clearance`](Self::clearance), plus a dozen support queries and O(joints).
     pub fn clearance_gradient(
         &self,
         q: &[f64],
@@ -171,7 +171,7 @@ impl Robot {
         Ok((answer, if is_tied { Differentiability::Normals } else { found.status }))
     }
 
-    /// The pair that decides, of the links as they are placed.
+    /// The pair that decides, for the current places of the links.
     fn decide(&self, settings: &Settings, memory: &mut Memory) -> Option<Decided> {
         let gap = |couple: usize, memory: &Memory| self.couple_gap(&self.couples[couple], memory);
         let count = self.couples.len();
@@ -193,7 +193,7 @@ impl Robot {
                 let found = self.pairing(index, memory).distance(settings, &mut memory.caches);
                 let noise = self.pair_noise(pair, memory);
                 if found.answer.status == Status::Overlapping {
-                    // If no depth is certain, nothing is known but that the pair overlaps.
+                    // If no depth is certain, it is only known that the pair overlaps.
                     let (lower, upper) = (f64::NEG_INFINITY, noise);
                     let unknown = Decided { pair: index, answer: Answer::Apart(found), lower, upper, is_tied: false };
                     return self.deepest(index, settings, memory).or(Some(unknown));
@@ -253,7 +253,7 @@ impl Robot {
         };
         let (normal, mut points) = (a.rotation * normal, points.map(|point| a.apply(point)));
         // The link comes first.
-        let is_obstacle = matches!(pair.a, Partner::Obstacle(_));
+        let is_obstacle = matches!(pair.a, BodyOrObstacle::Obstacle(_));
         if is_obstacle {
             points.reverse();
         }
@@ -267,7 +267,8 @@ impl Robot {
         }
     }
 
-    /// Derivatives by the numbers of a configuration, from those by the poses of a pair.
+    /// Derivatives with respect to the numbers of a configuration, from derivatives with respect to
+    /// the poses of a pair.
     fn by_joints(&self, pair: usize, found: &Derivatives, sign: f64, memory: &Memory, gradient: &mut [f64]) {
         let pair = &self.pairs[pair];
         let frame_a = self.frame_of_a(pair, memory);
@@ -285,7 +286,7 @@ impl Robot {
                     };
             }
         };
-        if let Partner::Body(a) = pair.a {
+        if let BodyOrObstacle::Body(a) = pair.a {
             add(a, found.of_a);
         }
         add(pair.b, found.of_b);

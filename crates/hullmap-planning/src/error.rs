@@ -1,10 +1,10 @@
-//! What is wrong with a robot or a configuration, and the remedy.
+//! Errors of robots and configurations, each with the remedy.
 
 use std::path::PathBuf;
 
 use hullmap_robot::RobotError;
 
-/// Why a robot cannot be made or queried.
+/// Why a robot cannot be built or queried.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanningError {
     /// The description cannot be read, or is invalid.
@@ -22,12 +22,12 @@ pub enum PlanningError {
         /// The cause, and what to do.
         cause: String,
     },
-    /// A name is that of no link and no obstacle.
+    /// No link and no obstacle has this name.
     #[error("`{name}` is neither a link with a collision nor an obstacle; there are {}", listed(known))]
     UnknownName {
         /// The name.
         name: String,
-        /// Some of the names that there are.
+        /// Some of the known names.
         known: Vec<String>,
     },
     /// An obstacle has a name that is in use.

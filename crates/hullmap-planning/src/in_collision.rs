@@ -8,11 +8,11 @@ use crate::robot::Robot;
 
 impl Robot {
     /// Whether two links that are tested, or a link and an obstacle, touch or are within `margin`
-    /// of each other. Pairs that only touch, and those that the solver cannot decide, count as
+    /// of each other. Pairs that only touch, and pairs that the solver cannot decide, count as
     /// touching. NaN and negative margins count as 0.
     ///
     /// # Errors
-    /// `q` has another length than there are joints, or a number is out of range.
+    /// The length of `q` is not the number of joints, or a number is out of range.
     ///
     /// # Complexity
     /// A few comparisons for each pair of links, and a query for each pair whose balls overlap, up
@@ -31,7 +31,8 @@ impl Robot {
         Ok(self.touching_pair(margin, memory).is_some())
     }
 
-    /// All pairs of colliders that touch in a configuration, to allow those that touch by design.
+    /// All pairs of colliders that touch in a configuration. Use it to allow pairs that touch by
+    /// design.
     ///
     /// # Errors
     /// As for [`in_collision`](Self::in_collision).
@@ -44,7 +45,7 @@ impl Robot {
         Ok(couples.map(|couple| self.colliders_of(couple.pairs.start)).collect())
     }
 
-    /// The first pair that touches, of the links as they are placed.
+    /// The first pair that touches, for the current places of the links.
     fn touching_pair(&self, margin: f64, memory: &mut Memory) -> Option<usize> {
         let margin = margin.max(0.0);
         let last = memory.last;

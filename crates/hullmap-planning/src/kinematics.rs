@@ -6,13 +6,12 @@
 //! 2. Each of them is placed in its parent by its frame at rest, then by each of its joints.
 //!
 //! A configuration has one number for each hinge and each slider that follows no other joint. Ball
-//! joints and free joints stay where they are at rest; whoever moves them passes the poses of
-//! links.
+//! joints and free joints stay where they are at rest. To move them, pass the poses of links.
 
 use glam::{DQuat, DVec3};
 use hullmap_robot::{Chain, Coupling, Frame, Motion};
 
-/// A joint, as its link is placed by it.
+/// A joint, with the data that places its link.
 #[derive(Clone, Debug)]
 pub struct Joint {
     /// How it moves its link.
@@ -35,14 +34,14 @@ struct Mover {
     joints: Vec<usize>,
 }
 
-/// A link, and the mover that it is a rigid part of.
+/// A link, and the moved link that it is a rigid part of.
 #[derive(Clone, Debug)]
 struct Carried {
     mover: usize,
     in_mover: Frame,
     /// Number of compositions of frames from the root to the link.
     steps: f64,
-    /// Sum of all lengths on the way from the root, apart from those of sliders.
+    /// Sum of all lengths on the path from the root, without the displacements of sliders.
     length: f64,
 }
 
@@ -228,8 +227,8 @@ impl Kinematics {
         units * f64::EPSILON * (length + at.slide + reach)
     }
 
-    /// Upper bounds of how far the displacement of each joint is from that of `at`, if each number
-    /// of the configuration is within `widths`.
+    /// For each joint, an upper bound of how far its displacement is from its displacement at `at`,
+    /// if each number of the configuration is within `widths`.
     pub fn spans(&self, widths: impl Fn(usize) -> f64, at: &Placement, out: &mut Vec<f64>) {
         out.clear();
         out.extend(self.joints.iter().map(|joint| joint.variable.map_or(0.0, &widths)));
@@ -242,8 +241,8 @@ impl Kinematics {
         }
     }
 
-    /// Derivatives by the numbers of a configuration, from those by the displacement of each joint,
-    /// which are used up.
+    /// Derivatives with respect to the numbers of a configuration, from derivatives with respect to
+    /// the displacement of each joint, which are overwritten.
     pub fn by_variables(&self, at: &Placement, by_joints: &mut [f64], out: &mut [f64]) {
         for &joint in self.followers.iter().rev() {
             let own = std::mem::take(&mut by_joints[joint]);
@@ -256,7 +255,7 @@ impl Kinematics {
 }
 
 /// Upper bound of the rounding error of points of a body whose pose is given, in relative poses: a
-/// length. `length` is the greatest one from which their positions are computed.
+/// length. `length` is the greatest length from which their positions are computed.
 pub fn noise_of_pose(length: f64) -> f64 {
     3.0 * STEP_ROUNDINGS * f64::EPSILON * length
 }

@@ -1,9 +1,9 @@
-//! Whole robots for motion planning, on exact convex hulls.
+//! Collision queries of whole robots for motion planning, on exact convex hulls.
 //!
-//! A [`Robot`] is read from a URDF or MJCF file. It answers for configurations of its joints
+//! A [`Robot`] is read from a URDF or MJCF file. For a configuration of its joints, queries return
 //! whether it touches itself or an obstacle, and its clearance, with the pair that decides and the
-//! derivatives by the joints. It answers for edges in joint space whether they are free, for all of
-//! their configurations.
+//! derivatives with respect to the joints. For an edge in joint space, they prove whether all of
+//! its configurations are free.
 //!
 //! | module | concept |
 //! |---|---|
@@ -12,7 +12,7 @@
 //! | `in_collision`, `clearance` | one configuration |
 //! | `clear`, `motion_bound` | an edge, and how far bodies move along it |
 //! | `batch` | many configurations or edges |
-//! | `obstacle`, `solids`, `meshes` | shapes, and where they come from |
+//! | `obstacle`, `convex`, `meshes` | shapes, and where they come from |
 //! | `queries` | queries of a body and anything it may touch |
 //! | `memory` | what a thread remembers |
 //!
@@ -50,6 +50,7 @@
 mod batch;
 mod clear;
 mod clearance;
+mod convex;
 mod error;
 mod in_collision;
 mod kinematics;
@@ -59,14 +60,13 @@ mod motion_bound;
 mod obstacle;
 mod queries;
 mod robot;
-mod solids;
 
 pub use clear::{EdgeClearance, EdgeSettings};
 pub use clearance::RobotClearance;
+pub use convex::{AnyShape, Convex, hull_of, hulls, shape_of_primitive};
 pub use error::PlanningError;
 pub use glam;
 pub use memory::Memory;
 pub use meshes::{MeshPoints, Packs, imported, read_file};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use robot::{JointFacts, Robot};
-pub use solids::{AnyShape, Convex, hull_of, hulls, solid};

@@ -1,5 +1,5 @@
-//! What a thread remembers from one configuration to the next: caches, and memory for results on
-//! the way.
+//! What a thread keeps from one configuration to the next: caches, and memory for intermediate
+//! results.
 
 use glam::DVec3;
 use hullmap_robot::Frame;
@@ -30,7 +30,7 @@ pub(crate) struct EdgeMemory {
     pub(crate) q: Vec<f64>,
     /// Upper bound of the change of each joint's displacement.
     pub(crate) spans: Vec<f64>,
-    /// Upper bounds of the motion of each body by the joints from one of its path on.
+    /// Upper bounds of the motion of each body due to a joint of its path and all later ones.
     pub(crate) motions: Vec<Vec<f64>>,
     /// The interval for which each body's bounds hold.
     pub(crate) stamps: Vec<u64>,

@@ -10,12 +10,12 @@ use hullmap_bake::{IndexKind, PointSet};
 use hullmap_import::{self as import, ImportOptions, Imported, Limits, ReadError, SourceFile, Split};
 use hullmap_robot::{MeshUse, Submesh};
 
-use crate::solids::hull_of;
+use crate::convex::hull_of;
 
-/// Where the hulls of meshes come from.
+/// The source of the hulls of meshes.
 ///
 /// The pack of `meshes/hand.stl` is the file `hand.hullmap` in one of the folders, if there is one.
-/// It must have been baked from that mesh. Without a pack, the mesh is read, and stands for its
+/// It must have been baked from that mesh. Without a pack, the mesh is read, and replaced by its
 /// convex hull.
 #[derive(Default)]
 pub struct Packs {
@@ -75,7 +75,7 @@ fn open(path: &Path, name: &str, source: &SourceFile) -> Result<Arc<Pack>, Strin
     Ok(Arc::new(pack))
 }
 
-/// The bytes of a mesh file, and of those that it refers to. `name` is its name in messages.
+/// The bytes of a mesh file, and of the files that it refers to. `name` is its name in messages.
 ///
 /// # Errors
 /// It cannot be read.
@@ -96,7 +96,7 @@ pub struct MeshPoints {
     pub moved: DVec3,
 }
 
-/// The mesh of a file, or the submesh that is meant.
+/// The mesh of a file, or the requested submesh of it.
 ///
 /// # Errors
 /// The file is invalid, or has no such submesh.

@@ -24,8 +24,8 @@ const ROUNDED_UP: f64 = 1.0 + 1e-12;
 const MAX_CHORD: f64 = 2.0;
 
 /// Writes to `out`, for each joint of `path`, how far points of a box move at most by that joint
-/// and those after it, as seen from the frame before it; then 0. `spans` bounds the displacement of
-/// each joint from that of `at`.
+/// and those after it, as seen from the frame before it; then 0. `spans` bounds how far the
+/// displacement of each joint is from its displacement at `at`.
 ///
 /// `frame` is the box's in the world, `bounds` its centre and half edges, and `noise` bounds the
 /// rounding error of its position.

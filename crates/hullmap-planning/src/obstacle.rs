@@ -1,4 +1,4 @@
-//! What a robot must not touch besides itself.
+//! Obstacles: shapes that a robot must not touch.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use hullmap::shapes::HalfSpace;
 use hullmap::{Compound, Pack, Pose};
 use hullmap_robot::Frame;
 
-use crate::solids::Convex;
+use crate::convex::Convex;
 
 /// The shape of an obstacle.
 #[derive(Clone)]
@@ -17,7 +17,8 @@ pub enum ObstacleShape {
     Convex(Convex),
     /// The union of all hulls of a pack.
     Compound(Arc<Pack>),
-    /// A triangle mesh or a height field. What is inside of a mesh, or below a field, is free.
+    /// A triangle mesh or a height field. The inside of a mesh, and the space below a field, are
+    /// free.
     Sheet(SharedSheet),
     /// A half-space.
     HalfSpace(HalfSpace),
@@ -34,7 +35,7 @@ pub struct Obstacle {
     pub pose: Pose,
 }
 
-/// An obstacle with what is computed once.
+/// An obstacle, with facts that are computed once.
 #[derive(Clone)]
 pub(crate) struct Placed {
     pub(crate) obstacle: Obstacle,

@@ -6,8 +6,8 @@ use hullmap::compound::{self, SharedSheet};
 use hullmap::shapes::{Cuboid, HalfSpace};
 use hullmap::{Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Overlap, Pack, Pose, Settings, Status};
 
+use crate::convex::{AnyShape, Convex};
 use crate::obstacle::ObstacleShape;
-use crate::solids::{AnyShape, Convex};
 
 /// Number of parts of obstacles that a body's cache remembers.
 const PART_SLOTS: usize = 16;
@@ -87,7 +87,7 @@ impl<T> From<compound::CompoundAnswer<T>> for Found<T> {
     }
 }
 
-/// A distance of which nothing is known.
+/// A distance without information.
 const UNKNOWN: Distance = Distance {
     status: Status::Stalled,
     distance: 0.0,
@@ -216,9 +216,10 @@ fn negative(derivative: hullmap::PoseDerivative) -> hullmap::PoseDerivative {
     hullmap::PoseDerivative { linear: -derivative.linear, angular: -derivative.angular }
 }
 
-/// Derivatives for a plane with this normal through `foot`, the foot of the lowest point of `b`: as
-/// those for the face of a box there, since a half-space has no support mapping. By the pose of A
-/// they are about the foot, and obstacles do not move.
+/// Derivatives for a plane with this normal through `foot`, the foot of the lowest point of `b`:
+/// computed for the face of a box there, since a half-space has no support mapping. The derivatives
+/// with respect to the pose of A are about the foot; they do not matter, since obstacles do not
+/// move.
 fn on_face(
     normal: DVec3,
     foot: DVec3,

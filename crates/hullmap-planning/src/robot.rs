@@ -9,13 +9,13 @@ use glam::DVec3;
 use hullmap::Pose;
 use hullmap_robot::{Description, Frame, Geometry, MeshUse, Neighbours, Places, disabled_pairs};
 
+use crate::convex::{self, Convex};
 use crate::error::PlanningError;
 use crate::kinematics::Kinematics;
 use crate::memory::{EdgeMemory, Memory};
 use crate::meshes::Packs;
 use crate::obstacle::{Obstacle, Placed};
 use crate::queries::{Caches, Other, Pairing};
-use crate::solids::{self, Convex};
 
 /// Greatest magnitude of a joint's position.
 const MAX_POSITION: f64 = 1e15;
@@ -30,7 +30,7 @@ const NAMES_SHOWN: usize = 12;
 #[derive(Clone)]
 pub(crate) struct Body {
     pub(crate) link: usize,
-    pub(crate) solid: Convex,
+    pub(crate) convex: Convex,
     /// Its frame in the link's.
     pub(crate) in_link: Frame,
     contact_bits: [i32; 2],
@@ -41,18 +41,18 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    fn new(link: usize, solid: Convex, in_link: Frame, contact_bits: [i32; 2]) -> Self {
-        let shape = solid.shape();
+    fn new(link: usize, convex: Convex, in_link: Frame, contact_bits: [i32; 2]) -> Self {
+        let shape = convex.shape();
         let bounds = shape.bounds_under(Pose::IDENTITY);
         let [centre, half] = [(bounds.min + bounds.max) / 2.0, (bounds.max - bounds.min) / 2.0];
         let around_box = (centre, half.length());
         let around_inside = (shape.interior_point(), shape.outer_radius());
         let (inside, radius) = if around_box.1 < around_inside.1 { around_box } else { around_inside };
         let ball = (in_link.apply(inside), radius);
-        Self { link, solid, in_link, contact_bits, ball, bounds: [centre, half] }
+        Self { link, convex, in_link, contact_bits, ball, bounds: [centre, half] }
     }
 
-    /// Whether MuJoCo lets the two meet.
+    /// Whether `contype` and `conaffinity` of MuJoCo let the two collide.
     fn may_meet(&self, other: &Self) -> bool {
         let ([type_a, affinity_a], [type_b, affinity_b]) = (self.contact_bits, other.contact_bits);
         type_a & affinity_b != 0 || type_b & affinity_a != 0
@@ -61,7 +61,7 @@ impl Body {
 
 /// What a body may touch: another body, or an obstacle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Partner {
+pub(crate) enum BodyOrObstacle {
     Body(usize),
     Obstacle(usize),
 }
@@ -69,7 +69,7 @@ pub(crate) enum Partner {
 /// A pair of convex bodies, or of an obstacle and a body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
-    pub(crate) a: Partner,
+    pub(crate) a: BodyOrObstacle,
     pub(crate) b: usize,
     /// Number of joints from the root that move both.
     pub(crate) shared: usize,
@@ -79,7 +79,7 @@ pub(crate) struct Pair {
 #[derive(Clone, Debug)]
 pub(crate) struct Couple {
     /// The link or the obstacle, and the link.
-    a: Partner,
+    a: BodyOrObstacle,
     b: usize,
     pub(crate) pairs: Range<usize>,
 }
@@ -97,11 +97,11 @@ pub struct JointFacts {
     pub is_slider: bool,
 }
 
-/// A robot, as planners ask about it.
+/// A robot for collision queries of planners.
 ///
 /// The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a
-/// joint connects, or none, are not tested against each other, nor are pairs that are allowed to
-/// touch.
+/// joint connects, links that are connected rigidly, and pairs that are allowed to touch are not
+/// tested against each other.
 ///
 /// Lengths are in metres and angles in radians, as in the description. The world is the frame of
 /// the description's root.
@@ -122,19 +122,19 @@ pub struct Robot {
     pub(crate) obstacles: Vec<Placed>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) couples: Vec<Couple>,
-    /// What is left out, and why.
+    /// Geometry that is ignored, and the reason.
     pub notes: Vec<String>,
 }
 
 impl Robot {
-    /// Reads a robot from a URDF, MJCF or SDF file. `places` says where its packages lie, and
-    /// `packs` where the hulls of its meshes come from.
+    /// Reads a robot from a URDF, MJCF or SDF file. `places` has the folders of its packages, and
+    /// `packs` the hulls of its meshes.
     ///
     /// # Errors
     /// The description or a mesh cannot be read, or a collision has no shape that can be queried.
     ///
     /// # Complexity
-    /// That of the hulls: O(n log n) for a mesh of n points without a pack.
+    /// The time to read or build the hulls: O(n log n) for a mesh of n points without a pack.
     pub fn read(file: &Path, places: &Places, packs: &mut Packs) -> Result<Self, PlanningError> {
         let description = Description::read(file, places)?;
         Self::new(&description, |mesh| packs.hulls(mesh))
@@ -164,20 +164,20 @@ impl Robot {
                 let Some(in_link) = shape.pose else {
                     return Err(fault("its pose is not known; state it by numbers".to_owned()));
                 };
-                let solids = match &shape.geometry {
-                    Geometry::Mesh(mesh) => hulls(mesh).and_then(|pack| solids::hulls(&pack, mesh)).map_err(fault)?,
+                let shapes = match &shape.geometry {
+                    Geometry::Mesh(mesh) => hulls(mesh).and_then(|pack| convex::hulls(&pack, mesh)).map_err(fault)?,
                     Geometry::Primitive(primitive) => {
                         let cause =
                             format!("the sizes of `{}` are missing or not positive; state them", primitive.name);
-                        let solid = primitive.solid.ok_or_else(|| fault(cause))?;
-                        vec![solids::solid(solid).map_err(|error| fault(error.to_string()))?]
+                        let primitive = primitive.shape.ok_or_else(|| fault(cause))?;
+                        vec![convex::shape_of_primitive(primitive).map_err(|error| fault(error.to_string()))?]
                     }
                     Geometry::Other(reason) => {
                         notes.push(format!("link `{}`, line {}: not tested: {reason}", link.name, shape.line));
                         Vec::new()
                     }
                 };
-                bodies.extend(solids.into_iter().map(|solid| Body::new(index, solid, in_link, shape.contact_bits)));
+                bodies.extend(shapes.into_iter().map(|convex| Body::new(index, convex, in_link, shape.contact_bits)));
             }
             of_link.push(first..bodies.len());
         }
@@ -222,7 +222,7 @@ impl Robot {
         &self.joints
     }
 
-    /// Number of numbers of a configuration.
+    /// How many numbers a configuration has.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
@@ -265,7 +265,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Removes all obstacles, and what was allowed for them.
+    /// Removes all obstacles, and the allowed pairs with them.
     pub fn clear_obstacles(&mut self) {
         self.obstacles.clear();
         let links = self.links.len();
@@ -273,7 +273,7 @@ impl Robot {
         self.list_pairs();
     }
 
-    /// Allows pairs of links, or of links and obstacles, to touch: they are not tested any more.
+    /// Allows pairs of links, or of links and obstacles, to touch: they are no longer tested.
     ///
     /// # Errors
     /// A name is unknown. Then nothing changes.
@@ -294,8 +294,8 @@ impl Robot {
         Ok(())
     }
 
-    /// Allows the pairs that an SRDF file disables. Names of links without a collision, or of other
-    /// robots, are passed over.
+    /// Allows the pairs that an SRDF file disables. Names of links without a collision, and of
+    /// other robots, are ignored.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -337,7 +337,7 @@ impl Robot {
     fn list_pairs(&mut self) {
         let with_bodies: Vec<usize> = (0..self.links.len()).filter(|link| !self.of_link[*link].is_empty()).collect();
         let (mut pairs, mut couples) = (Vec::new(), Vec::new());
-        let mut add = |a: Partner, b: usize, own: Vec<Pair>| {
+        let mut add = |a: BodyOrObstacle, b: usize, own: Vec<Pair>| {
             let first = pairs.len();
             pairs.extend(own);
             if pairs.len() > first {
@@ -350,14 +350,14 @@ impl Robot {
                 let shared = self.shared_joints([a, b]);
                 let all = self.of_link[a].clone().flat_map(|a| self.of_link[b].clone().map(move |b| [a, b]));
                 let may_meet = |[a, b]: &[usize; 2]| self.bodies[*a].may_meet(&self.bodies[*b]);
-                let pair = |[a, b]: [usize; 2]| Pair { a: Partner::Body(a), b, shared };
-                add(Partner::Body(a), b, all.filter(may_meet).map(pair).collect());
+                let pair = |[a, b]: [usize; 2]| Pair { a: BodyOrObstacle::Body(a), b, shared };
+                add(BodyOrObstacle::Body(a), b, all.filter(may_meet).map(pair).collect());
             }
         }
         for obstacle in 0..self.obstacles.len() {
             let collider = self.links.len() + obstacle;
             for &b in with_bodies.iter().filter(|b| !self.allowed.contains(&[**b, collider])) {
-                let a = Partner::Obstacle(obstacle);
+                let a = BodyOrObstacle::Obstacle(obstacle);
                 add(a, b, self.of_link[b].clone().map(|b| Pair { a, b, shared: 0 }).collect());
             }
         }
@@ -423,16 +423,16 @@ impl Robot {
     pub(crate) fn colliders_of(&self, pair: usize) -> [usize; 2] {
         let Pair { a, b, .. } = self.pairs[pair];
         match a {
-            Partner::Body(a) => self.colliders(Partner::Body(self.bodies[a].link), self.bodies[b].link),
-            Partner::Obstacle(_) => self.colliders(a, self.bodies[b].link),
+            BodyOrObstacle::Body(a) => self.colliders(BodyOrObstacle::Body(self.bodies[a].link), self.bodies[b].link),
+            BodyOrObstacle::Obstacle(_) => self.colliders(a, self.bodies[b].link),
         }
     }
 
-    /// The colliders of a partner, by its link, and of a link.
-    fn colliders(&self, a: Partner, b: usize) -> [usize; 2] {
+    /// The colliders of a link or an obstacle `a`, and of a link.
+    fn colliders(&self, a: BodyOrObstacle, b: usize) -> [usize; 2] {
         match a {
-            Partner::Body(a) => [a, b],
-            Partner::Obstacle(obstacle) => [b, self.links.len() + obstacle],
+            BodyOrObstacle::Body(a) => [a, b],
+            BodyOrObstacle::Obstacle(obstacle) => [b, self.links.len() + obstacle],
         }
     }
 
@@ -441,22 +441,24 @@ impl Robot {
     pub(crate) fn couple_gap(&self, couple: &Couple, memory: &Memory) -> f64 {
         let (centre, radius, noise) = (memory.centres[couple.b], self.balls[couple.b].1, memory.noise[couple.b]);
         match couple.a {
-            Partner::Body(a) => memory.centres[a].distance(centre) - self.balls[a].1 - radius - noise - memory.noise[a],
-            Partner::Obstacle(a) => self.obstacles[a].gap(centre, radius) - noise - self.obstacle_noise(a),
+            BodyOrObstacle::Body(a) => {
+                memory.centres[a].distance(centre) - self.balls[a].1 - radius - noise - memory.noise[a]
+            }
+            BodyOrObstacle::Obstacle(a) => self.obstacles[a].gap(centre, radius) - noise - self.obstacle_noise(a),
         }
     }
 
-    /// The same of a pair, by the balls around bodies.
+    /// The same for a pair, from the balls around bodies.
     pub(crate) fn pair_gap(&self, pair: &Pair, memory: &Memory) -> f64 {
         let centre = |body: &Body| memory.links[body.link].apply(body.ball.0);
         let b = &self.bodies[pair.b];
         let noise = self.pair_noise(pair, memory);
         match pair.a {
-            Partner::Body(a) => {
+            BodyOrObstacle::Body(a) => {
                 let a = &self.bodies[a];
                 centre(a).distance(centre(b)) - a.ball.1 - b.ball.1 - noise
             }
-            Partner::Obstacle(a) => self.obstacles[a].gap(centre(b), b.ball.1) - noise,
+            BodyOrObstacle::Obstacle(a) => self.obstacles[a].gap(centre(b), b.ball.1) - noise,
         }
     }
 
@@ -464,18 +466,18 @@ impl Robot {
     /// known.
     pub(crate) fn reach(&self, pair: &Pair, memory: &Memory) -> Option<f64> {
         let inside =
-            |body: usize| self.body_frame(body, memory).apply(self.bodies[body].solid.shape().interior_point());
+            |body: usize| self.body_frame(body, memory).apply(self.bodies[body].convex.shape().interior_point());
         match pair.a {
-            Partner::Body(a) => Some(inside(a).distance(inside(pair.b)) + self.pair_noise(pair, memory)),
-            Partner::Obstacle(_) => None,
+            BodyOrObstacle::Body(a) => Some(inside(a).distance(inside(pair.b)) + self.pair_noise(pair, memory)),
+            BodyOrObstacle::Obstacle(_) => None,
         }
     }
 
     /// Upper bound of the rounding error of the relative position of two bodies: a length.
     pub(crate) fn pair_noise(&self, pair: &Pair, memory: &Memory) -> f64 {
         let a = match pair.a {
-            Partner::Body(a) => memory.noise[self.bodies[a].link],
-            Partner::Obstacle(a) => self.obstacle_noise(a),
+            BodyOrObstacle::Body(a) => memory.noise[self.bodies[a].link],
+            BodyOrObstacle::Obstacle(a) => self.obstacle_noise(a),
         };
         a + memory.noise[self.bodies[pair.b].link]
     }
@@ -494,22 +496,22 @@ impl Robot {
     /// The frame of A in the world.
     pub(crate) fn frame_of_a(&self, pair: &Pair, memory: &Memory) -> Frame {
         match pair.a {
-            Partner::Body(a) => self.body_frame(a, memory),
-            Partner::Obstacle(a) => self.obstacles[a].frame,
+            BodyOrObstacle::Body(a) => self.body_frame(a, memory),
+            BodyOrObstacle::Obstacle(a) => self.obstacles[a].frame,
         }
     }
 
-    /// A pair as the solver takes it.
+    /// A pair in the form that queries take.
     pub(crate) fn pairing(&self, index: usize, memory: &Memory) -> Pairing<'_> {
         let pair = &self.pairs[index];
         let (a, b) = (self.frame_of_a(pair, memory), self.body_frame(pair.b, memory));
         let back = a.rotation.conjugate();
         let b_in_a = Pose::new(back * (b.translation - a.translation), back * b.rotation).ok();
         let other = match pair.a {
-            Partner::Body(a) => Other::Convex(&self.bodies[a].solid),
-            Partner::Obstacle(a) => Other::from(&self.obstacles[a].obstacle.shape),
+            BodyOrObstacle::Body(a) => Other::Convex(&self.bodies[a].convex),
+            BodyOrObstacle::Obstacle(a) => Other::from(&self.obstacles[a].obstacle.shape),
         };
-        Pairing { index, a: other, b: &self.bodies[pair.b].solid, b_in_a }
+        Pairing { index, a: other, b: &self.bodies[pair.b].convex, b_in_a }
     }
 }
 

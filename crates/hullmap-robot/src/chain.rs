@@ -1,7 +1,8 @@
 //! The kinematic chain of a description: which joint moves which link, and forward kinematics.
 //!
 //! A link is placed in its parent by a frame at rest, then by each of its joints, in their order.
-//! That is MuJoCo's form. URDF and SDF are a special case, with at most one joint a link, or two.
+//! This is MuJoCo's model. URDF and SDF are a special case, with at most one or two joints per
+//! link.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/modeling.html#kinematic-tree>
@@ -39,7 +40,7 @@ pub enum Motion {
     Free,
 }
 
-/// The position of a joint follows that of another one.
+/// The position of a joint follows the position of another joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     /// Index of the joint that it follows; `None` if it is constant.
@@ -49,7 +50,7 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// Displacement for that of the leader.
+    /// Displacement of the joint for a displacement of the leader.
     pub fn follow(&self, leader: f64) -> f64 {
         self.coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * leader + coefficient)
     }

@@ -10,7 +10,7 @@ use crate::error::RobotError;
 use crate::frame::Frame;
 use crate::mjcf::model::Model;
 use crate::places::{Places, Scheme, Unresolved, package_of, relative};
-use crate::solid::Primitive;
+use crate::primitive::NamedPrimitive;
 
 /// Format of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,8 +118,8 @@ pub struct Shape {
 pub enum Geometry {
     /// A mesh.
     Mesh(MeshUse),
-    /// A box, cylinder, sphere or another solid with a name.
-    Primitive(Primitive),
+    /// A box, cylinder, sphere or another primitive.
+    Primitive(NamedPrimitive),
     /// What cannot become a hull, with the reason.
     Other(String),
 }
@@ -133,8 +133,8 @@ pub struct MeshUse {
     pub file: Result<PathBuf, Unresolved>,
     /// Factors along the axes of the mesh; negative ones mirror it.
     pub scale: [f64; 3],
-    /// The frame in which the mesh is drawn and scaled, in that of its file: `refpos` and
-    /// `refquat` of MJCF.
+    /// The frame in which the mesh is drawn and scaled, relative to the frame of its file: `refpos`
+    /// and `refquat` of MJCF.
     pub reference: Frame,
     /// The part of the file that is meant, of SDF; `None` for the whole file.
     pub submesh: Option<Submesh>,

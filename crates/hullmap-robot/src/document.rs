@@ -194,8 +194,8 @@ fn line_of(text: &str, at: usize) -> u32 {
     1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() as u32
 }
 
-/// The encoding of a file without a byte order mark: that of the XML declaration, if it is not
-/// UTF-8 anyway.
+/// The encoding of a file without a byte order mark: the encoding in the XML declaration, unless
+/// the text is UTF-8.
 fn declared(bytes: &[u8]) -> Encoding {
     let head = &bytes[..bytes.len().min(200)];
     let head = String::from_utf8_lossy(head).to_lowercase();

@@ -1,6 +1,6 @@
 //! XML as robot programs read it: TinyXML accepts some texts that XML 1.0 does not allow.
 //!
-//! [`prepared`] replaces such places by others of the same length, so that spans stay valid. Only
+//! [`prepared`] replaces such texts by others of the same length, so that spans stay valid. Only
 //! the parser sees the result; edits apply to the original text.
 //!
 //! | accepted | replaced by |

@@ -1,9 +1,9 @@
 //! Robot descriptions: finds the collision geometry of URDF, MJCF and SDF files, and edits it in
 //! place.
 //!
-//! 1. [`Description::read`] reads a file, and those that it includes. [`Places`] says where meshes
-//!    and packages lie. The result lists links, their collisions and visuals.
-//! 2. The caller makes hulls of the meshes, and says what changes: a list of [`Change`].
+//! 1. [`Description::read`] reads a file, and the files that it includes. [`Places`] has the
+//!    folders of meshes and packages. The result lists links, their collisions and visuals.
+//! 2. The caller makes hulls of the meshes, and passes the changes: a list of [`Change`].
 //! 3. [`Description::changed`] returns the bytes of each file.
 //!
 //! Only collision geometry changes. An edit replaces a span of the text, which the XML reader
@@ -16,7 +16,7 @@
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `chain`, `frame` | joints, and where they move links |
 //! | `neighbours` | which links a joint connects |
-//! | `solid` | sizes of primitives |
+//! | `primitive` | sizes of primitives |
 //! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
 //! | `document` | bytes, encoding, and parsing within limits |
@@ -54,8 +54,8 @@ mod links;
 mod mjcf;
 mod neighbours;
 mod places;
+mod primitive;
 mod sdf;
-mod solid;
 mod srdf;
 mod urdf;
 
@@ -68,5 +68,5 @@ pub use frame::Frame;
 pub use glam;
 pub use neighbours::Neighbours;
 pub use places::{Places, Scheme, Unresolved, relative};
-pub use solid::{Primitive, Solid};
+pub use primitive::{NamedPrimitive, Primitive};
 pub use srdf::{DisabledPair, SRDF_FIRST_LINE, disabled_pairs, srdf};

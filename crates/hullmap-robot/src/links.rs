@@ -13,7 +13,7 @@ use crate::element::{child, children};
 use crate::error::RobotError;
 use crate::frame::Frame;
 use crate::places::{Places, folder_of};
-use crate::solid::{Primitive, Solid};
+use crate::primitive::{NamedPrimitive, Primitive};
 
 /// How a format writes links.
 pub(crate) struct Dialect {
@@ -78,8 +78,8 @@ impl Dialect {
                     Geometry::Mesh(MeshUse { submesh: (self.submesh)(element), ..own })
                 }
                 name if self.primitives.contains(&name) => {
-                    let solid = Solid::of_lengths(name, |size| (self.sizes)(element, size));
-                    Geometry::Primitive(Primitive { name: name.to_owned(), solid })
+                    let shape = Primitive::of_lengths(name, |size| (self.sizes)(element, size));
+                    Geometry::Primitive(NamedPrimitive { name: name.to_owned(), shape })
                 }
                 name => Geometry::Other(format!("`{name}` is not a mesh")),
             },

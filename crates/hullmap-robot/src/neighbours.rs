@@ -1,4 +1,4 @@
-//! Which links move against each other, and which are neighbours in the chain.
+//! Which links move relative to each other, and which are neighbours in the chain.
 
 use crate::chain::Chain;
 

@@ -1,8 +1,8 @@
 //! From a name in a description to a file: `package://`, `model://`, `file://`, relative and
 //! absolute paths.
 //!
-//! A description may come from anywhere, and whoever wrote it chose the names. So files are read
-//! only below folders that the caller names: the project, and the folders of packages.
+//! A description may come from an untrusted author, who chose the names. So files are read only
+//! below folders that the caller names: the project, and the folders of packages.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -17,7 +17,7 @@ const MAX_PACKAGE_XML: u64 = 1 << 20;
 pub struct Places {
     /// Folders that hold packages or models, or are one: `--package-path`.
     pub packages: Vec<PathBuf>,
-    /// Canonical folders below which files may be read, besides those of packages.
+    /// Canonical folders below which files may be read, in addition to the folders of packages.
     pub roots: Vec<PathBuf>,
 }
 

@@ -65,7 +65,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     Ok(DIALECT.description((name, document), links, references, notes, chain))
 }
 
-/// The name with those of the models that hold the link, except a single model.
+/// The name of a link, preceded by the names of the models that contain it, unless there is only
+/// one model.
 fn qualified(link: Node, name: &str) -> String {
     let models: Vec<Node> = link.ancestors().filter(|node| node.has_tag_name("model")).collect();
     let is_alone = |model: &Node| {

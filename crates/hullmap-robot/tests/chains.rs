@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use hullmap_robot::glam::DVec3;
-use hullmap_robot::{Description, Displacement, Geometry, Motion, Places, Primitive, Solid};
+use hullmap_robot::{Description, Displacement, Geometry, Motion, NamedPrimitive, Places, Primitive};
 
 fn read(text: &str) -> Description {
     let folder = tempfile::tempdir().unwrap();
@@ -81,11 +81,11 @@ fn mjcf() {
     assert_near(at, [1.0, 1.0 - 1.0, 1.0 - slide]);
     assert_near(point(&robot, "c", [0.0; 3], &[0.0, 0.0]), [1.0 - 2.0, 1.0 + 0.5, 0.0]);
     let shapes = &robot.links[2].collisions;
-    let solid = |at: usize| match &shapes[at].geometry {
-        Geometry::Primitive(Primitive { solid, .. }) => solid.unwrap(),
+    let primitive = |at: usize| match &shapes[at].geometry {
+        Geometry::Primitive(NamedPrimitive { shape, .. }) => shape.unwrap(),
         other => panic!("{other:?}"),
     };
-    assert_eq!([solid(0), solid(1)], [Solid::Capsule([0.1, 2.0]), Solid::Box([1.0, 2.0, 3.0])]);
+    assert_eq!([primitive(0), primitive(1)], [Primitive::Capsule([0.1, 2.0]), Primitive::Box([1.0, 2.0, 3.0])]);
     assert_near(shapes[0].pose.unwrap().translation, [0.0, 0.0, 1.0]);
     assert_near(shapes[1].pose.unwrap().translation, [0.0, 2.0, 0.0]);
 }

@@ -172,8 +172,8 @@ impl Judge {
     /// A point of `hull` that is farther than `claim` from the solid, starting from the recorded
     /// point `at`, which must be in the hull.
     ///
-    /// Points inside the hull count only in a cavity, as the file format says: if they are farther
-    /// by more than a tenth and a thousandth of the diagonal.
+    /// By the rule of the file format, points inside the hull count only in a cavity: if they are
+    /// farther by more than a tenth plus a thousandth of the diagonal.
     pub fn protrusion(&self, hull: &Hull, claim: f64, at: Option<DVec3>) -> Option<Witness> {
         let value = |p: DVec3| if self.soup.seems_inside(p) { 0.0 } else { self.soup.gap(p) - self.rounding };
         let confirm = |p: DVec3| self.soup.is_outside(p);

@@ -15,7 +15,7 @@
 //! | [`random`] | seeded directions and points |
 //!
 //! What it compares with is computed independently of the baker, as far as it can be: by brute
-//! force, in f64. It knows neither options nor files of the command.
+//! force, in f64. It depends neither on options nor on files of the command.
 
 #![forbid(unsafe_code)]
 

@@ -268,7 +268,7 @@ fn compare_surface(mesh: &TriangleMesh, triangles: &[[DVec3; 3]], findings: &mut
                 });
             }
         }
-        // Where rounding decides, what the file says counts.
+        // If rounding decides, the class in the file is accepted.
         let class = class(sides[0]).filter(|class| expected.contains(class)).unwrap_or(expected[0]);
         for end in key {
             if let Some(at) = at_vertices.get_mut(end as usize) {
@@ -330,7 +330,7 @@ fn between(triangles: &[[DVec3; 3]], corners: &[[u32; 3]], a: (usize, usize), b:
 
 /// What a ray does, by brute force.
 struct RayTruth {
-    /// The first t at which it surely hits a triangle; infinite if it hits none.
+    /// The first t at which it certainly hits a triangle; infinite if it hits none.
     sure: f64,
     /// The times at which it may hit a triangle, with their errors.
     possible: Vec<(f64, f64)>,

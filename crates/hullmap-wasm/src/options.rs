@@ -39,13 +39,13 @@ export interface BakeOptions {
     maxError?: number | `${number}%` | "none";
     /** Maximum number of parts; the search then looks for the smallest error. */
     maxParts?: number | "none";
-    /** Merge parts only while they overlap by at most this share of their volume. Default 0.05. */
+    /** Maximum overlap of merged parts, as a share of the volume of their union. Default 0.05. */
     overlap?: number | "none";
     /** Thickness of parts of a sheet: a length, or a share of the diagonal. Default "0.5%". */
     minThickness?: number | `${number}%` | "none";
-    /** Make the parts of a symmetric mesh symmetric unless others are fewer. Default "auto". */
+    /** Make the parts of a symmetric mesh symmetric, unless that takes more parts. Default "auto". */
     symmetry?: "auto" | "none";
-    /** Count protrusion only where a ball of this radius can come from outside. */
+    /** Count protrusion only where a ball of this radius can get from outside. */
     reachable?: number | `${number}%` | "none";
     /** Leave no voids: every point of a closed mesh's solid is in a part. Default false. */
     fill?: boolean;

@@ -2,8 +2,8 @@
 //! hulls.
 //!
 //! Balls, boxes and outer hulls contain their hulls, so hulls that they separate are separated.
-//! Only the inner balls and the hulls themselves prove an overlap. The answer is therefore always
-//! that of [`intersects`](crate::intersects()).
+//! Only the inner balls and the hulls themselves prove an overlap. So the answer always equals that
+//! of [`intersects`](crate::intersects()).
 //!
 //! # Reference
 //! Kenwright, section 5.0.0.1 ("a basic sphere-sphere check, followed by a cube-cube, then a
@@ -15,8 +15,8 @@
 //!    axis first.
 //! 3. Test the bounding boxes, also read from the records, on the 15 axes that can separate two
 //!    boxes (SAT).
-//! 4. Test the outer hulls where they are cheaper than the hulls. An outer hull has at most 64
-//!    vertices; a hull of up to 32 vertices has none and stands in for it.
+//! 4. Test the outer hulls if they are cheaper than the hulls. An outer hull has at most 64
+//!    vertices; a hull of up to 32 vertices has none and is used itself.
 //! 5. Test the hulls.
 //!
 //! # Deviations
@@ -110,8 +110,8 @@ fn tests_outer(a: &Hull<'_>, b: &Hull<'_>, outer: OuterHulls) -> bool {
 
 /// Tests whether hulls `a` and `b`, placed at `b_in_a`, share a point, in stages.
 ///
-/// The status is that of [`intersects`](crate::intersects()). `cache` belongs to this ordered pair;
-/// the query reads and updates it.
+/// The status is the same as from [`intersects`](crate::intersects()). `cache` belongs to this
+/// ordered pair; the query reads and updates it.
 ///
 /// # Complexity
 /// If balls or boxes decide: no support query and a few hundred floating-point operations at most.

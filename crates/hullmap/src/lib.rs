@@ -173,7 +173,7 @@
 //! # Many pairs at once
 //!
 //! [`batch`] solves a slice of pairs, with the feature `parallel` on all threads. The answers are
-//! bit-identical to those of single queries.
+//! bit-identical to the answers of single queries.
 //!
 //! ```
 //! use hullmap::batch::{self, Pair};

@@ -117,8 +117,8 @@ fn is_outside(corners: [Vector; 3]) -> bool {
     sides.into_iter().chain([bottom]).any(|(dir, reach)| near(dir, reach))
 }
 
-/// Triangles of the parts whose centres are at an x that is taken, turned by `slope`. `shows` tells
-/// which triangles there are.
+/// Triangles of the parts whose centres are at an x that is taken, turned by `slope`. `shows`
+/// decides which triangles are included.
 fn mesh(cut: Cut, slope: Quat, takes: impl Fn(f64) -> bool, shows: impl Fn([Vector; 3]) -> bool) -> BakedSurface {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     for part in cut.parts() {

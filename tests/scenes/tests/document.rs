@@ -36,7 +36,7 @@ fn the_programs_run_as_printed() {
     let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| 10.0 * x)).collect();
     let gear = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] }).unwrap();
     fs::write(folder.join("baked/gear.hullmesh"), write_triangle_mesh(gear, &Default::default()).unwrap()).unwrap();
-    // The only test of this program, so nobody else has a working folder.
+    // The only test of this program, so no other test uses the working folder.
     env::set_current_dir(&folder).unwrap();
     rapier::main().unwrap();
     level::main().unwrap();

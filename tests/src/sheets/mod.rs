@@ -304,7 +304,7 @@ impl Judge<'_> {
     }
 }
 
-/// The earliest t at which a ray may cross a triangle, and that at which it surely does.
+/// The earliest t at which a ray may cross a triangle, and that at which it certainly does.
 fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3], slack: f64) -> (f64, f64) {
     const NEVER: (f64, f64) = (f64::INFINITY, f64::INFINITY);
     let (normal, dir) = ((b - a).cross(c - a).normalize(), ray.direction());
@@ -331,7 +331,7 @@ fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3], slack: f64) -> (f64, f64) {
     }
 }
 
-/// The earliest time at which a body that moves may meet a triangle, and that at which it surely
+/// The earliest time at which a body that moves may meet a triangle, and that at which it certainly
 /// does: when it is in the slabs of all axes.
 fn meeting(triangle: &[DVec3; 3], body: &[DVec3], velocity: DVec3, slack: f64) -> (f64, f64) {
     let [a, b, c] = *triangle;

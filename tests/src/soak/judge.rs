@@ -371,7 +371,7 @@ impl<'s, 'p> Scene<'s, 'p> {
                 at_most("the contact's points are not opposite each other", beside, width, slack_along);
             }
             Status::Touching => at_most("the points of a touch are apart", between.length(), width, slack + hair),
-            // The status says so.
+            // The status states this.
             _ => {}
         }
         match c.status {

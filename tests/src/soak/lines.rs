@@ -145,7 +145,7 @@ fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path) {
     }
 }
 
-/// The path against a truth. Only where `is_complete` does the truth know all planes.
+/// The path against a truth. The truth has all planes only if `is_complete`.
 fn judge_passage(judge: &mut Claims<'_>, answer: &Answer, path: &Path, truth: &Passage, is_complete: bool) {
     let Answer { hit, status, t: [lower, _, upper], .. } = *answer;
     let [earliest, latest] = truth.enter.map(|t| t.max(0.0));

@@ -270,7 +270,7 @@ fn judge_surface(
         return;
     }
     // A corner on the far side of a thin shape, or a place beside the corner of a rounded one,
-    // where planes do not separate. The solver knows a direction.
+    // where planes do not separate. The solver has found a direction.
     let found = signed_distance(shape, p, &Settings::default(), &mut Cache::new()).expect("finite");
     let height = found.normal.dot(p) - model.reach(found.normal);
     judge.at_most(what[1], -height, allowance, slack);

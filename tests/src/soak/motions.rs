@@ -203,8 +203,8 @@ impl Case<'_, '_> {
         [self.courses[0].motion(), self.courses[1].motion()]
     }
 
-    /// A time before `end` at which the bodies surely meet, from intervals that are divided until
-    /// the speed excludes a meeting.
+    /// A time before `end` at which the bodies certainly meet, from intervals that are divided
+    /// until the speed excludes a meeting.
     fn meeting_before(&self, end: f64) -> Option<f64> {
         let speed = self.speed();
         let mut open = vec![(0.0, end)];
@@ -259,7 +259,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let (found, clearance) = case.answers(&settings);
     let mut judge = Claims { wrong: None, tightest: 0.0, queries: "motions", tally };
     judge_times(&mut judge, &found);
-    // The times at which they surely do not meet, by the answer.
+    // The times at which they certainly do not meet, by the answer.
     let until = if found.hit { found.t_lower } else { 1.0 };
     let spread = (0..SAMPLES).map(|i| until * (i as f64 + rng.unit()) / SAMPLES as f64);
     let near = [1.0 - 1e-9, 1.0 - 1e-6, 1.0 - 1e-3].map(|share| until * share);

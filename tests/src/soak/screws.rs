@@ -1,7 +1,7 @@
 //! Times of impact of small hulls that move and turn, in exact arithmetic.
 //!
-//! The soak of motions samples times, and trusts the distance query. Here integers decide, for all
-//! times at once:
+//! The soak of motions samples times, and relies on the distance query. Here integers decide, for
+//! all times at once:
 //!
 //! | claim | proof |
 //! |---|---|
@@ -231,7 +231,7 @@ impl Case {
         a.rotation() * distance(hulls[0], hulls[1], b_in_a, &settings, &mut Cache::new()).normal
     }
 
-    /// Whether planes perpendicular to `normal` at time `t` surely separate the hulls during a
+    /// Whether planes perpendicular to `normal` at time `t` certainly separate the hulls during a
     /// chord, if they are fixed to `frame`.
     fn is_apart(&self, placed: &[Placed; 2], normal: DVec3, frame: Frame, t: f64) -> bool {
         let own = match frame {

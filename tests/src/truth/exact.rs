@@ -235,7 +235,7 @@ fn exact_minimum(a: &Body, b: &Body, scale: &Dyadic) -> Depth {
         // A difference of two points has the error of both; the angle between the factors magnifies
         // it.
         let direction_error = 4.0 * ERROR * size * (1.0 / e + 1.0 / f) * (e * f / n.length());
-        // A direction that f64 does not know is kept. NaN takes the other branch.
+        // A direction that f64 cannot represent is kept. NaN takes the other branch.
         if direction_error < UNKNOWN {
             let error = 4.0 * size * (ERROR + direction_error);
             let n = n / n.length();

@@ -133,7 +133,7 @@ fn verify_names_what_does_not_fit() {
     assert!(run.stderr.contains("600 vertices, and at most 256 fit"), "{run:?}");
 }
 
-/// No number of vertices makes a needle or a plate fit: the build says so, and verification fails.
+/// No number of vertices makes a needle or a plate fit: the build warns, and verification fails.
 #[test]
 fn needles_and_plates_get_a_warning() {
     let folder = tempfile::tempdir().unwrap();

@@ -657,8 +657,8 @@ fn cavities_cost_no_parts_where_no_ball_can_reach() {
     let row = bake(&folder, line).expect(0).json()[0].clone();
     assert_eq!((&row["hulls"], &row["objects"][0]["reachable"]), (&1.into(), &1.0.into()), "{row}");
     assert!(row["objects"][0]["protrusion"].as_f64().unwrap() <= 0.02 * 300_f64.sqrt(), "{row}");
-    assert!(row["notes"].to_string().contains("where a ball of radius 1 from outside can reach"), "{row}");
+    assert!(row["notes"].to_string().contains("where a ball of radius 1 can get from outside"), "{row}");
     bake(&folder, "verify r/hollow.hullmap --json").expect(0);
     let text = bake(&folder, "inspect r/hollow.hullmap").expect(0).stdout;
-    assert!(text.contains("protrusion counts where a ball of radius 1 from outside can come"), "{text}");
+    assert!(text.contains("protrusion counts where a ball of radius 1 can get from outside"), "{text}");
 }

@@ -480,7 +480,7 @@ fn thin_parts_are_not_green() {
     assert!(text(folder.path().join("all.html")).contains("chip odd\">1 pack parts need attention<"));
 }
 
-/// The overview said "all verified" in green, while a card said "bounds unchecked" in amber.
+/// The overview had "all verified" in green, while a card had "bounds unchecked" in amber.
 #[test]
 fn an_overview_is_green_only_if_its_cards_are() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The command as users see it: exit codes, messages, output streams, and the fields that other
+//! The interface of the command: exit codes, messages, output streams, and the fields that other
 //! programs read.
 
 use std::{

@@ -57,7 +57,7 @@ pub struct Cover {
     pub min_thickness: Length,
     /// Whether a mesh that has a mirror plane gets symmetric parts.
     pub symmetry: bool,
-    /// Radius of a ball: protrusion counts only where such a ball can come from outside. `None` for
+    /// Radius of a ball: protrusion counts only where such a ball can get from outside. `None` for
     /// everywhere.
     pub reachable: Option<Length>,
     /// Whether parts leave no voids: every point of a closed mesh's solid is in a part. Parts are
@@ -88,8 +88,8 @@ impl Default for Cover {
 }
 
 impl Cover {
-    /// The solid from which protrusion counts: that of the mesh, with the space that a ball of the
-    /// radius [`reachable`](Self::reachable) cannot reach.
+    /// The solid from which protrusion is measured: the solid of the mesh, plus the space that a
+    /// ball of the radius [`reachable`](Self::reachable) cannot reach.
     ///
     /// # Complexity
     /// That of [`Solid::new`]; with a radius, that of [`with_unreachable`], too.

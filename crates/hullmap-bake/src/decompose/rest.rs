@@ -21,8 +21,8 @@ use crate::{
     simplify::nearest::Nearest,
 };
 
-/// The triangles nearest to each part, by the part's index; all are those of part 0 if there are no
-/// parts.
+/// For each part, by its index, the triangles nearest to it. If there are no parts, part 0 gets all
+/// triangles.
 pub fn by_part(parts: &[&Hull], triangles: &[Triangle]) -> BTreeMap<usize, Vec<Triangle>> {
     let tree = TriangleTree::of_boxes(parts.iter().map(|part| Bounds::around(&part.positions())));
     let nearest: Vec<Nearest> = parts.iter().map(|part| Nearest::new(part)).collect();

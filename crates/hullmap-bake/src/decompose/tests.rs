@@ -211,7 +211,7 @@ fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     }
 }
 
-/// Each look at this clock moves it by one second.
+/// Each reading of this clock advances it by one second.
 fn seconds_looked() -> Duration {
     Duration::from_secs(LOOKS.fetch_add(1, Ordering::Relaxed))
 }
@@ -219,7 +219,7 @@ fn seconds_looked() -> Duration {
 static LOOKS: AtomicU64 = AtomicU64::new(0);
 
 /// Wherever the time ends, little work is left, parts are within their limits, and contain the
-/// surface. Work is counted by looks at the clock: every loop that may take long looks at it.
+/// surface. Work is counted by readings of the clock: every loop that may take long reads it.
 #[test]
 fn little_is_done_after_the_deadline() {
     for (mesh, symmetry) in [(concave::mug(24), true), (concave::mug(24), false), (concave::chair(), true)] {

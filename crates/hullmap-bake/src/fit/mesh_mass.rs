@@ -129,8 +129,8 @@ fn closed(mesh: &PointSet) -> Option<Vec<Triangle>> {
     Some(net.iter().map(|t| t.map(|v| positions[v as usize])).collect())
 }
 
-/// One triangle for those of the same corners: with the orientation of most of them, or none if
-/// both are as frequent.
+/// Merges triangles of the same corners into one, with the orientation of most of them. If both
+/// orientations are equally frequent, none is left.
 fn net(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut keys: Vec<([u32; 3], i32)> = Vec::with_capacity(triangles.len());
     for &[a, b, c] in triangles {

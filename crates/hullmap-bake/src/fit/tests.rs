@@ -414,8 +414,8 @@ fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
     assert!(whole > 500 && partly > 50 && unknown * 20 < whole, "{whole} whole, {partly} partly, {unknown} unknown");
 }
 
-/// Beside closing triangles, a point may be closer to the solid than its measured distance says. A
-/// limit that holds is recorded all the same.
+/// Beside closing triangles, a point may be closer to the solid than its measured distance. A limit
+/// that holds is recorded all the same.
 #[test]
 fn a_limit_that_is_proven_is_recorded() {
     let mut proven = 0;

@@ -191,7 +191,7 @@ mod tests {
         PointSet { positions: whole.vertices, source_vertices, triangles, ..PointSet::default() }
     }
 
-    /// The truth is the volume of the cube less that of the parts in it.
+    /// The truth is the volume of the cube minus the volume of the parts in it.
     #[track_caller]
     fn assert_near(found: Voids, truth: f64, most_error: f64) {
         println!("{found:?}, truth {truth}");

@@ -213,8 +213,8 @@ fn crossing(triangle: &Triangle, p: DVec3, direction: DVec3) -> Option<i32> {
     } else {
         let normal = (b - a).cross(c - a);
         let height = a.dot(normal);
-        // Edges may be much shorter than their distance, so the normal's error is that of the
-        // edges.
+        // Edges may be much shorter than their distance, so the error of the normal is the error of
+        // the edges.
         let error = UNCERTAIN * size * (b - a).length() * (c - a).length();
         if height.abs() <= error {
             return None;

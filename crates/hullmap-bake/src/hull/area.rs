@@ -9,7 +9,8 @@
 //!    collinear. Compute it exactly, with expansions.
 //!
 //! Both need the fused multiply-add with a single rounding. `f64::mul_add` calls the C library of
-//! the target, and that of MinGW rounds twice: a pack had other bytes on Windows. libm has its own.
+//! the target, and MinGW's library rounds twice: a pack had other bytes on Windows. libm has its
+//! own.
 //!
 //! # Reference
 //! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates",

@@ -31,8 +31,8 @@ const MAX_CANDIDATES: usize = 1024;
 /// Maximum number of rounds of exchanges. One or two are usual.
 const MAX_ROUNDS: usize = 64;
 
-/// The entry of each face with more than four corners, in order of the faces. `adjacency` is that
-/// of `hull`.
+/// The entry of each face with more than four corners, in order of the faces. `adjacency` is the
+/// adjacency of `hull`.
 pub fn quads(hull: &Hull, adjacency: &Adjacency) -> Vec<Quad> {
     if hull.faces.iter().all(|face| face.len() <= 4) {
         return Vec::new();

@@ -21,7 +21,7 @@
 //! - *Protrusion.* The polytope contains the primitive: the primitive's support point along the
 //!   normal of each face is behind the face. The polytope is measured like any part.
 //!
-//! What the parts overlap, and the voids between them, are those of the hulls.
+//! Overlap and voids are measured on the hulls, not on the primitives.
 
 pub mod around;
 pub mod candidates;

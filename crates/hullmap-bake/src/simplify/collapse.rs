@@ -307,7 +307,7 @@ impl<'a> Collapse<'a> {
     /// A point p outside of planes with unit normals n and offsets o satisfies n·p ≥ o. For any
     /// weights w ≥ 0 and v = Σ w n, it satisfies v·p ≥ Σ w o. Every point h of the hull satisfies
     /// v·h ≤ s, the hull's height along v. So p and h are at least (Σ w o − s) / |v| apart. The
-    /// best weights are those of the nearest point outside of the planes.
+    /// best weights belong to the nearest point outside of the planes.
     fn bound(&self, edge: &Pending) -> Option<f64> {
         let inside = INSIDE_A_PLANE * self.diameter + CLEAR * self.scale;
         let mut along: DVec3 = edge.planes.iter().map(|(normal, _)| *normal).sum();

@@ -6,8 +6,8 @@
 //! | `search` | the mirror plane of a set of points |
 //! | this one | meshes and parts that are symmetric about a plane |
 //!
-//! Everything is found from coordinates alone, so a pack shows whether its parts are symmetric, and
-//! whoever made them.
+//! Everything is found from coordinates, so the symmetry of any pack can be determined, whatever
+//! tool made its parts.
 
 mod mirror;
 mod search;

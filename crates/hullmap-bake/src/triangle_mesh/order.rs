@@ -1,4 +1,4 @@
-//! The order of the triangles: that of the leaves of the tree of boxes.
+//! The order of the triangles: the order of the leaves of the tree of boxes.
 //!
 //! The tree has no pointers, so each node's number of triangles is fixed. A node's triangles are
 //! split along the axis in which their middles extend most.

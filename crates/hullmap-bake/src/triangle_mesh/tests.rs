@@ -150,8 +150,8 @@ fn t_junctions_by_hand(mesh: &TriangleMesh) -> usize {
     (0..mesh.vertices.len() as u32).filter(on_border).filter(is_junction).count()
 }
 
-/// Rows of squares of two triangles. The squares of each row are narrower than those of the one
-/// before, so that corners of one row lie on edges of the other.
+/// Rows of squares of two triangles. The squares of each row are narrower than in the row before,
+/// so that corners of one row lie on edges of the other.
 fn rows(widths: &[usize], turn: DQuat, scale: f64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     for (row, count) in widths.iter().enumerate() {

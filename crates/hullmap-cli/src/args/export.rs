@@ -55,14 +55,14 @@ pub struct ExportArgs {
     /// mesh (USD); one pack only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
-    /// Draw the hulls, too, in glTF with colliders
+    /// Also draw the hulls, in glTF with colliders
     #[arg(long = "visible")]
     pub is_visible: bool,
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density, from which MJCF, URDF, SDF, USD and --into get masses: kilograms per cubic unit of
-    /// the pack, with --into of the glTF file. Default 1000; in USD, 1000 per cubic metre
+    /// Density for the masses in MJCF, URDF, SDF and USD, and with --into: kilograms per cubic unit
+    /// of the pack, with --into of the glTF file. Default 1000; in USD, 1000 per cubic metre
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh

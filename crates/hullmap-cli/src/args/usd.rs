@@ -8,7 +8,7 @@ pub struct UsdArgs {
     /// Path of the USD prim that holds the mesh, for instance /World/chair
     #[arg(long, value_name = "PATH")]
     pub prim: Option<String>,
-    /// File name of the USD asset, as the layer shall write it, for instance ./chair.usd
+    /// File name of the USD asset, as it is written in the layer, for instance ./chair.usd
     #[arg(long, value_name = "ASSET")]
     pub asset: Option<String>,
     /// Length of a unit of the USD stage in metres; default 1

@@ -120,7 +120,8 @@ fn answer<A: Side, B: Side>(
     Ok(Exit::Done)
 }
 
-/// The poses of `--pose` in their order, then those of `--poses`; the identity if neither is given.
+/// The poses of `--pose` in their order, then the poses of `--poses`; the identity if neither is
+/// given.
 fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     let mut poses = Vec::new();
     for text in &args.poses {

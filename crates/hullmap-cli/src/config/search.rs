@@ -133,7 +133,7 @@ impl Configs {
             inputs.iter().filter(|input| input.is_dir()).filter_map(|input| input.canonicalize().ok()).collect();
         for (root, (config, used)) in &self.used {
             let file = config.path.display();
-            // A build of part of the folder does not see the other meshes.
+            // A build of part of the folder does not include the other meshes.
             let is_whole = folders.iter().any(|folder| root.starts_with(folder));
             let is_of_links = |rule: &Rule| !rule.links.is_empty();
             let rules = (0..).zip(&config.rules).filter(|(_, rule)| !is_of_links(rule));
@@ -161,7 +161,7 @@ impl Configs {
         )
     }
 
-    /// The nearest file in or above a canonical folder, which the user knows as `shown`.
+    /// The nearest file in or above a canonical folder. `shown` is the user's name of the folder.
     fn nearest(&mut self, folder: &Path, shown: &Path) -> Result<Option<Arc<Config>>, Failure> {
         if let Some(found) = self.found.get(folder) {
             return Ok(found.clone());

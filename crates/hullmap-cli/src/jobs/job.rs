@@ -58,7 +58,7 @@ impl Job {
     /// read: baking them fails with an error.
     ///
     /// # Complexity
-    /// One look at the file, unless it is planned; a glTF file is read, to find its buffers.
+    /// O(1), unless the job is planned; a glTF file is read to find its buffers.
     pub fn source_bytes(&self) -> u64 {
         if let Some(planned) = self.planned_bytes() {
             return planned;

@@ -1,8 +1,8 @@
 //! Key of a pack: a hash of everything that its bytes depend on. Packs with equal keys are equal,
 //! wherever they are baked, so the key can name a pack in a cache.
 //!
-//! SHA-256, because caches are shared: with the faster hash that a pack records, somebody could
-//! prepare two meshes with one key.
+//! SHA-256, because caches are shared: with the faster hash that a pack records, an attacker could
+//! construct two meshes with the same key.
 
 use std::path::Path;
 

@@ -18,7 +18,7 @@ use super::search::Mesh;
 pub struct PackName {
     /// Its path.
     pub output: PathBuf,
-    /// Why its name has the extension of the mesh, if nobody requested it.
+    /// Why its name has the extension of the mesh, if that was not requested.
     pub note: Option<String>,
     /// Another pack is the same file on systems that ignore case.
     pub warning: Option<String>,

@@ -126,7 +126,7 @@ impl Body {
 
     /// What the node of the hull states in glTF besides its shape: at the first part of a mesh, the
     /// mesh's volume, its centre of mass, and its inertia about it at density 1. So a program can
-    /// give a body the mass of its mesh, which is not that of the hulls.
+    /// give a body the mass of its mesh, which differs from the mass of the hulls.
     pub fn extras(&self) -> Option<serde_json::Value> {
         let Inertial { mass, center, inertia } = self.mesh.filter(|_| self.part == 0)?;
         Some(

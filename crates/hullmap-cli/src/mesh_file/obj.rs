@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use super::body::Body;
 use super::names::line;
 
-/// First line of every file, by which `bake robot` knows its own hulls.
+/// First line of every file, by which `bake robot` recognises its own hulls.
 pub const FIRST_LINE: &str = "# Convex hulls, exported by bake\n";
 
 /// The file. With `has_groups`, each object is also a group, because Unreal makes a mesh of each

@@ -95,14 +95,14 @@ pub struct UsdGroup<'a> {
 /// The mass of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UsdMass {
-    /// None is written: the simulator computes that of each hull.
+    /// None is written: the simulator computes the mass of each hull.
     None,
     /// Of this density, in the stage's unit of mass per cubic unit.
     Density {
         /// The density.
         density: f64,
-        /// Scale of the hulls' axes in the world. Mass and inertia are those of the scaled solid;
-        /// the centre stays in the frame of the hulls.
+        /// Scale of the hulls' axes in the world. Mass and inertia belong to the scaled solid; the
+        /// centre stays in the frame of the hulls.
         scale: [f64; 3],
     },
     /// This mass, in the stage's unit, distributed as by a density.
@@ -174,7 +174,7 @@ fn metadata(layer: &UsdLayer<'_>) -> Result<String, UsdError> {
     Ok(text + &format!("    upAxis = \"{}\"\n)\n", layer.up_axis))
 }
 
-/// A prim of the asset, and what the layer says about it and the prims below it.
+/// A prim of the asset, and what the layer states about it and the prims below it.
 #[derive(Default)]
 struct Prim {
     is_off: bool,
@@ -218,7 +218,7 @@ impl Prim {
     }
 }
 
-/// A group of hulls, and what its mass is that of.
+/// A group of hulls, and the source of its mass.
 fn group_text(group: &UsdGroup<'_>) -> Result<(String, Option<MassSource>), UsdError> {
     if !is_identifier(&group.name) {
         return Err(UsdError::Path(group.name.escape_debug().to_string()));
@@ -236,7 +236,7 @@ fn group_text(group: &UsdGroup<'_>) -> Result<(String, Option<MassSource>), UsdE
     Ok((text + "}\n", mass.map(|(_, source)| source)))
 }
 
-/// The transform of a group, if it has one. `origin` is that of recentred hulls.
+/// The transform of a group, if it has one. `origin` is the origin of recentred hulls.
 fn transform_text(group: &UsdGroup<'_>, origin: [f64; 3]) -> Result<String, UsdError> {
     let mut rows = group.transform.unwrap_or([[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.], [0., 0., 0., 1.]]);
     let moved = [0, 1, 2].map(|column| (0..3).map(|row| origin[row] * rows[row][column]).sum::<f64>());
@@ -331,7 +331,7 @@ struct Principal {
     axes: DQuat,
 }
 
-/// The mass of a group, and what it is that of; `None` if it has no mass.
+/// The mass of a group, and its source; `None` if it has no mass.
 fn mass(group: &UsdGroup<'_>) -> Result<Option<(Principal, MassSource)>, UsdError> {
     let (density, total, scale) = match group.mass {
         UsdMass::None => return Ok(None),
@@ -424,7 +424,7 @@ fn list<T: std::fmt::Display>(items: impl Iterator<Item = T>) -> String {
     text
 }
 
-/// Whether a prim may have this name. The letters are those of Unicode, as in OpenUSD since 24.03.
+/// Whether a prim may have this name. Letters are defined by Unicode, as in OpenUSD since 24.03.
 fn is_identifier(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|first| first == '_' || first.is_alphabetic())
@@ -550,7 +550,7 @@ mod tests {
         assert!(matches!(write(&UsdLayer { meters_per_unit: 0.0, ..layer(Vec::new()) }), Err(UsdError::Number(_))));
     }
 
-    /// The pack has no faces of a mesh, so its mass is that of the hull.
+    /// The pack has no faces of a mesh, so its mass is the mass of the hull.
     #[test]
     fn a_box_has_the_mass_of_the_formula() {
         let pack = cuboid([1.0, 2.0, 4.0]);

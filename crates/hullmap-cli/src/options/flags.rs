@@ -29,8 +29,8 @@ impl clap::Args for OptionLayer {
     }
 }
 
-/// The options of `bake decompose`, with their help where that of `bake build` also speaks of
-/// whole hulls.
+/// The options of `bake decompose`. An option has help of its own if the help of `bake build` is
+/// also about whole hulls.
 const OF_PARTS: [(&str, Option<&str>); 12] = [
     (
         "max_error",

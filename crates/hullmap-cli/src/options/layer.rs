@@ -49,8 +49,8 @@ impl Clash {
         Self { key, other: "keep_triangles", kind: ClashKind::OfHulls }
     }
 
-    /// What is wrong and what to do; `name` turns a key into the name by which the user knows the
-    /// option.
+    /// What is wrong and what to do; `name` turns a key into the name of the option that the user
+    /// wrote.
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
         let (key, other) = (name(self.key), name(self.other));
         match self.kind {

@@ -13,8 +13,8 @@ use super::table::{DefaultValue, OPTIONS, position};
 use super::value::Value;
 use crate::budget::{Budget, budget};
 
-/// Thickness of parts where no minimum is asked for, relative to the diagonal: they have an inside
-/// in spite of rounding.
+/// Thickness of parts if no minimum is requested, relative to the diagonal: enough for an inside in
+/// spite of rounding.
 const THINNEST: f64 = 1e-5;
 
 /// The options of a bake. An option that has no value, or does not apply, has its default from the

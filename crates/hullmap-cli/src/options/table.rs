@@ -59,7 +59,7 @@ pub enum DefaultValue {
     },
 }
 
-/// Section of the help: what people want to change.
+/// Section of the help, by what an option changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     /// The shape of a hull, its size and its frame.
@@ -269,7 +269,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: PositiveOrNone,
         default: DefaultValue::Value("0.05"),
         value_name: "SHARE",
-        help: "Merge parts only as long as the sum of all volumes exceeds the volume of the union by at most this share of the latter; none for any overlap",
+        help: "Maximum overlap of merged parts: the sum of all volumes minus the volume of the union, as a share of the latter; none for any overlap",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -302,7 +302,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["relative", "name", "none"]),
         default: DefaultValue::Value("relative"),
         value_name: "relative|name|none",
-        help: "Path of the mesh that packs record: relative to the pack, its name, or nothing",
+        help: "Path of the mesh in the record of a pack: relative to the pack, only its name, or nothing",
         section: Section::Files,
         is_advanced: true,
         record: Record::Never,
@@ -324,7 +324,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["auto", "none"]),
         default: DefaultValue::Value("auto"),
         value_name: "auto|none",
-        help: "Make the parts of a symmetric mesh symmetric unless others are fewer (auto), or ignore symmetry (none)",
+        help: "Make the parts of a symmetric mesh symmetric, unless that takes more parts (auto), or ignore symmetry (none)",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -335,7 +335,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: LengthOrNone,
         default: DefaultValue::Value("none"),
         value_name: "R|R%",
-        help: "Count protrusion only where a ball of radius R from outside can reach, so that inner walls cost no parts: a length, or a share of the mesh's diagonal",
+        help: "Count protrusion only where a ball of radius R can get from outside, so that inner walls need no parts: a length, or a share of the mesh's diagonal",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -355,7 +355,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Leave no voids: parts grow, and others are added, until every point of a closed mesh's solid is in a part",
+        help: "Leave no voids: enlarge and add parts until every point of a closed mesh's solid is in a part",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -377,7 +377,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Write a static mesh of all triangles (.hullmesh), for a level that does not move, instead of hulls",
+        help: "Write a static mesh of all triangles (.hullmesh) instead of hulls, for a level that does not move",
         section: Section::Shape,
         is_of_triangles: true,
         ..OPTION

@@ -106,8 +106,8 @@ pub fn accept(
     Ok(results)
 }
 
-/// The rows of an outcome, by the paths of meshes in the worker's folder. Rows of other meshes than
-/// those of the batch are left out.
+/// The rows of an outcome, by the paths of meshes in the worker's folder. Rows of meshes that are
+/// not in the batch are left out.
 fn rows(client: &Client, batch: &Batch, outcome: &Outcome) -> Result<HashMap<String, Row>, RemoteError> {
     let file =
         outcome.files.get(RESULTS).ok_or_else(|| RemoteError::Invalid(format!("the result has no {RESULTS}")))?;
@@ -130,7 +130,7 @@ fn rows(client: &Client, batch: &Batch, outcome: &Outcome) -> Result<HashMap<Str
     Ok(rows)
 }
 
-/// Takes what only the worker knows, with paths as they are here.
+/// Takes the fields that only the worker can fill, with paths on this machine.
 fn take(found: &Row, member: &Member, row: &mut Row) {
     let here = |text: &str| text.replace(&member.source, &row.source).replace(&member.pack, &row.output);
     let remarks = |list: &[String]| bounded_remarks(list.iter().map(String::as_str), here);

@@ -51,8 +51,8 @@ pub fn pool(args: &RunArgs) -> Result<rayon::ThreadPool, Failure> {
     pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))
 }
 
-/// Prints notes, warnings and errors, in the order of the rows. `prunes` says whether orphans were
-/// to be removed.
+/// Prints notes, warnings and errors, in the order of the rows. `prunes` states whether orphans
+/// were to be removed.
 pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
     for row in rows {
         if !is_quiet {

@@ -173,8 +173,8 @@ struct Writer<'a> {
     roots: Vec<usize>,
     /// New extensions of nodes.
     extensions: BTreeMap<usize, Vec<(&'static str, String)>>,
-    /// For each list of shapes, by [`KHR_SHAPE`] and [`OMI_SHAPE`], the number of those of the file
-    /// before, and new ones.
+    /// For each list of shapes, by [`KHR_SHAPE`] and [`OMI_SHAPE`], the number of shapes that the
+    /// file had, and the new shapes.
     shapes: [(usize, Vec<String>); 2],
 }
 
@@ -309,7 +309,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Adds a node below that of a collider's object.
+    /// Adds a node below the node of a collider's object.
     fn add_node(&mut self, collider: &Collider, mut node: serde_json::Value) {
         // A body of the scene has its mass.
         if let Some(extras) = collider.body.extras().filter(|_| collider.node.is_none()) {

@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use serde_json::value::RawValue;
 
-/// Members of an object, with their text. Of several with one name the last counts, as in other
-/// readers.
+/// Members of an object, with their text. If several members have the same name, the last one
+/// counts, as in other readers.
 pub type Members<'a> = BTreeMap<String, &'a RawValue>;
 
 /// Members of the object in this text.

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{check_error::CheckError, cutter::ROOT_ALIGNMENT, scale::Scale};
 
-/// Why a grid cannot be that of a height field.
+/// Why a grid cannot be the grid of a height field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
     /// The grid has no cells, or more than node numbers can address.
@@ -61,7 +61,7 @@ pub enum FieldError {
         /// The vertex.
         vertex: usize,
     },
-    /// The stated holes are not those of the bits, or all cells are holes.
+    /// The stated number of holes differs from the bits, or all cells are holes.
     #[error("the height field states {found} holes, but has {expected} of {cells} cells; bake the source again")]
     Holes {
         /// Number that the record states.
@@ -71,7 +71,7 @@ pub enum FieldError {
         /// Number of cells.
         cells: usize,
     },
-    /// The bounds are not those of the heights.
+    /// The bounds are not the bounds of the heights.
     #[error("the bounds of the height field are not those of its heights; bake the source again")]
     Bounds,
     /// A range is not the tightest one around the heights below its node.

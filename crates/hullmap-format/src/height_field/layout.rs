@@ -111,7 +111,7 @@ impl Layout {
         across * along
     }
 
-    /// Number of triangles, those of holes included: two for each cell.
+    /// Number of triangles, including the triangles of holes: two for each cell.
     #[inline]
     pub fn triangle_count(&self) -> usize {
         2 * self.cell_count()

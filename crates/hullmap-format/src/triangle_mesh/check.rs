@@ -42,7 +42,7 @@ pub enum MeshError {
         /// Number of vertices.
         vertex_count: usize,
     },
-    /// The bounds are not those of the vertices.
+    /// The bounds are not the bounds of the vertices.
     #[error("the bounds of the mesh are not those of its vertices; bake the source again")]
     Bounds,
     /// A box is not the tightest one around its triangles.

@@ -1,12 +1,13 @@
 //! Classes of the edges and vertices of a triangle mesh.
 //!
 //! Seen from the front, two triangles meet in a ridge (convex), in a valley (concave), or in one
-//! plane (flat). Only at ridges and borders can a contact normal lie between those of the faces.
+//! plane (flat). Only at ridges and borders can a contact normal lie between the normals of the
+//! faces.
 
 use std::fmt;
 
 /// Sine of the angle between two triangles up to which their edge counts as flat. Contacts treat a
-/// normal as that of a face up to the same angle.
+/// normal as the normal of a face up to the same angle.
 pub const FLAT_SINE: f64 = 1e-3;
 
 /// What an edge of a triangle is.
@@ -127,7 +128,8 @@ impl fmt::Display for EdgeClass {
 pub enum VertexClass {
     /// All its edges are flat.
     Flat,
-    /// Its edges are ridges, or flat: a contact normal may be any between those of its faces.
+    /// Its edges are ridges, or flat: a contact normal may be any normal between the normals of its
+    /// faces.
     Convex,
     /// Its edges are valleys, or flat.
     Concave,
@@ -227,7 +229,7 @@ mod tests {
         assert_eq!((EdgeClass::from_code(6), VertexClass::from_code(6), EdgeClass::of(0, 3)), (None, None, None));
     }
 
-    /// The neighbour turns about the edge, all the way round. The sign is that of the height above
+    /// The neighbour turns about the edge, all the way round. It has the sign of the height above
     /// the plane.
     #[test]
     fn the_class_is_that_of_the_angle() {

@@ -2,9 +2,9 @@
 //!
 //! 1. The scene's nodes are walked in their order, and transforms are multiplied (`scene`). An
 //!    `instance_node` stands for the node that it names.
-//! 2. Each instance of a geometry adds its positions, transformed, and its primitives
-//!    (`geometry`): triangles, polygon lists, polygons, fans, strips and lines. Holes of polygons
-//!    are left out: a hull does not see them.
+//! 2. Each instance of a geometry adds its positions, transformed, and its primitives (`geometry`):
+//!    triangles, polygon lists, polygons, fans, strips and lines. Holes of polygons are left out:
+//!    they do not affect a hull.
 //! 3. Positions are multiplied by `unit meter`, so they are in metres. The up axis is not applied,
 //!    and a note states it. Programs differ here (see decision 17): RViz, MoveIt and Gazebo
 //!    multiply by the unit, and RViz and MoveIt ignore the up axis.

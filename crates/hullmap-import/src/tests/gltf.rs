@@ -76,7 +76,7 @@ fn required_extensions_without_geometry_are_accepted() {
     fails(Parts { extra, ..PLAIN }.glb(&triangle()), &["requires the extension CESIUM_RTC"]);
 }
 
-/// They said "export it without this extension", also where the extension holds the shape.
+/// The messages were "export it without this extension", even if the extension holds the shape.
 #[test]
 fn remedies_for_extensions_keep_the_shape() {
     for (extension, remedy) in [
@@ -90,7 +90,7 @@ fn remedies_for_extensions_keep_the_shape() {
     }
 }
 
-/// It said "mesh 0, mesh 0: ".
+/// The message began with "mesh 0, mesh 0: ".
 #[test]
 fn a_mesh_without_a_node_is_named_once() {
     let primitive = r#"{"attributes":{"POSITION":7},"indices":1}"#;

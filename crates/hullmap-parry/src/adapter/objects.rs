@@ -55,7 +55,7 @@ pub fn objects(pack: &Arc<Pack>) -> Vec<Object> {
 
 /// All hulls of a pack as one shape: their union. `None` for a pack without hulls.
 ///
-/// Its mass is [`Pack::mass_properties`]: that of the meshes, where the pack records it.
+/// Its mass is [`Pack::mass_properties`]: the mass of the meshes, if the pack records it.
 ///
 /// # Complexity
 /// As [`objects`].

@@ -100,7 +100,7 @@ fn boxes_contain_all_triangles() {
     }
 }
 
-/// parry solves each triangle alone, as those of its own mesh.
+/// parry solves each triangle alone, like the triangles of its own mesh.
 #[test]
 fn the_default_dispatcher_takes_surfaces() {
     let mut rng = SplitMix64::new(3);

@@ -22,8 +22,8 @@ class BakeOptions(TypedDict, total=False):
     resolution: Optional[int]
     """Cells along each edge of a cube face, 1 to 1024; only with ``index="cubemap"``."""
     max_vertices: Optional[int]
-    """Maximum number of vertices, at least 4: an enclosing hull in place of the exact one. With
-    ``decompose``, that of each part; 64 by default."""
+    """Maximum number of vertices, at least 4: makes an enclosing hull instead of the exact one. With
+    ``decompose``, the maximum for each part; 64 by default."""
     max_error: Optional[Union[float, str]]
     """Maximum length by which an enclosing hull extends beyond the exact one; ``"1%"`` is relative to
     the diagonal. With ``decompose``, the maximum protrusion of a part; ``"2%"`` by default."""
@@ -36,16 +36,16 @@ class BakeOptions(TypedDict, total=False):
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""
     overlap: Optional[float]
-    """Merge parts only while the sum of their volumes exceeds that of their union by at most this share;
-    0.05 by default."""
+    """Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as a share
+    of the latter; 0.05 by default."""
     min_thickness: Optional[Union[float, str]]
     """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""
     symmetry: Optional[Literal["auto", "none"]]
-    """Make the parts of a symmetric mesh symmetric, unless others are fewer; "auto" by default."""
+    """Make the parts of a symmetric mesh symmetric, unless that takes more parts; "auto" by default."""
     reachable: Optional[Union[float, str]]
-    """Count protrusion only where a ball of this radius can come from outside; ``"5%"`` is relative to the
-    diagonal. Inner walls then cost no parts."""
+    """Count protrusion only where a ball of this radius can get from outside; ``"5%"`` is relative to the
+    diagonal. Inner walls then need no parts."""
     fill: Optional[bool]
     """Leave no voids: every point of a closed mesh's solid is in a part. There may be more parts."""
     primitives: Optional[bool]

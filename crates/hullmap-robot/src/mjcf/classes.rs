@@ -48,7 +48,7 @@ impl Classes {
         }
     }
 
-    /// The attribute of an element, or of its class: the one that it states, or that of the
+    /// The attribute of an element, or of its class: the class that it states, or the class of the
     /// nearest body or frame with `childclass`.
     pub fn get<'b>(&'b self, element: &'b Element, childclass: Option<&str>, name: &str) -> Option<&'b str> {
         if let Some(own) = element.node.attribute(name) {

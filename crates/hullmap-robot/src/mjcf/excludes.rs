@@ -1,7 +1,7 @@
 //! Pairs of bodies without contacts: `contact` / `exclude`.
 //!
-//! New ones are a section of their own at the end of the model. MuJoCo merges sections of one
-//! name, so nothing else changes.
+//! New ones are added in a separate section at the end of the model. MuJoCo merges sections of the
+//! same name, so nothing else changes.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html#contact-exclude>

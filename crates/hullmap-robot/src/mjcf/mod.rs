@@ -2,7 +2,8 @@
 //!
 //! A geom collides unless `contype` and `conaffinity` are both 0. In many models it is drawn, and
 //! gives the body its mass, too. So a geom that is drawn, or whose mass counts, gets a copy that
-//! does neither collide nor have a name: model and masses stay what they are, to the bit.
+//! does not collide and has no name. The look of the model and its masses stay the same, to the
+//! bit.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>
@@ -26,7 +27,7 @@ use crate::document::Document;
 use crate::error::RobotError;
 use crate::frame::Frame;
 use crate::places::{Places, folder_of};
-use crate::solid::{Primitive, Solid};
+use crate::primitive::{NamedPrimitive, Primitive};
 use classes::Classes;
 pub(crate) use edits::edits;
 use model::{Geom, Model};
@@ -169,7 +170,7 @@ struct Inside<'a, 'c> {
     element: Element<'a>,
     /// The class that it inherits.
     childclass: Option<&'c str>,
-    /// The frame of the elements `frame` around it, in that of the body.
+    /// The frame of the elements `frame` around it, in the frame of the body.
     frame: Frame,
 }
 
@@ -222,7 +223,7 @@ impl<'a> Reader<'a> {
         Ok((links, geoms, chain))
     }
 
-    /// A body as a link. Adds what its edits need to know of its geoms.
+    /// A body as a link. Adds the facts about its geoms that edits need.
     fn link(
         &self,
         body: Element<'a>,
@@ -320,8 +321,8 @@ impl<'a> Reader<'a> {
             (kind @ ("plane" | "hfield" | "sdf"), _) => Geometry::Other(format!("`{kind}` is not a mesh")),
             (kind, _) => {
                 let size = get("size").and_then(numbers).unwrap_or_default();
-                let solid = if mesh.is_some() { None } else { solid(kind, size, ends.map(|(_, half)| half)) };
-                Geometry::Primitive(Primitive { name: kind.to_owned(), solid })
+                let shape = if mesh.is_some() { None } else { read_primitive(kind, size, ends.map(|(_, half)| half)) };
+                Geometry::Primitive(NamedPrimitive { name: kind.to_owned(), shape })
             }
         };
         let has_mass = match get("mass") {
@@ -375,13 +376,14 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The solid of a geom; `half_length` is that between its two points, if it states these.
-fn solid(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> Option<Solid> {
+/// The primitive of a geom. `half_length` is half of the distance of its two points, if it states
+/// them.
+fn read_primitive(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> Option<Primitive> {
     if let (Some(half_length), Some(&radius)) = (half_length, size.first()) {
         let is_long = matches!(kind, "box" | "ellipsoid");
         size = if is_long { vec![radius, radius, half_length] } else { vec![radius, half_length] };
     }
-    Solid::new(kind, &size)
+    Primitive::new(kind, &size)
 }
 
 /// Files that the model names by relative paths.

@@ -1,4 +1,4 @@
-//! What an edit of a model needs to know, besides its links.
+//! Facts about a model that an edit needs, besides its links.
 
 use std::collections::BTreeMap;
 

@@ -93,7 +93,8 @@ mod tests {
         angles.frame(|own| (own == name).then_some(value)).unwrap().rotation
     }
 
-    /// Every orientation is that of a quarter turn about z, then a quarter turn about the new x.
+    /// Each of these describes the same orientation: a quarter turn about z, then a quarter turn
+    /// about the new x.
     #[test]
     fn orientations_in_every_way_agree() {
         let expected = rotation("quat", "0.5 0.5 0.5 0.5", "xyz");

@@ -13,8 +13,8 @@ use crate::places::{Places, Unresolved, folder_of};
 /// Maximum number of included files.
 const MAX_FILES: usize = 1000;
 
-/// Reads the files that a model includes. Their names start from the folder of the model, or, as
-/// in newer versions of MuJoCo, from that of the including file.
+/// Reads the files that a model includes. Their names are relative to the folder of the model or,
+/// as in newer versions of MuJoCo, to the folder of the including file.
 ///
 /// # Errors
 /// A file is missing or invalid, or is included twice, as in a cycle.

@@ -50,7 +50,7 @@ struct Reader<'a, 'd> {
     document: &'d Document,
     /// Joints of the chain by the start of their element, and the name of their axis.
     named: HashMap<(usize, &'static str), usize>,
-    /// Followers, their model, and the element that says so.
+    /// Joints that follow others, their model, and the element that states it.
     mimics: Vec<(usize, Node<'a, 'a>, Node<'a, 'a>)>,
 }
 
@@ -106,7 +106,8 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Adds one axis of a joint. The frames are those of the model and of the joint in the link.
+    /// Adds one axis of a joint. The frames are the frame of the model and the frame of the joint
+    /// in the link.
     fn push(
         &mut self,
         [model, node]: [Node<'a, 'a>; 2],

@@ -105,7 +105,7 @@ impl<'a> Frames<'a> {
         None
     }
 
-    /// The frame of an element in that of its model; `None` if it is invalid or circular.
+    /// The frame of an element in the frame of its model; `None` if it is invalid or circular.
     pub fn in_model(&self, node: Node<'a, 'a>) -> Option<Frame> {
         self.resolve(node, MAX_STEPS)
     }
@@ -138,7 +138,7 @@ impl<'a> Frames<'a> {
         Some(base * own)
     }
 
-    /// The frame of a named element in that of a model that holds it.
+    /// The frame of a named element in the frame of a model that contains it.
     pub fn named_in_model(&self, model: Node<'a, 'a>, name: &str) -> Option<Frame> {
         self.named(model, name, MAX_STEPS)
     }
@@ -153,7 +153,7 @@ impl<'a> Frames<'a> {
         Some(frame)
     }
 
-    /// The frame of an element of a model, or of a model, in that of the whole file.
+    /// The frame of an element of a model, or of a model, in the frame of the whole file.
     pub fn in_world(&self, node: Node<'a, 'a>) -> Option<Frame> {
         let (mut inner, mut around) = (Vec::new(), Some(Frame::IDENTITY));
         for own in node.ancestors().filter(|own| *own == node || own.has_tag_name("model")) {

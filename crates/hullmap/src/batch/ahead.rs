@@ -2,8 +2,8 @@
 //!
 //! A contact takes 20 to 40 support queries, which read much of a hull of a hundred vertices. So
 //! the next pairs are fetched as a whole, one part per support query of the current pair, and the
-//! memory arrives while EPA computes. The query itself is the plain one, on a wrapper of the first
-//! shape ([`Fetching`]).
+//! memory arrives while EPA computes. The query itself is an ordinary query, on a wrapper of the
+//! first shape ([`Fetching`]).
 //!
 //! Small hulls are fetched as a whole before their pair. Their queries need no wrapper.
 

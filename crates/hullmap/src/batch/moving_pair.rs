@@ -1,4 +1,4 @@
-//! Many motions at once, as planners ask.
+//! Many motions in one call, for planners.
 //!
 //! They are searched one after the other on each thread: a search makes several queries of the same
 //! two shapes, so there is no memory to wait for after the first.

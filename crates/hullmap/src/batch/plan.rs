@@ -4,7 +4,7 @@
 //! Queries wait for memory only if the shapes are larger together than the caches. Then there are
 //! two ways to use the time: plain queries that fetch the next shapes as a whole ([`ahead`]), or
 //! several queries in flight that fetch what each of them reads next ([`in_flight`]). The first
-//! costs little where memory is fast after all, but pays only if a query reads most of a shape.
+//! takes little time even if memory is fast, but it helps only if a query reads most of a shape.
 //!
 //! [`ahead`]: super::ahead
 //! [`in_flight`]: super::in_flight

@@ -242,8 +242,8 @@ impl<'q> Placement<'q> {
         let abs_rotation = DMat3::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
         let reach = |nodes: Nodes| nodes.get(0).map_or(0.0, |root| root.center.length() + root.half.length());
         let largest = reach(a) + reach(b) + b_in_a.translation().length();
-        // The centre and the half diagonal of a descendant together are at most twice those of the
-        // root.
+        // The centre and the half diagonal of a descendant together are at most twice the centre
+        // and half diagonal of the root.
         let rounding_error = 2.0 * ROUNDING_UNITS * f64::EPSILON * largest;
         Self { a, b, b_in_a, rotation, abs_rotation, rounding_error }
     }

@@ -2,8 +2,9 @@
 //!
 //! # Steps
 //! 1. Visit the pairs of boxes of both trees, those that may meet first before the others. A search
-//!    of few queries on the moving boxes shows until when they surely do not meet. The boxes inside
-//!    start there, and pairs that cannot meet before the first certain meeting are skipped.
+//!    of few queries on the moving boxes gives a time until which they certainly do not meet. The
+//!    boxes inside start at that time, and pairs that cannot meet before the first certain meeting
+//!    are skipped.
 //! 2. Search each pair of parts by itself, from the time of its boxes up to the first certain
 //!    meeting so far.
 //! 3. The first meeting has the minimum of all lower bounds and the minimum of all upper bounds.
@@ -32,7 +33,7 @@ const ROUGH: Settings = Settings { tolerance: 1e-2, max_iterations: Settings::DE
 ///
 /// As [`cast_motion`](crate::cast_motion()). The answer comes from the pair of parts that meet
 /// first, and its interval contains the time at which the compounds first meet. If the upper bound
-/// is finite, they surely do, whatever the status.
+/// is finite, they certainly do, whatever the status.
 ///
 /// The limit [`max_iterations`](MotionSettings::max_iterations) is one of all queries of parts and
 /// of boxes together. Compounds of many parts need more than the default. If it is reached, the
@@ -42,7 +43,7 @@ const ROUGH: Settings = Settings { tolerance: 1e-2, max_iterations: Settings::DE
 ///
 /// # Complexity
 /// Branch and bound: at most 2 G and 2 H boxes and G H searches for compounds of G and H, and
-/// usually those of the few pairs that may meet first. No allocation.
+/// usually only searches for the few pairs that may meet first. No allocation.
 ///
 /// # Examples
 /// ```
@@ -143,7 +144,7 @@ impl<B: Parts + ?Sized> Bodies for PlaneAndParts<'_, B> {
     }
 }
 
-/// Pairs of boxes, with the time until which they surely do not meet as their bound.
+/// Pairs of boxes, with the time until which they certainly do not meet as their bound.
 struct MovingBoxes<'q, T> {
     bodies: &'q mut T,
     goal: &'q mut Goal,

@@ -11,8 +11,8 @@ use crate::solver::Cache;
 /// than a margin, and the least distance that is proven.
 ///
 /// As [`clear`](crate::clear()), for all pairs of parts. If the motion hits, `hulls` is the pair of
-/// parts that meets first; else it means nothing. The limit of queries is that of
-/// [`compound::cast_motion`](super::cast_motion()), for both searches together.
+/// parts that meets first; else it means nothing. The limit of queries is the same as for
+/// [`compound::cast_motion`](super::cast_motion()), and applies to both searches together.
 ///
 /// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///

@@ -1,7 +1,7 @@
 //! Queries of a half-space and a compound, by descent of one BVH.
 //!
-//! The lowest part of a compound decides all queries except casts: that of a translation tries each
-//! part, and that of a shape that turns searches them as two compounds are searched.
+//! The lowest part of a compound decides all queries except casts: a cast along a translation tries
+//! each part, and a cast with rotation searches the parts like two compounds.
 
 use super::CompoundAnswer;
 use super::bvh::{Child, Nodes};

@@ -21,11 +21,11 @@ pub struct Tile<'u> {
 /// Several unions that meet, as one [`Union`]: edges where two of them meet are edges inside it.
 ///
 /// Each tile keeps manifolds of its own, updated by
-/// [`CompoundManifolds::update_joined`](super::CompoundManifolds::update_joined). Engines know the
-/// tiles near a body from their broad phase.
+/// [`CompoundManifolds::update_joined`](super::CompoundManifolds::update_joined). An engine finds
+/// the tiles near a body with its broad phase.
 ///
 /// # Complexity
-/// A query asks all tiles in turn: join those near a body, not all of a world.
+/// A query tests all tiles in turn, so join the tiles near a body, not all tiles of a world.
 ///
 /// # Examples
 /// Two floors that meet at x = 0, and a die that slides from one to the other, 1 mm deep. The

@@ -113,7 +113,7 @@ pub struct ManifoldCounts {
 impl CompoundManifolds {
     /// Memory for at most `pairs` pairs of parts that touch at the same time, at least one.
     ///
-    /// If more pairs touch, those of the last frame stay, and the others are counted as
+    /// If more pairs touch, the pairs of the last frame stay, and the others are counted as
     /// [`dropped`](ManifoldCounts::dropped).
     pub fn new(pairs: usize) -> Self {
         let pairs = pairs.max(1);
@@ -164,7 +164,7 @@ impl CompoundManifolds {
     /// Of each tile near a body, the caller keeps manifolds of its own. See [`Joined`].
     ///
     /// # Complexity
-    /// As [`update`](Self::update); a correction also asks the other tiles.
+    /// As [`update`](Self::update), but the correction also tests the other tiles.
     pub fn update_joined<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         joined: &Joined<'_>,

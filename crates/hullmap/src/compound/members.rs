@@ -49,7 +49,7 @@ impl<'a> Compound<'a> {
     }
 
     /// Mass properties at a uniform `density`, as one rigid body: see [`Pack::mass_properties`]. A
-    /// single hull has those of its mesh if it stands for the whole mesh.
+    /// single hull has the mass properties of its mesh if it represents the whole mesh.
     ///
     /// # Complexity
     /// O(number of hulls).

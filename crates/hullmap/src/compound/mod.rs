@@ -205,8 +205,8 @@ fn strength(status: Overlap) -> u8 {
 ///
 /// Points, normal and distance belong to the nearest pair. The interval contains the distance of
 /// the compounds: no pair is nearer than `lower`, and the distance of some pair is at most `upper`.
-/// The status is that of the nearest pair, unless another pair's interval makes the whole wider
-/// than the settings allow. Then it is the status of that other pair.
+/// The status is the status of the nearest pair, unless another pair's interval makes the whole
+/// wider than the settings allow. Then it is the status of that other pair.
 ///
 /// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///

@@ -322,7 +322,7 @@ mod tests {
     use crate::height_field::{Diagonal, HeightField, Layout};
     use crate::triangle_mesh::TriangleMesh;
 
-    /// The answer by the tree, of which only the counts may differ from that of a walk.
+    /// The answer by the tree. Only its counts may differ from the answer by the walk over cells.
     fn by_tree<P: Parts>(sheet: &P, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<Impact> {
         let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
         let placement = Placement::new(sheet.nodes(), origin, Pose::from_checked(ray.origin()));

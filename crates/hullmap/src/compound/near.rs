@@ -1,8 +1,8 @@
 //! The parts of a compound near a body, found once: for the search of the parts that touch, and for
 //! all tests of normals.
 //!
-//! The correction of normals asks several times for the parts at a point, and all points are near
-//! one body. A list of the parts near the body replaces the descents from the root.
+//! The correction of normals needs the parts at a point several times, and all points are near one
+//! body. A list of the parts near the body replaces the descents from the root.
 
 #![forbid(unsafe_code)]
 

@@ -15,17 +15,19 @@
 //! - or n is the normal of a face of i, and a point slightly above that face, near x, is outside
 //!   all other parts. Then the face is exposed there, and x may be in a concave corner.
 //!
-//! Triangles have no inside: there, in both cases, a point above x must also be visible to the
-//! other body. The wall of a slab is not, if the body is on the floor above it. A wall that leans
-//! is nearest to the body below the floor, where no triangle contains x.
+//! Triangles have no inside: for them, in both cases, a point above x must also be visible from the
+//! other body. If the body is on the floor above a slab's wall, no point of the wall is visible. On
+//! a slanted wall, the point x nearest to the body is below the floor, where no triangle contains
+//! it.
 //!
 //! # Steps
 //! 1. Test the normal. In most cases the first point passes, with one descent of the BVH.
 //! 2. Otherwise collect the faces of the part near the contact, ordered by the depth to which the
 //!    other body penetrates below them.
-//! 3. Take the least deep face that is exposed where the other body is over it, or at the contact.
+//! 3. Take the face of least depth that is exposed, either at the place of the other body or at the
+//!    contact.
 //! 4. Compute the manifold along its normal. If it has no points, the part does not support the
-//!    body: its neighbour does, with its own manifold.
+//!    body; the neighbouring part does, with its own manifold.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (enhanced internal edge
@@ -83,9 +85,9 @@ const SIGHT: f64 = 32.0 * INWARD;
 /// the way on which this is tested, and a little more.
 pub(super) const SIGHT_REACH: f64 = 0.52 * SIGHT * SEAM;
 
-/// Sine of the angle up to which a normal is that of a face. Normals of small gaps are less exact
-/// than those of depths; a body on a face whose normal is off by 1e-3 loses a thousandth of its
-/// speed.
+/// Sine of the angle up to which a normal counts as the normal of a face. Normals of small gaps are
+/// less exact than normals of depths; a body on a face whose normal is off by 1e-3 loses a
+/// thousandth of its speed.
 const FACE_ANGLE: f64 = 1e-3;
 
 /// Maximum number of faces of a part among which the replacement is searched for.

@@ -29,8 +29,8 @@ const ROUNDING_UNITS: f64 = 128.0;
 /// Squared lengths of a triangle's normal whose cubes neither overflow nor underflow.
 const SQUARES: std::ops::Range<f64> = 1e-80..1e80;
 
-/// Cosine of the angle between a contact normal and that of the back from which on the contact is
-/// one with the back.
+/// Cosine of the angle between a contact normal and the normal of the back, up to which the contact
+/// counts as a contact with the back.
 const BACK: f64 = 0.99;
 
 /// Two parts of two compounds.
@@ -135,7 +135,7 @@ pub(super) struct BesideSheet<'s, S: ?Sized> {
     /// The middle of the ball around the shape, in the frame of the sheet, and its radius.
     middle: DVec3,
     radius: f64,
-    /// Sum of the lengths that heights are computed from, without those of the triangle.
+    /// Sum of the lengths that heights are computed from, without the lengths of the triangle.
     lengths: f64,
 }
 

@@ -12,7 +12,7 @@ const MAX_STACK: usize = 2 * MAX_LEVELS as usize + 1;
 
 /// Two BVHs, and a lower bound for the pairs of hulls below two of their boxes.
 pub(super) trait BoxPairs {
-    /// What is known of a box of B, whatever box of A it is compared with.
+    /// Facts about a box of B that do not depend on the box of A.
     type Placed: Copy;
 
     /// The BVHs of A and of B.
@@ -86,7 +86,7 @@ impl<P: BoxPairs> Traversal<P> {
         self.stack.iter().take(self.len).fold(f64::INFINITY, |least, pair| least.min(pair.2))
     }
 
-    /// What gives the bounds.
+    /// The source of the bounds.
     pub(super) fn pairs(&mut self) -> &mut P {
         &mut self.pairs
     }
@@ -145,7 +145,7 @@ impl<P: BoxPairs> Traversal<P> {
         None
     }
 
-    /// Drops the pair if the stack is full, which requires trees deeper than those of checked
+    /// Drops the pair if the stack is full, which happens only with trees deeper than in checked
     /// packs.
     fn push(&mut self, pair: (u32, u32, f64)) {
         if let Some(slot) = self.stack.get_mut(self.len) {

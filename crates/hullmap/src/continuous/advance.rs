@@ -1,4 +1,4 @@
-//! Conservative advancement: how far two moving shapes surely stay apart along a direction.
+//! Conservative advancement: how far two moving shapes certainly stay apart along a direction.
 //!
 //! # Reference
 //! Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996, for the principle.
@@ -7,16 +7,16 @@
 //! # The bounds
 //! The *separation* along a unit direction n is the gap between the planes perpendicular to n
 //! through the support points of both shapes. It is computed at the two ends of an interval of
-//! time. In between it is at least the lower of the two, less a *bulge*, which falls with the
+//! time. In between it is at least the lower of the two minus a *bulge*, which falls with the
 //! square of the interval.
 //!
 //! - n is fixed in space: each shape that turns adds a bulge. For an angle φ it is (1/cos(φ/2) − 1)
 //!   times the extent of the shape, from the point about which it turns, in the direction of n in
-//!   the plane of rotation. So translations cost nothing, and neither does the length of a shape
+//!   the plane of rotation. So translations add nothing, and neither does the length of a shape
 //!   along its axis.
-//! - n turns with one of the shapes, as the normal of its face does. Then the extent is that of the
-//!   other shape on the far side of the point about which the first one turns, and mostly 0. Motion
-//!   of the other shape adds a *drift*.
+//! - n turns with one of the shapes, as the normal of its face does. Then the extent is the extent
+//!   of the other shape on the far side of the point about which the first one turns. It is usually
+//!   zero. Motion of the other shape adds a *drift*.
 
 use glam::{DMat3, DVec3};
 
@@ -136,7 +136,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
     }
 
     /// Upper bound of the second derivative, by time, of the heights of points of `other` along
-    /// `dir`, apart from that of its extent, if `dir` turns with this shape.
+    /// `dir`, without the part due to its extent, if `dir` turns with this shape.
     fn drift<T: SupportMap + ?Sized>(&self, other: &Moving<'_, T>, dir: DVec3, of_other: &Place) -> f64 {
         let part = self.in_plane(dir).map_or(0.0, DVec3::length);
         let past = other.motion.velocity() - self.motion.velocity();
@@ -146,7 +146,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
     }
 }
 
-/// What a direction is fixed to.
+/// The frame in which a direction is fixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Frame {
     #[default]
@@ -166,7 +166,7 @@ struct Direction {
     /// The maximum height along it, over the origin of its frame, of the shape with which it turns:
     /// that does not change.
     own_height: f64,
-    /// Upper bound of the second derivative of the heights along it, apart from that of the
+    /// Upper bound of the second derivative of the heights along it, without the part due to the
     /// extents.
     drift: f64,
 }
@@ -218,12 +218,12 @@ pub(super) struct Separation {
     extents: [f64; 2],
 }
 
-/// How far a step leads, and a length that the separation surely exceeds during the step.
+/// How far a step leads, and a length that the separation certainly exceeds during the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
-    /// The shapes are surely apart up to this time.
+    /// The shapes are certainly apart up to this time.
     To(f64, f64),
-    /// They are surely apart until the end.
+    /// They are certainly apart until the end.
     Apart(f64),
     /// Nothing is sure.
     Nowhere,
@@ -262,7 +262,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         Moment { t, places: [self.a.place(t), self.b.place(t)] }
     }
 
-    /// What directions can be fixed to, `first` before the others.
+    /// The frames in which directions can be fixed, starting with `first`.
     fn frames(&self, first: Frame) -> impl Iterator<Item = Frame> {
         let others = [Frame::Space, Frame::A, Frame::B].into_iter().filter(move |frame| *frame != first);
         std::iter::once(first).chain(others).filter(|frame| match frame {
@@ -295,7 +295,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
     /// One support query of each shape whose extent counts.
     fn extents(&self, frame: Frame, normal: DVec3, at: &Moment, support_calls: &mut u32) -> [f64; 2] {
         let (Self { a, b, .. }, [place_a, place_b]) = (self, &at.places);
-        // About its own point in space, or about that of the shape with which the direction turns.
+        // About its own centre in space, or about the centre of the shape with which the direction
+        // turns.
         let extents = match frame {
             Frame::Space => [
                 a.in_plane(normal).map(|dir| a.height(place_a, dir, place_a.center)),
@@ -359,9 +360,9 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         from.gap.min(to.gap) - bulge - self.noise_in(direction.frame)
     }
 
-    /// Time from `t` on until which the separation along `normal` surely stays above `target`, by
-    /// whatever angles the shapes turn: then a body that spins fast needs no step for each quarter
-    /// of a turn. It is `t` if nothing is sure.
+    /// Time from `t` on until which the separation along `normal` certainly stays above `target`,
+    /// by whatever angles the shapes turn: then a body that spins fast needs no step for each
+    /// quarter of a turn. It is `t` if nothing is sure.
     fn clear_until(&self, here: &Moment, normal: DVec3, until: f64, target: f64, support_calls: &mut u32) -> f64 {
         let (Self { a, b, is_plane, .. }, Moment { t, places: [place_a, place_b] }) = (self, *here);
         // A half-space that turns reaches everywhere.
@@ -385,7 +386,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         }
     }
 
-    /// The longest step from a time on, at most to `until`, in which the separation surely stays
+    /// The longest step from a time on, at most to `until`, in which the separation certainly stays
     /// above `target`. It is along `normal`, in space or with one of the shapes. There, `gap` is a
     /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet,
     /// and `frame` one of what the direction is to be fixed to.

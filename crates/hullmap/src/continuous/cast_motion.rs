@@ -83,7 +83,7 @@ pub fn cast_motion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &MotionSettings,
     cache: &mut Cache,
 ) -> TimeOfImpact {
-    // Coordinates relative to A's start have more digits than those of a far place.
+    // Coordinates relative to A's start have more digits than coordinates far from the origin.
     let origin = motion_a.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
     let mut goal = settings.goal();

@@ -1,4 +1,4 @@
-//! Whether two bodies stay clear of each other during a motion, as planners ask.
+//! Whether two bodies stay clear of each other during a motion, for planners.
 //!
 //! # Steps
 //! 1. Search for the first time at which they are within the margin, as
@@ -49,9 +49,9 @@ impl Default for ClearSettings {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
-    /// The bodies surely are farther apart than the margin at all times.
+    /// The bodies are certainly farther apart than the margin at all times.
     Free,
-    /// They surely are within the margin at some time.
+    /// They are certainly within the margin at some time.
     Hit,
     /// Neither is known: they graze the margin within rounding error, or the limit of queries was
     /// reached.
@@ -86,10 +86,10 @@ pub struct Clearance {
     /// Upper bound of the least distance: the bodies are this near at some time that was tried. It
     /// is infinite if no parts were near enough to be tried.
     pub nearest: f64,
-    /// Until this time, the bodies surely are farther apart than the margin. Infinite if they are
-    /// at all times.
+    /// Until this time, the bodies are certainly farther apart than the margin. Infinite if they
+    /// are at all times.
     pub t_lower: f64,
-    /// At this time, the bodies surely are within the margin. Infinite if no such time is known.
+    /// At this time, the bodies are certainly within the margin. Infinite if no such time is known.
     pub t_upper: f64,
     /// Number of distance and contact queries.
     pub iterations: u32,

@@ -3,7 +3,7 @@
 //! | where | what |
 //! |---|---|
 //! | `rigid_motion` | a motion: constant linear and angular velocity |
-//! | `advance` | how far two moving bodies surely stay apart along a direction |
+//! | `advance` | how far two moving bodies certainly stay apart along a direction |
 //! | `search` | when two moving bodies first come within a distance of each other |
 //! | `time_of_impact` | the answer |
 //! | `cast_motion`, `half_space` | the search for two shapes, and for a half-space and a shape |

@@ -1,11 +1,12 @@
 //! The first time at which two moving bodies come within a distance of each other.
 //!
 //! # Steps
-//! 1. The distance of the bodies at a time up to which they surely are farther apart, and its
-//!    direction.
-//! 2. The longest step in which they surely stay so along that direction (`advance`).
-//! 3. Repeat from the end of the step, until they are surely apart until the end, or near each
-//!    other. Then look for a time at which they surely are within the distance.
+//! 1. Compute the distance of the bodies and its direction, at a time up to which they are
+//!    certainly farther apart than the target.
+//! 2. Take the longest step during which they certainly stay apart along that direction
+//!    (`advance`).
+//! 3. Repeat from the end of the step, until the end of the motion is reached, or the bodies are
+//!    near each other. Then look for a time at which they are certainly within the distance.
 //!
 //! # Reference
 //! Mirtich 1996 (conservative advancement); Catto, "Continuous collision", GDC 2013, for steps
@@ -22,7 +23,7 @@ use crate::support::SupportMap;
 /// Settings of the queries at one time.
 pub(crate) const DIRECTIONS: Settings = Settings { tolerance: 1e-6, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
 
-/// Multiples of the estimated time to the impact at which the shapes may surely have met.
+/// Multiples of the estimated time to the impact at which the shapes may certainly have met.
 const ATTEMPTS: [f64; 3] = [1.0 + 1e-3, 2.0, 16.0];
 
 /// The search ends where the distance exceeds the target by at most this many noises. Below one, no
@@ -33,18 +34,19 @@ const LAST: f64 = 2.5;
 /// room for a step.
 const MAX_SHARE: f64 = 0.95;
 
-/// What searches are to prove, and what they found: of one pair, or of many that share a budget.
+/// The goal of searches, and what they found so far, for one pair or for many pairs that share a
+/// budget.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal {
     /// Bodies meet when their distance is at most this.
     margin: f64,
-    /// Bodies that surely do not meet are to be farther apart than this share of `nearest`.
+    /// Bodies that certainly do not meet are to be farther apart than this share of `nearest`.
     share: f64,
-    /// Whether a time is wanted at which the bodies surely meet.
+    /// Whether the search also looks for a time at which the bodies certainly meet.
     seeks_meeting: bool,
     /// The least upper bound of a distance at any time that was tried.
     pub(crate) nearest: f64,
-    /// The distance surely exceeds this wherever the searches have passed.
+    /// The distance certainly exceeds this wherever the searches have passed.
     pub(crate) clearance: f64,
     /// Number of distance and contact queries that are left.
     pub(crate) budget: u32,
@@ -57,7 +59,7 @@ impl Goal {
         Self { margin: margin.max(0.0), share: 0.0, seeks_meeting: true, nearest: never, clearance: never, budget }
     }
 
-    /// To find until when bodies that contain the given ones surely do not meet, by few queries.
+    /// To find until when bodies that contain the given ones certainly do not meet, by few queries.
     pub(crate) fn rough(&self, budget: u32) -> Self {
         Self { margin: self.target(), share: 0.0, seeks_meeting: false, budget: budget.min(self.budget), ..*self }
     }
@@ -69,7 +71,8 @@ impl Goal {
     }
 
     /// To prove a better clearance of bodies that do not meet, with what is left of the budget.
-    /// `None` if that of the first searches is good enough. NaN and negative shares count as 0.
+    /// `None` if the clearance of the first searches is good enough. NaN and negative shares count
+    /// as 0.
     pub(crate) fn better(&self, share: f64) -> Option<Self> {
         let share = share.clamp(0.0, MAX_SHARE).max(0.0);
         let is_open = self.clearance < share * self.nearest && self.margin < share * self.nearest;
@@ -104,9 +107,9 @@ pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     goal: &'g mut Goal,
     /// The time of the last distance query.
     here: Moment,
-    /// What the direction of the last step was fixed to.
+    /// The frame in which the direction of the last step was fixed.
     frame: Frame,
-    /// The answer so far: until `t_lower`, the bodies surely are farther apart than the target.
+    /// The answer so far: until `t_lower`, the bodies are certainly farther apart than the target.
     found: TimeOfImpact,
 }
 
@@ -117,7 +120,7 @@ where
     Q: Queries,
 {
     /// The first time in the `window` at which the distance is at most the goal's target. Before
-    /// the window, the distance surely is above it. A miss is one until the end of the window.
+    /// the window, the distance is certainly above it. A miss is one until the end of the window.
     pub(super) fn run(
         pair: Approach<'s, A, B>,
         queries: Q,
@@ -209,13 +212,13 @@ where
         self.goal.budget = self.goal.budget.saturating_sub(1);
     }
 
-    /// Whether bodies with this distance surely are within the margin.
+    /// Whether bodies with this distance are certainly within the margin.
     fn meet(&self, gap: &Distance) -> bool {
         gap.status == Status::Overlapping || gap.upper + self.noise <= self.goal.margin
     }
 
     /// Looks for a time after the lower bound, where they are at `distance`, at which the bodies
-    /// surely meet. Sets the answer and returns true if there is one.
+    /// certainly meet. Sets the answer and returns true if there is one.
     fn find_meeting(&mut self, until: f64, distance: f64) -> bool {
         let t = self.found.t_lower;
         let speed = self.speed(t);
@@ -226,7 +229,7 @@ where
         let excess = (distance - self.goal.margin).max(0.0);
         for attempt in ATTEMPTS {
             let later = (t + (excess + 4.0 * self.noise) / speed * attempt).min(until);
-            if self.goal.budget > 0 && self.surely_meet_at(later) {
+            if self.goal.budget > 0 && self.certainly_meet_at(later) {
                 self.found.t = (t + excess / speed).min(later);
                 self.found.t_upper = later;
                 return true;
@@ -238,7 +241,7 @@ where
         false
     }
 
-    fn surely_meet_at(&mut self, t: f64) -> bool {
+    fn certainly_meet_at(&mut self, t: f64) -> bool {
         let b_in_a = relative(self.pair.at(t).poses());
         if self.goal.margin == 0.0 {
             // The poses have rounding errors, too.
@@ -260,7 +263,8 @@ where
     }
 }
 
-/// The pose of B in A's frame, from those of both in a common frame, whose lengths are in range.
+/// The pose of B in A's frame, from the poses of both in a common frame, whose lengths are in
+/// range.
 fn relative([a, b]: [Pose; 2]) -> Pose {
     let back = a.rotation().conjugate();
     Pose::from_parts((back * b.rotation()).normalize(), back * (b.translation() - a.translation()))

@@ -18,17 +18,17 @@ pub struct TimeOfImpact {
     ///   computed there. All times are 0.
     /// - [`Within`](Status::Within): a hit in the interval. At `t_lower` the shapes are within the
     ///   tolerance of the target distance.
-    /// - [`Touching`](Status::Touching): the shapes come as close as rounding error can tell, and
-    ///   may graze each other without meeting. If they meet, they do so in the interval.
+    /// - [`Touching`](Status::Touching): the shapes come within rounding error of each other, and
+    ///   may graze without meeting. If they meet, they do so in the interval.
     /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): it is open
     ///   whether they meet. If they do, it is in the interval.
     pub status: Status,
     /// Time of impact, between 0 and 1; infinite if there is no hit.
     pub t: f64,
     /// Lower bound of the time of impact, with allowance for rounding error. Until then the shapes
-    /// certainly are farther apart than the target distance.
+    /// are certainly farther apart than the target distance.
     pub t_lower: f64,
-    /// Upper bound: at this time the shapes certainly are within the target distance. Infinite if
+    /// Upper bound: at this time the shapes are certainly within the target distance. Infinite if
     /// no such time was found.
     pub t_upper: f64,
     /// Unit vector from A to B at `t_lower`: normal of a plane that separates the shapes then.
@@ -62,7 +62,7 @@ impl Default for TimeOfImpact {
 }
 
 impl TimeOfImpact {
-    /// The answer for bodies that surely do not meet, but for the normal and the counts.
+    /// The answer for bodies that certainly do not meet, but for the normal and the counts.
     pub(crate) const NEVER: Self = Self {
         hit: false,
         status: Status::Separated,

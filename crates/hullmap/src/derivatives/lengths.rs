@@ -33,7 +33,7 @@ fn between(normal: DVec3, [point_a, point_b]: [DVec3; 2], b_in_a: Pose, status: 
     }
 }
 
-/// Whether an answer with this status is as accurate as its settings ask for.
+/// Whether an answer with this status is as accurate as its settings require.
 fn is_accurate(status: Status) -> bool {
     matches!(status, Status::Exact | Status::Within)
 }

@@ -9,9 +9,9 @@
 //! | `witness_derivatives` | of normals and witness points |
 //!
 //! # Reference
-//! The envelope theorem (Danskin 1966): the derivative of an optimum is that of the function at the
-//! optimal points, if they are the only ones. So the normal and the witness points of an answer are
-//! all that is needed. docs/intervals.md, section 16.
+//! The envelope theorem (Danskin 1966): the derivative of an optimum is the derivative of the
+//! function at the optimal points, if they are unique. So the normal and the witness points of an
+//! answer are all that is needed. docs/intervals.md, section 16.
 
 #![forbid(unsafe_code)]
 

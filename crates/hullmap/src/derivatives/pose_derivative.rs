@@ -64,13 +64,12 @@ pub enum Differentiability {
     /// Several normals have the same depth within the interval, or a line meets a vertex or an
     /// edge.
     Normals,
-    /// A ray or a motion is parallel to the surface where it meets it, as far as rounding error can
-    /// tell.
+    /// A ray or a motion is parallel to the surface that it meets, within rounding error.
     Grazing,
-    /// There is nothing to differentiate: no hit, an overlap at the start of a motion, or a
-    /// separated pair of which the depth is wanted.
+    /// There is nothing to differentiate: no hit, an overlap at the start of a motion, or the depth
+    /// of a separated pair.
     Missing,
-    /// The answer is less accurate than its settings ask for.
+    /// The answer is less accurate than its settings require.
     Inaccurate,
     /// Only of normals and points: a point is on the border of its face or edge, or the normal is
     /// on the border of the normals of its edge or vertex, within the interval. Other features are

@@ -4,13 +4,14 @@
 //! of the cores is perpendicular to both.
 //!
 //! # Steps
-//! 1. Two directions across the normal: those of the edges, or of the plane of a face. They belong
-//!    to the shape whose feature they are on. The remaining ones belong to the gap.
+//! 1. Two directions perpendicular to the normal: along edges, or in the plane of a face. They
+//!    belong to the shape whose feature they are on. The remaining ones belong to the gap.
 //! 2. A direction of a feature stays perpendicular to the normal, so along it, the normal turns
 //!    with that shape. Along a direction of the gap, the normal turns as one point moves against
 //!    the other, divided by the gap.
 //! 3. Along the directions of its feature, a point slides until the line is perpendicular again.
-//! 4. Points of the shapes are away from those of the cores by a convex radius, along the normal.
+//! 4. Points of the shapes are one convex radius away from the points of the cores, along the
+//!    normal.
 //!
 //! docs/intervals.md, section 16.
 
@@ -77,7 +78,8 @@ struct Facings {
     /// Points of the cores.
     points: [DVec3; 2],
     radii: [f64; 2],
-    /// From the point of A's core to that of B's, along the normal; negative if they overlap.
+    /// From the point of A's core to the point of B's core, along the normal; negative if they
+    /// overlap.
     gap: f64,
     /// Two directions across the normal, and two that have a product of 1 with one of them and 0
     /// with the other.
@@ -233,7 +235,7 @@ impl Distance {
 impl Contact {
     /// Derivatives of the normal and of both points by the poses of `a` and of `b`, which is at
     /// `b_in_a`: of the shapes of this answer. In A's frame. As for
-    /// [`Distance::witness_derivatives`]; the other arguments are those of
+    /// [`Distance::witness_derivatives`]; the other arguments are the same as for
     /// [`derivatives`](Self::derivatives).
     ///
     /// # Complexity

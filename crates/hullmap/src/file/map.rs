@@ -40,7 +40,7 @@ pub(crate) unsafe fn map(path: &Path, kind: FileKind) -> Result<(Header, Bytes),
 /// # Safety
 /// As for [`map`].
 pub(crate) unsafe fn open<F: Checked>(path: &Path) -> Result<F, OpenError> {
-    // SAFETY: the caller upholds the contract of this function, which is that of `map`.
+    // SAFETY: the caller upholds the contract of this function, which is the contract of `map`.
     let (header, bytes) = unsafe { map(path, F::KIND)? };
     F::check(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
 }

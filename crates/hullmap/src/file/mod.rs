@@ -149,7 +149,7 @@ pub(crate) fn check_checksum(header: &Header, payload: &[u8]) -> Result<(), Inva
     if found == expected { Ok(()) } else { Err(InvalidPack::Checksum { expected, found }) }
 }
 
-/// Compares the hash of the options in the header with that of their record.
+/// Compares the hash of the options in the header with the hash of the recorded options.
 pub(crate) fn check_options(header: &Header, text: &str) -> Result<(), InvalidPack> {
     let (expected, found) = (header.options_hash, options_hash(text));
     if found == expected { Ok(()) } else { Err(InvalidPack::Options { expected, found }) }

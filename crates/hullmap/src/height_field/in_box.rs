@@ -1,4 +1,4 @@
-//! Triangles near a box: of the cells below and above it, without the tree.
+//! Triangles near a box: the triangles of the cells below and above it, found without the tree.
 
 #![forbid(unsafe_code)]
 

@@ -1,11 +1,11 @@
 //! Static height fields: ground whose heights are known on a regular grid.
 //!
-//! `bake build --height-field` and `hullmap_bake::height_field` bake the file. A [`HeightField`] is
-//! one side of the queries in [`compound`](crate::compound), as a
-//! [`TriangleMesh`](crate::TriangleMesh) is: its parts are its triangles, two for each cell that is
-//! not a hole. They are found by a tree of height ranges. Neighbours and classes of edges follow
-//! from the grid. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each
-//! triangle that touches, with normals of the surface.
+//! `bake build --height-field` and `hullmap_bake::height_field` bake the file. The queries in
+//! [`compound`](crate::compound) take a [`HeightField`] like a
+//! [`TriangleMesh`](crate::TriangleMesh): its parts are its triangles, two for each cell that is
+//! not a hole. A tree of height ranges finds them. Neighbours and classes of edges follow from the
+//! grid. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that
+//! touches, with normals of the surface.
 //!
 //! # Frame
 //! Heights are along +z, columns along +x, rows along +y, as in MuJoCo. Vertex (column, row) is at
@@ -151,7 +151,7 @@ impl HeightField {
         &self.layout
     }
 
-    /// Number of triangles, those of holes included: twice the number of cells.
+    /// Number of triangles, including the triangles of holes: twice the number of cells.
     pub fn triangle_count(&self) -> usize {
         self.layout.triangle_count()
     }
@@ -192,7 +192,7 @@ impl HeightField {
     }
 
     /// The triangles beyond the edges of a triangle, from corner i to the next one; `None` at
-    /// borders, those of holes included.
+    /// borders, including the borders of holes.
     pub fn neighbours(&self, triangle: usize) -> Option<[Option<usize>; 3]> {
         self.corners(triangle)?;
         Some(self.layout.neighbours(triangle).map(|near| near.filter(|near| self.has_ground(*near))))
@@ -345,8 +345,8 @@ impl HeightField {
         self.box_of(cells, node)
     }
 
-    /// Corners of the box around a rectangle of cells; `None` if all are holes. The heights are
-    /// those of this node of the tree, if they are stored.
+    /// Corners of the box around a rectangle of cells; `None` if all are holes. The heights are the
+    /// range of this node of the tree, if it is stored.
     #[inline]
     fn box_of(&self, cells: Cells, node: u32) -> Option<[DVec3; 2]> {
         let [low, high] = match self.sections().ranges.get(node as usize) {

@@ -5,7 +5,7 @@
 //!
 //! # Steps
 //! 1. Clip the ray by the box around the field.
-//! 2. Choose the patches to cross: the finest of which the ray crosses few.
+//! 2. Choose the patches to cross: the finest patches of which the ray crosses only a few.
 //! 3. Go from strip to strip, along the axis along which the ray crosses more of them. In a strip,
 //!    take the patches that the ray may meet there.
 //! 4. Clip the ray by the box of each. If it meets the box of a node, cross the patches inside in
@@ -113,7 +113,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         (level, if y > x { [second, first] } else { axes })
     }
 
-    /// Crosses a rectangle of cells: all of them, or those of a node of the level `above`.
+    /// Crosses a rectangle of cells: all cells, or the cells of a node of the level `above`.
     fn cross(&mut self, area: Cells, span: [f64; 2], above: Option<u32>) {
         let (level, [along, beside]) = self.choose(span, above);
         let strips = self.positions(along, area, span);
@@ -137,7 +137,7 @@ impl<'f, V: FnMut(usize) -> f64> Walk<'f, V> {
         }
     }
 
-    /// Enters a patch at a position among those of its level.
+    /// Enters a patch, given by its position in its level.
     #[inline]
     fn enter(&mut self, cells: Cells, level: Option<u32>, position: [u32; 2], span: [f64; 2]) {
         let field = self.field;

@@ -86,7 +86,7 @@ impl Hull<'_> {
         None
     }
 
-    /// The t at which `ray` crosses the plane of `face`, between those of its corners; `None` if
+    /// The t at which `ray` crosses the plane of `face`, between the t of its corners; `None` if
     /// the face is steep.
     fn entry_of_face(&self, face: u32, ray: &Ray) -> Option<f64> {
         let direction = ray.direction();

@@ -162,7 +162,7 @@ impl Hull<'_> {
     /// has [`Pack::mass_properties`](crate::Pack::mass_properties).
     ///
     /// The values were recorded by the bake, in the hull's local frame. A hull of rank below 3 has
-    /// no volume: its mass and inertia are 0, and its centre of mass is that of the polygon,
+    /// no volume: its mass and inertia are 0, and its centre of mass is the centre of the polygon,
     /// segment or point.
     ///
     /// # Complexity
@@ -225,7 +225,7 @@ impl Hull<'_> {
     /// Inertia tensor about the centre of mass at density 1, along the axes of the hull's local
     /// frame.
     ///
-    /// The unit is that of a length to the fifth power. For another density, multiply by it; see
+    /// The unit is the fifth power of a length. For another density, multiply by it; see
     /// [`mass_properties`](Self::mass_properties).
     ///
     /// # Examples

@@ -27,8 +27,8 @@ pub struct Replacement {
 }
 
 impl Hull<'_> {
-    /// The primitive that may replace this convex part; `None` if there is none, or the bake was
-    /// not asked for any.
+    /// The primitive that may replace this convex part; `None` if there is none, or the bake did
+    /// not look for primitives.
     ///
     /// # Complexity
     /// O(1).

@@ -43,7 +43,7 @@ const SIDE_SLACK: f64 = 1e-6;
 /// A feature whose area is at most this multiple of its squared extent is an edge.
 const FLAT_AREA: f64 = 1e-6;
 
-/// Maximum slope of a plane whose heights are those of the surface.
+/// Maximum slope of a plane whose heights count as heights of the surface.
 const STEEPEST: f64 = 1.0;
 
 /// Sine of the angle within which two edges count as parallel: the tilt within which faces count as
@@ -64,7 +64,7 @@ pub(super) struct PatchPoint {
     pub(super) at: DVec2,
     /// Heights of A's and of B's surface along the normal.
     pub(super) heights: [f64; 2],
-    /// Whether these are exact. Otherwise they are those of features that are not flat.
+    /// Whether these are exact. Otherwise they belong to features that are not flat.
     pub(super) exact: [bool; 2],
     /// Whether it was moved, and may be beside the incident feature.
     pub(super) is_moved: bool,
@@ -116,7 +116,7 @@ impl Patch {
         self.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The points as the choice of four sees them.
+    /// The points in the form that the choice of four needs.
     pub(super) fn spots(&self) -> Spots {
         let mut spots = Spots { spots: [Spot::default(); MAX_POINTS + 1], count: self.count };
         for (spot, point) in spots.spots.iter_mut().zip(self.points()) {
@@ -151,7 +151,7 @@ impl Patch {
     }
 }
 
-/// Points of a patch, as the choice of four sees them.
+/// Points of a patch, in the form that the choice of four needs.
 pub(super) struct Spots {
     spots: [Spot; MAX_POINTS + 1],
     count: usize,
@@ -249,7 +249,7 @@ impl Outline {
         on_sides.min_by(|p, q| p.distance_squared(at).total_cmp(&q.distance_squared(at))).unwrap_or(at)
     }
 
-    /// Whether heights of its plane, which has this slope, are those of the surface. A point
+    /// Whether heights of its plane, which has this slope, count as heights of the surface. A point
     /// outside of a side by the slack is off a steep plane by a multiple of it.
     fn is_exact(&self, slope: DVec2) -> bool {
         self.is_flat && slope.length_squared() <= STEEPEST * STEEPEST

@@ -23,7 +23,7 @@
 //!    so that it tips, consider vertices farther out.
 //! 6. Move points to the surfaces where features are not flat (`surface`).
 //! 7. Match each point with one of the last frame, by feature or else by position. A matched point
-//!    keeps what the caller stored in it.
+//!    keeps the caller's data.
 //!
 //! # Deviations
 //! - The paper collects points over several frames. Here all points are found at once, so a body is
@@ -332,8 +332,8 @@ impl Manifold {
     /// Updates the points for `a` and for `b` placed at `b_in_a`, and returns the contact of the
     /// two.
     ///
-    /// If the shapes are separated by less than the prediction, the contact's normal and points are
-    /// those of [`distance`](crate::distance()). The contact is exact within its interval; the
+    /// If the shapes are separated by less than the prediction, the contact has the normal and the
+    /// points of [`distance`](crate::distance()). The contact is exact within its interval; the
     /// deepest of the four points may be less deep, by up to a tenth of the prediction, since
     /// points that stay support a body better than the deepest ones. A point that was there before
     /// keeps its impulse and user data, and its age grows. The manifold and `cache` belong to this
@@ -392,7 +392,7 @@ impl Manifold {
     /// in A's frame. The points are where the features that face each other along it overlap; there
     /// may be none, although the shapes touch.
     ///
-    /// For a normal that is not that of the contact, the depths are those along it.
+    /// For a normal that is not the normal of the contact, depths are measured along this normal.
     pub(crate) fn update_along<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         (a, b, b_in_a): (&A, &B, Pose),
@@ -719,8 +719,8 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
 }
 
 /// The contact of two shapes, and the depth of its points. If the shapes are separated, the depth
-/// is negative: by at most `prediction`, the normal and the points are those of their distance; by
-/// more, the depth may be negative infinity.
+/// is negative: by at most `prediction`, the normal and the points belong to their distance. If it
+/// is more, the depth may be negative infinity.
 fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     settings: &Settings,

@@ -9,9 +9,9 @@
 //! 2. Take each other point as the opposite corner of the diagonal, with the farthest point on
 //!    either side. Keep the pair of triangles with the largest area.
 //! 3. Find the triangle of chosen points on which the body rests. If another point is below its
-//!    plane, exchange it for one of the four, so that the deepest point below the new plane is the
-//!    least deep. Repeat. If that ends too early, find the triangle on which the body rests if
-//!    nothing is left out, by exchanging corners of a triangle below the centre.
+//!    plane, exchange it for one of the four, so that the greatest depth below the new plane is as
+//!    small as possible. Repeat. If the exchanges end before that, find the triangle on which the
+//!    body would rest with all points, by exchanging corners of a triangle below the centre.
 //! 4. Last frame's points stay while they span nearly as much area and leave out no deep point.
 //!
 //! For the corners of a flat convex polygon the result is exactly the largest quadrilateral with

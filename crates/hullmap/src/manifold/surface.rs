@@ -13,8 +13,8 @@ use crate::solver::Ray;
 use glam::DVec3;
 
 /// Moves a point of the patch to the surfaces of A and B along the normal of `frame`, from `above`
-/// both surfaces: a length. Returns false if a surface is not there. `features` are those of A and
-/// of B in A's frame.
+/// both surfaces: a length. Returns false if a surface is not there. `features` are the features of
+/// A and of B, in A's frame.
 pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     frame: &Frame,

@@ -2,7 +2,7 @@
 //! from writing to a mapped file.
 //!
 //! Rust lets the compiler assume that the bytes of a `&[u8]` do not change while it is borrowed. A
-//! shared map of a file cannot promise that, so the promise is the caller's. `memmap2` and `fst`
+//! shared map of a file cannot guarantee that, so the caller has to promise it. `memmap2` and `fst`
 //! draw the same line.
 #![allow(unsafe_code)]
 
@@ -132,7 +132,7 @@ impl Pack {
 /// # Safety
 /// As [`Pack::map`].
 unsafe fn map_file(path: &Path, checks: Checks) -> Result<Pack, OpenError> {
-    // SAFETY: the caller upholds the contract of this function, which is that of `map`.
+    // SAFETY: the caller upholds the contract of this function, which is the contract of `map`.
     let (header, bytes) = unsafe { map(path, FileKind::Pack)? };
     Pack::from_storage_bytes(header, bytes, checks)
         .map_err(|source| OpenError::Invalid { path: path.to_owned(), source })

@@ -1,4 +1,4 @@
-//! A `.hullmap` file, opened.
+//! Opens and checks `.hullmap` files.
 //!
 //! 1. Copy the file, or map it.
 //! 2. Header: magic, version, length.

@@ -2,8 +2,8 @@
 //! clips.
 //!
 //! For any support mapping, [`ring`] finds the feature with support queries in directions that are
-//! tilted slightly to all sides. Shapes that know their faces return them directly, which is faster
-//! and more accurate.
+//! tilted slightly to all sides. Shapes with known faces return them directly, which is faster and
+//! more accurate.
 //!
 //! # Reference
 //! Kenwright, section 3 ("contact manifold generation"). Tilted directions: Olsen, "Convex
@@ -270,8 +270,8 @@ pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, cone: &Cone) -> [Su
     std::array::from_fn(|i| shape.support_point(cone.tilted(i * STRIDE)))
 }
 
-/// Second stage of [`ring`]: queries the directions between those of `coarse` that have different
-/// support points.
+/// Second stage of [`ring`]: queries the directions between two neighbouring directions of `coarse`
+/// that have different support points.
 #[expect(clippy::indexing_slicing, reason = "the index is taken modulo the number of coarse directions")]
 pub(crate) fn refine<S: SupportMap + ?Sized>(
     shape: &S,

@@ -1,4 +1,4 @@
-//! Half-space: everything below a plane. Its queries are closed forms with one support query.
+//! Half-space: everything below a plane. Its queries have closed forms, with one support query.
 //!
 //! # Steps
 //! 1. Query the support point of the other shape in the direction opposite to the normal: its
@@ -6,9 +6,9 @@
 //! 2. The signed height of this point above the plane is the distance or the negative depth.
 //!
 //! # Deviations
-//! - A half-space is unbounded, so it has no support mapping and does not implement
-//!   [`SupportMap`]. In the direction of the normal it acts as one point of its plane, and the
-//!   rounding error is that of the Minkowski difference of this point and the other shape.
+//! - A half-space is unbounded, so it has no support mapping and does not implement [`SupportMap`].
+//!   In the direction of the normal it acts as one point of its plane, and the rounding error is
+//!   the same as for the Minkowski difference of this point and the other shape.
 
 use super::error::{MAX_LENGTH, ShapeError, point};
 use crate::pose::Pose;
@@ -337,8 +337,8 @@ impl HalfSpace {
         self.lowest(b, b_in_a).impact(motion, settings)
     }
 
-    /// Where `ray` first enters the half-space. As [`ray`](crate::ray()); the normal is always that
-    /// of the plane.
+    /// Where `ray` first enters the half-space. As [`ray`](crate::ray()); the normal is always the
+    /// normal of the plane.
     ///
     /// # Examples
     /// ```

@@ -1,8 +1,8 @@
 //! Primitive shapes (sphere, box, capsule, cylinder, cone, segment, triangle, half-space) and
 //! modifiers of shapes (scaled, rounded).
 //!
-//! All but the half-space mix with hulls and with each other in every query. To add a shape, follow
-//! the recipe in CONTRIBUTING.md; `cone.rs` is a complete example.
+//! All except the half-space can be paired with hulls and with each other in every query. To add a
+//! shape, follow the recipe in CONTRIBUTING.md; `cone.rs` is a complete example.
 //!
 //! | shape | position in its frame | core | convex radius |
 //! |---|---|---|---|
@@ -16,7 +16,7 @@
 //! | [`Scaled`] | inner shape, scaled or mirrored | scaled[^uniform] | scaled[^uniform] |
 //! | [`Rounded`] | Minkowski sum of an inner shape and a ball | inner core | sum of both |
 //!
-//! A [`HalfSpace`] is unbounded, so it has no support mapping. Its queries against every shape are
+//! A [`HalfSpace`] is unbounded, so it has no support mapping. Its queries against every shape have
 //! closed forms.
 //!
 //! Queries solve the core and then add the convex radius, which is exact and takes few steps. Other

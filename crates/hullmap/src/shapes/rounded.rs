@@ -41,7 +41,7 @@ impl<S> Rounded<S> {
         &self.shape
     }
 
-    /// Radius of the ball. The convex radius also includes that of the inner shape.
+    /// Radius of the ball. The convex radius also includes the convex radius of the inner shape.
     pub fn radius(&self) -> f64 {
         self.radius
     }

@@ -157,7 +157,7 @@ pub(crate) fn on_triangle_to(p: DVec3, q: DVec3, s: DVec3) -> SubSimplex {
 pub(crate) fn on_tetrahedron_to(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> Option<SubSimplex> {
     let (sp, sq, sr) = (p - s, q - s, r - s);
     // Normals of the faces that meet in s, either all outward or all inward; the sign of the volume
-    // tells which.
+    // decides.
     let (across_r, across_p, across_q) = (sp.cross(sq), sq.cross(sr), sr.cross(sp));
     let volume = across_r.dot(sr);
     let mut best = None::<SubSimplex>;
@@ -283,7 +283,8 @@ pub(crate) fn corrected_weights(weights: &[f64; 4], points: [DVec3; 4], count: u
         _ => [0.0; 3],
     };
     let [p, q, r, s] = *weights;
-    // NaN, from a simplex without volume, becomes 0. The caller sees that the result is no better.
+    // NaN, from a simplex without volume, becomes 0. The caller detects that the result is no
+    // better.
     let moved = [p - (by[0] + by[1] + by[2]), q + by[0], r + by[1], s + by[2]].map(|weight| weight.max(0.0));
     let sum: f64 = moved.iter().sum();
     moved.map(|weight| weight / sum)

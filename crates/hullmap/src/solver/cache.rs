@@ -238,7 +238,7 @@ impl Cache {
         &self.simplex[..usize::from(self.simplex_count)]
     }
 
-    /// Stores up to three vertices. The centre is left out, since every query knows it.
+    /// Stores up to three vertices. The centre is left out, since every query computes it.
     #[inline]
     pub(crate) fn set_simplex(&mut self, vertices: impl IntoIterator<Item = [u32; 2]>) {
         self.simplex_count = 0;

@@ -2,10 +2,12 @@
 //! error.
 //!
 //! # Steps
-//! 1. Move the origin of the ray to that of the frame.
-//! 2. Compute the volumes that the direction spans with each edge. If two surely have different
-//!    signs, the ray misses. If all three surely have the same sign, its line crosses the triangle.
-//! 3. Divide the volume that the origin spans with the triangle by that of the direction.
+//! 1. Move the origin of the ray to the origin of the frame.
+//! 2. Compute the volumes that the direction spans with each edge. If two certainly have different
+//!    signs, the ray misses. If all three certainly have the same sign, its line crosses the
+//!    triangle.
+//! 3. Divide the volume that the origin spans with the triangle by the volume that the direction
+//!    spans.
 //!
 //! # Deviations
 //! If rounding error might change a sign, the ray is cast by support queries, whose answer says

@@ -35,7 +35,7 @@ const MAX_STEPS: u32 = 100;
 const MAX_TRIALS: u32 = 24;
 
 /// Error of a point of the path, in units of `f64::EPSILON` times its distance from the origin of
-/// A's frame, with that of the difference of two distances.
+/// A's frame, including the error of the difference of two distances.
 const PATH_ROUNDINGS: f64 = 8.0;
 
 /// An interval up to this many errors wide is as narrow as rounding error allows.

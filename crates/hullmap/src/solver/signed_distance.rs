@@ -115,7 +115,7 @@ pub fn signed_distance<S: SupportMap + ?Sized>(
 
 /// Whether `point` is in `shape`, or not certainly farther than `radius` from it. Both are in the
 /// shape's frame. GJK alone decides it, on a small stack; at the surface of thin shapes, EPA would
-/// tell inside from outside, which does not matter here.
+/// distinguish inside from outside, which does not matter here.
 pub(crate) fn is_near<S: SupportMap + ?Sized>(shape: &S, point: DVec3, radius: f64) -> bool {
     let Ok(place) = Pose::from_translation(point) else { return false };
     let mut m = Minkowski::new(shape, &Dot, place);

@@ -23,7 +23,7 @@ pub(crate) enum Step<T> {
 
 /// A query of two shapes without convex radii, in steps.
 pub(crate) trait SteppedQuery<A: ?Sized, B: ?Sized>: Sized {
-    /// What the query needs to know.
+    /// What the query needs next.
     type Settings;
     /// What it returns.
     type Answer;

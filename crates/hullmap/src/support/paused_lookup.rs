@@ -1,4 +1,4 @@
-//! A paused look-up: how far a support query has come that waits for memory. `index` continues it.
+//! A paused look-up: the state of a support query that waits for memory. `index` continues it.
 
 /// How far the look-up of a support query has come, for shapes that can interrupt it wherever it
 /// waits for memory.
@@ -17,7 +17,7 @@ pub struct Lookup {
     pub(crate) kind: LookupKind,
 }
 
-/// What a look-up has come to.
+/// The state of a look-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LookupKind {
     /// A word of the direction index.

@@ -175,8 +175,9 @@ pub trait SupportMap {
         false
     }
 
-    /// Starts the look-up of [`support_point`](Self::support_point) in direction `dir`, and tells
-    /// the processor to fetch what it reads next. Batches use it to keep several queries in flight.
+    /// Starts the look-up of [`support_point`](Self::support_point) in direction `dir`, and makes
+    /// the processor fetch the memory that it reads next. Batches use it to keep several queries in
+    /// flight.
     #[doc(hidden)]
     fn start_lookup(&self, dir: DVec3) -> Lookup {
         let _ = dir;
@@ -213,8 +214,8 @@ pub trait SupportMap {
         0.0
     }
 
-    /// Support point of the core in direction `dir`; by default that of the shape. The core has the
-    /// same [`interior_point`](Self::interior_point) as the shape.
+    /// Support point of the core in direction `dir`; by default the support point of the shape. The
+    /// core has the same [`interior_point`](Self::interior_point) as the shape.
     fn core_support_point(&self, dir: DVec3) -> SupportPoint {
         self.support_point(dir)
     }

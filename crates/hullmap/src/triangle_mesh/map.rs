@@ -1,5 +1,5 @@
-//! Memory maps of triangle meshes: a constructor that is `unsafe`, for the reason that the map of a
-//! pack gives.
+//! Memory maps of triangle meshes: a constructor that is `unsafe`, for the same reason as maps of
+//! packs.
 #![allow(unsafe_code)]
 
 use std::path::Path;
@@ -44,7 +44,8 @@ impl TriangleMesh {
     /// # }
     /// ```
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        // SAFETY: the caller upholds the contract of this function, which is that of `open`.
+        // SAFETY: the caller upholds the contract of this function, which is the contract of
+        // `open`.
         unsafe { map::open(path.as_ref()) }
     }
 }

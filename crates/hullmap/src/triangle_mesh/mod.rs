@@ -1,15 +1,15 @@
 //! Static triangle meshes: levels and terrains, which keep their triangles.
 //!
-//! `hullmap_bake::triangle_mesh` bakes the file. A [`TriangleMesh`] is one side of the queries in
-//! [`compound`](crate::compound): its parts are its triangles, found by a tree of boxes in the
-//! file. [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that
-//! touches, with normals of the surface: a body does not stumble over edges inside it.
+//! `hullmap_bake::triangle_mesh` bakes the file. The queries in [`compound`](crate::compound) take
+//! a [`TriangleMesh`]: its parts are its triangles, found by a tree of boxes in the file.
+//! [`CompoundManifolds`](crate::CompoundManifolds) keeps a manifold for each triangle that touches,
+//! with normals of the surface: a body does not stumble over edges inside it.
 //!
 //! # What an answer means
-//! Triangles are thin, and collide on both sides. `distance` is that to the nearest triangle.
-//! `contact` is that of the deepest triangle: the interval of its depth is proven for this triangle
-//! alone. The depth in a sheet is a convention: the shorter way out of the triangle, on either
-//! side.
+//! Triangles are thin, and collide on both sides. `distance` returns the distance from the nearest
+//! triangle. `contact` returns the contact with the deepest triangle: the interval of its depth is
+//! proven for this triangle only. A mesh has no inside here, so the depth is a convention: the
+//! shorter way out of the triangle, on either side.
 //!
 //! # Examples
 //! ```

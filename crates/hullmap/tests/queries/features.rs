@@ -186,7 +186,7 @@ fn primitive_shapes_keep_their_faces_within_reach() {
             let found = feature_within(shape, n, reach);
             let mut narrow = Feature::new();
             shape.feature(n, &mut narrow);
-            // Angles of a scaled shape are not those of the inner one.
+            // Angles of a scaled shape differ from the angles of the inner shape.
             let keeps = name == "scaled" || found.corners().len() >= narrow.corners().len();
             assert!(keeps, "{name} {n} {reach}");
             larger += usize::from(found.corners().len() > narrow.corners().len());

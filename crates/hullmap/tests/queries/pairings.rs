@@ -170,7 +170,7 @@ fn check(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose, truth: f64,
             assert!(c.depth_lower <= -truth + error && -truth - error <= c.depth_upper, "{at}");
             check_contact(a, b, pose, &c, error, &at);
         } else if truth > error {
-            // Numerical trouble may leave a tiny gap undecided, and the status says so. A larger
+            // Numerical trouble may leave a tiny gap undecided; the status states this. A larger
             // gap is never a hit.
             assert!(!c.hit || (c.depth_lower == 0.0 && c.depth_upper <= 1e-5 * size), "{at}");
             assert!(y.status != Overlap::Overlapping, "{at}");

@@ -66,8 +66,8 @@ fn judge(body: &BodyManifold, manifolds: &CompoundManifolds, what: &str) -> Opti
     // Bodies have radii of at most 3.
     assert!(deepest(chosen) >= deepest(&all) - 3e-4, "{what}: the deepest point is missing");
     let first = chosen.first()?;
-    // Every point's normal is near that of a point that is deeper in its group, up to doubled
-    // angles: 80 degrees, if there are many directions.
+    // Every point's normal is near the normal of a deeper point of its group, up to doubled angles:
+    // 80 degrees, if there are many directions.
     for point in &all {
         assert!(chosen.iter().any(|p| p.normal.dot(point.normal) > 0.17), "{what}: a direction has no point");
     }

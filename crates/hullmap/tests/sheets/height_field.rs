@@ -192,7 +192,7 @@ fn rays_hit_the_first_triangle_and_vertical_ones_find_the_ground() {
     assert!(hits > 1000 && misses > 300 && ground > 500);
 }
 
-/// The field as a triangle mesh, and for each triangle of the mesh that of the field.
+/// The field as a triangle mesh, and for each triangle of the mesh the triangle of the field.
 fn as_mesh(field: &HeightField) -> (TriangleMesh, Vec<usize>) {
     let mut positions = Vec::new();
     let of_field: Vec<usize> = triangles(field)
@@ -289,7 +289,7 @@ fn answers_are_those_of_the_same_surface_as_a_mesh() {
     assert!(touching > 200 && met > 100 && deep > 100);
 }
 
-/// Classes of edges and vertices, neighbours and borders are those of the mesh.
+/// Classes of edges and vertices, neighbours and borders are the same as in the mesh.
 #[test]
 fn classes_are_those_of_the_mesh() {
     println!("seed {SEED}");

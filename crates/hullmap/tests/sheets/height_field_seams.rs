@@ -15,7 +15,7 @@ fn ridge(heights: [f32; 11], diagonal: Diagonal) -> HeightField {
 }
 
 /// A box that slides over triangles, a little below their surface, over every kind of edge inside
-/// it: all normals are those of the faces.
+/// it: all normals are normals of the faces.
 #[test]
 fn a_box_does_not_stumble_over_edges_inside_a_field() {
     const FOLDED: [f32; 11] = [0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0];

@@ -1,5 +1,5 @@
 //! Tests of triangle meshes and height fields, against brute force over all triangles in f64. A
-//! binary of its own, since that of all queries takes minutes to compile.
+//! separate binary, since the binary of all queries takes minutes to compile.
 
 mod body_manifold;
 mod height_field;

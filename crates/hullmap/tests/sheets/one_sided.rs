@@ -19,8 +19,8 @@ fn fronts(mesh: &TriangleMesh) -> Vec<([DVec3; 3], DVec3)> {
     triangles(mesh).into_iter().map(|[a, b, c]| ([a, b, c], (b - a).cross(c - a).normalize())).collect()
 }
 
-/// Contacts are those of the triangles whose fronts the body is in front of. A contact with the
-/// back is that with the half-space: its depth is that of the lowest vertex.
+/// Contacts belong to triangles whose fronts face the body. A contact with the back becomes the
+/// contact with the half-space: its depth is the depth of the lowest vertex.
 #[test]
 fn contacts_are_those_of_the_fronts() {
     println!("seed {SEED}");

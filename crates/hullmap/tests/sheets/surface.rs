@@ -88,8 +88,8 @@ fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     if is_over { (p - a).dot(normal).abs().min(edges) } else { edges }
 }
 
-/// Number of times that the surface winds around a point: its solid angle over that of the sphere.
-/// Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.
+/// Number of times that the surface winds around a point: its solid angle divided by that of the
+/// sphere. Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.
 fn winding(all: &[[DVec3; 3]], p: DVec3) -> f64 {
     let angle = |corners: &[DVec3; 3]| {
         let [a, b, c] = corners.map(|corner| corner - p);

@@ -1,4 +1,4 @@
-//! Meshes that meet: normals where they do are those of one surface.
+//! Meshes that meet: where they meet, normals are normals of one surface.
 
 use glam::{DQuat, DVec3};
 use hullmap::compound::{Joined, Tile, seams};
@@ -19,8 +19,8 @@ fn strip(length: f64, cells: usize) -> TriangleMesh {
 }
 
 /// JoltPhysics#1922: a body slides from one field to the next, which lies beside it in one plane,
-/// and meets the border. Here, all normals are those of the plane, however the second sheet is
-/// placed and turned.
+/// and meets the border. All normals are normals of the plane, for every placement and rotation of
+/// the second sheet.
 #[test]
 fn a_body_slides_from_one_sheet_to_the_next() {
     let sheets = [strip(4.0, 4), strip(4.0, 3)];

@@ -211,7 +211,7 @@ fn casts_meet_the_surface() {
 }
 
 /// A box that slides over triangles, a little below their surface, over every kind of edge inside
-/// it: all normals are those of the faces.
+/// it: all normals are normals of the faces.
 #[test]
 fn a_box_does_not_stumble_over_edges_inside_a_surface() {
     let flat = grid(10, |_, _| 0.0);

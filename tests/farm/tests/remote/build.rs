@@ -264,7 +264,7 @@ fn poisoned_results_are_rejected() {
     setup.assert_equal("one");
 }
 
-/// Stores remove blobs that nobody has used for long, and action caches do not notice.
+/// Stores remove blobs that were not used for long, and action caches keep entries that name them.
 #[test]
 fn files_that_were_removed_from_the_store_are_baked_again() {
     let setup = Setup::new();
@@ -314,7 +314,7 @@ fn a_pack_with_the_right_header_and_wrong_hulls_is_rejected_with_verify() {
         }
     }
     fs::remove_dir_all(folder.join("o")).unwrap();
-    // Without --verify it is taken: docs/farm-security.md says so.
+    // Without --verify it is accepted, as docs/farm-security.md states.
     setup.build("one", "").expect(0);
     fs::remove_dir_all(folder.join("o")).unwrap();
     let run = setup.build("one", "--verify").expect(1);

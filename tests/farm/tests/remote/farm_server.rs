@@ -53,7 +53,7 @@ pub struct State {
     pub headers: BTreeMap<String, String>,
     /// Attack that it makes.
     pub fault: Option<Fault>,
-    /// A file that somebody overwrites while a result is looked up, and with what.
+    /// A file that is overwritten while a result is looked up, and its new contents.
     pub edit: Option<(PathBuf, String)>,
 }
 

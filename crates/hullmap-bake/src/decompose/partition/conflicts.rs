@@ -2,8 +2,8 @@
 //! line between them leads too far from the solid.
 //!
 //! The fewer conflicts are left within the sides of a plane, the fewer parts the sides will take.
-//! The number of forbidden points in their hulls says less: a plane across a ring halves it, and
-//! both halves take as many parts as the ring.
+//! The number of forbidden points in their hulls is less meaningful: a plane across a ring halves
+//! it, and both halves take as many parts as the ring.
 //!
 //! # Reference
 //! Such pairs are called mutex pairs in Ren, Yuan, Li, Liu, "Minimum near-convex decomposition for

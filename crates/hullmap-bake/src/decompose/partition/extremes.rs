@@ -1,5 +1,5 @@
 //! Farthest points along fixed directions, of groups of points. The extremes of several groups are
-//! the extremes of their union, so that a trial need not see every point again.
+//! the extremes of their union, so that a trial need not visit every point again.
 
 use std::sync::LazyLock;
 
@@ -65,7 +65,7 @@ impl Extremes {
         }
     }
 
-    /// Adds the points of another group, which come after those of this one.
+    /// Adds the points of another group. They come after the points of this group.
     pub fn add_all(&mut self, other: &Self) {
         for k in 0..COUNT {
             let is_farther = other.reach[k] > self.reach[k];

@@ -146,7 +146,7 @@ pub struct Overlap {
     volume: f64,
     /// Sum of the volumes that pairs have in common.
     common: f64,
-    /// The volume that they may have in common, relative to that of the union.
+    /// The volume that they may have in common, relative to the volume of the union.
     allowed: f64,
 }
 

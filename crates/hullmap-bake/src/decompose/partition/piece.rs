@@ -211,7 +211,7 @@ impl Scale {
         (points.count >= ROUGH).then(|| self.body(&points.extremes().points()))
     }
 
-    /// A piece; those of `forbidden` that are in its hull stay forbidden.
+    /// A piece. Of the points `forbidden`, those inside its hull stay forbidden.
     pub fn piece(&self, atoms: Vec<Arc<Atom>>, planes: Vec<HalfSpace>, forbidden: &[DVec3]) -> Piece {
         let body = self.body_of_atoms(&atoms);
         let forbidden = forbidden.iter().copied().filter(|p| self.is_inside(&body, *p)).collect();
@@ -313,7 +313,7 @@ fn heights(atom: &Atom, plane: &HalfSpace) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
 }
 
-/// The corners of a polygon above a plane, with those of its cut.
+/// The corners of a polygon above a plane, and the corners of its cut.
 fn collect_above(polygon: &[DVec3], plane: &HalfSpace, points: &mut Vec<DVec3>) {
     for (k, p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];

@@ -26,7 +26,8 @@ impl Surface {
         Self { triangles, mirror: None }
     }
 
-    /// The half of the surface on the own side of a mirror; `diagonal` is that of the whole.
+    /// The half of the surface on the own side of a mirror; `diagonal` is the diagonal of the whole
+    /// mesh.
     pub fn halved(self, mirror: Mirror, diagonal: f64) -> Self {
         let own = mirror.plane.opposite();
         let half = |triangle: &[DVec3; 3]| {

@@ -179,8 +179,8 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     hull::of_positions(rounded)
 }
 
-/// The hull of a hull that is at least as thick as the bounds ask for; the hull itself if that is
-/// not proven to be within the limit.
+/// A hull around a hull, at least as thick as the bounds require; or the hull itself, if the
+/// thicker one is not proven to be within the limit.
 pub fn thick(field: &Field, hull: Hull, bounds: &Bounds) -> Hull {
     let points = hull.positions();
     if thinnest(&points).1 >= 0.99 * bounds.thickness {

@@ -63,8 +63,8 @@ impl Grid {
         self.low + DVec3::from_array(place) * self.step
     }
 
-    /// For each cell, whether no ball can reach it, and it is not all inside the solid. The index
-    /// of a cell is that of [`squared_distances`].
+    /// For each cell, whether no ball can reach it, and it is not all inside the solid. Cells have
+    /// the same indices as in [`squared_distances`].
     pub fn unreachable(&self, solid: &Solid) -> Vec<bool> {
         let labels = self.labels(solid);
         let squares = squared_distances(&self.flooded(&labels), self.size);

@@ -16,7 +16,7 @@
 //! 3. Points of the ball are at most the radius away from its centre. A cell is *unreachable* if
 //!    all of its points are farther than that from all flooded cells.
 //! 4. The surface around the unreachable cells that are not deep inside the solid is added to the
-//!    mesh. The solid of the result is that of the mesh, and these cells.
+//!    mesh. The solid of the result is the solid of the mesh plus these cells.
 //!
 //! # Why unreachable space certainly is
 //! Each step errs towards reachable space: by the diagonal of a cell at most in step 1, and by two

@@ -23,8 +23,8 @@ impl Margin {
     /// At a plane of unit normal. The dot product is off by at most 6e-16.
     pub const PLANE: Self = Self { reach: 2e-15, core: 7e-15 };
 
-    /// At a step of a fan. The angle is off by at most 3.3e-15. The two dot products add as much as
-    /// that of a plane each.
+    /// At a step of a fan. The angle is off by at most 3.3e-15. Each of the two dot products adds
+    /// as much error as the dot product with a plane.
     pub const STEP: Self = Self { reach: 8e-15, core: 1.5e-14 };
 
     /// Where the same leaf continues.

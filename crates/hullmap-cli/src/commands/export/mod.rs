@@ -174,7 +174,7 @@ impl Export<'_> {
     }
 }
 
-/// The format: as given, as the extension of the target says, or the one that the engine reads
+/// The format: the given one, the one of the target's extension, or the one that the engine reads
 /// best. With `is_folder`, `--out` is a folder.
 fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
     if let Some(into) = &args.into {
@@ -359,7 +359,7 @@ fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Bo
 
 impl Export<'_> {
     /// Mass properties of the hulls of these indices as one body, for a document that states them.
-    /// Prints a note if they are not those of the mesh.
+    /// Prints a note if they are not the mass properties of the mesh.
     fn mass(&self, place: &PackPlace, pack: &Pack, indices: &[usize]) -> Option<MassProperties> {
         if !self.args.target.is_some_and(Target::is_document) {
             return None;

@@ -223,7 +223,7 @@ impl Added<'_> {
     }
 }
 
-/// What of a document decides where colliders go.
+/// The members of a document that decide where colliders are added.
 #[derive(Debug, Deserialize)]
 struct Document {
     #[serde(default)]
@@ -268,8 +268,8 @@ impl Document {
     }
 }
 
-/// Transform from the frame of a pack to that of the file that it was baked from: what the import
-/// did, undone.
+/// Transform from the frame of a pack to the frame of its source file: the inverse of the transform
+/// of the import.
 fn pack_in_scene(options: &ImportOptions, origin: DVec3) -> DAffine3 {
     let linear = unrotation(options.up_axis) * (1.0 / options.unit_scale);
     DAffine3::from_mat3_translation(linear, linear * origin)

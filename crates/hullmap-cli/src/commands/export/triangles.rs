@@ -15,7 +15,7 @@ use crate::outcome::Failure;
 const UNUSED: u32 = u32::MAX;
 
 impl Export<'_> {
-    /// The file of a triangle mesh. Fails if the flags ask for hulls.
+    /// The file of a triangle mesh. Fails if a flag is about hulls.
     pub(super) fn triangles(&self, path: &Path, mesh: &TriangleMesh) -> Result<Vec<ExportedFile>, Failure> {
         let (args, file) = (self.args, path.display());
         let usage =

@@ -54,8 +54,8 @@ fn put(target: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
     place::put(target, bytes, force)
 }
 
-/// The triangles, without those of holes. All vertices are written, so that their order is that of
-/// the grid.
+/// The triangles, without the triangles of holes. All vertices are written, so that they have the
+/// order of the grid.
 fn obj(field: &HeightField) -> Vec<u8> {
     let layout = field.layout();
     let mut text = String::new();

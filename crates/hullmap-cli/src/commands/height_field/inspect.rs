@@ -30,7 +30,7 @@ struct Contents {
     /// Least and greatest height.
     heights: [f64; 2],
     holes: usize,
-    /// Number of triangles, without those of holes.
+    /// Number of triangles, without the triangles of holes.
     triangles: usize,
     /// Number of edges of triangles of each class; an edge of two triangles counts for both.
     edges: BTreeMap<&'static str, usize>,

@@ -202,7 +202,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
     let cover = BuildOptions::from_recorded(&report.options).and_then(|options| options.decompose());
     let reachable =
-        cover.and_then(|cover| cover.reachable).map(|radius| format!("a ball of radius {radius} from outside"));
+        cover.and_then(|cover| cover.reachable).map(|radius| format!("a ball of radius {radius} can get from outside"));
     for warning in &report.warnings {
         out.line(format_args!("  warning            {warning}"))?;
     }
@@ -273,7 +273,7 @@ fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output)
         out.line(format_args!("  primitive          {kind}, protrudes by at most {}", short(*protrusion)))?;
     }
     match reachable {
-        Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words} can come"))?),
+        Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words}"))?),
         None => Ok(()),
     }
 }

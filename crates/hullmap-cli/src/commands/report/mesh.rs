@@ -62,7 +62,7 @@ pub fn analyse_mesh(
     }))
 }
 
-/// Verifies the mesh as `bake verify` does. What is wrong becomes faults.
+/// Verifies the mesh as `bake verify` does. Problems become faults.
 fn verify(
     mesh: &TriangleMesh,
     source: Option<&Source>,

@@ -1,5 +1,5 @@
-//! Notes and warnings about a pack: those of its import and bake. A pack keeps its warnings; notes,
-//! and the warnings of packs that keep none, are computed again from the pack and its source.
+//! Notes and warnings of the import and bake of a pack. A pack stores its warnings. Notes, and
+//! warnings of packs that store none, are computed again from the pack and its source.
 
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
@@ -64,7 +64,7 @@ fn fit(parts: &[Hull]) -> Option<PartsFit> {
     Some(PartsFit { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
 }
 
-/// Remarks on one hull; `is_cut` says whether the bake cut it from a mesh.
+/// Remarks on one hull; `is_cut` states whether the bake made it as a part of a mesh.
 fn about_hull(hull: &Hull, is_cut: bool) -> Vec<Remark> {
     let max_coordinate = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
     let measures = HullMeasures {

@@ -1,4 +1,4 @@
-//! The collisions of links as convex shapes that can be queried.
+//! The convex pieces of links, as shapes that can be queried.
 
 use glam::DVec3;
 use hullmap_planning::Convex;

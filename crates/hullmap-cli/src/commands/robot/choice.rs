@@ -1,4 +1,4 @@
-//! What becomes of each collision: a hull, parts, or what it is.
+//! Decides what replaces each collision: a hull, parts, or nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ use crate::outcome::Failure;
 /// Options that are lengths of the robot, in metres.
 const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
 
-/// What becomes of a shape.
+/// What replaces a shape.
 #[derive(Debug)]
 pub enum Choice {
     /// These hulls: an index among [`Choices::hulls`].
@@ -42,7 +42,7 @@ pub struct ShapeChoice {
     pub shape: usize,
     /// Whether a collision is made from a visual.
     pub from_visual: bool,
-    /// What becomes of it.
+    /// What replaces it.
     pub choice: Choice,
 }
 
@@ -249,12 +249,12 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Whether a stem may be that of a hull.
+/// Whether a stem may be the stem of a hull's file.
 fn is_ending(stem: &str) -> bool {
     stem.ends_with("_hull") || stem.contains("_part_")
 }
 
-/// The stem of a pack or of hulls: that of the mesh, or with a number if that is taken.
+/// The stem of a pack or of hulls: the stem of the mesh, with a number if it is taken.
 fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
     let stem = token(stem);
     let numbered = (2_u32..).map(|number| format!("{stem}_{number}"));

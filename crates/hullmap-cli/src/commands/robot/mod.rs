@@ -57,7 +57,7 @@ struct Robot {
     description: Description,
     target: Target,
     choices: Choices,
-    /// Index of its first job among those of all descriptions.
+    /// Index of its first job among the jobs of all descriptions.
     first_job: usize,
 }
 

@@ -8,7 +8,7 @@ use glam::DVec3;
 use hullmap_report::input::Remarks;
 use hullmap_report::robot as report;
 use hullmap_report::{DisplayMesh, robot_page};
-use hullmap_robot::{Chain, Description, Frame, Geometry, Joint, MeshUse, Motion, Shape, Solid, Submesh};
+use hullmap_robot::{Chain, Description, Frame, Geometry, Joint, MeshUse, Motion, Primitive, Shape, Submesh};
 
 use super::choice::{Choice, Choices, ShapeChoice};
 use super::hulls::Hulls;
@@ -27,7 +27,7 @@ enum Key {
     /// One of several hulls.
     Hull(usize, usize),
     /// A primitive.
-    Solid(String),
+    Primitive(String),
 }
 
 type FileKey = (PathBuf, Option<Submesh>);
@@ -40,7 +40,7 @@ fn key(mesh: &MeshUse) -> Option<FileKey> {
 pub struct Gatherer<'a> {
     /// The description.
     pub description: &'a Description,
-    /// What becomes of its collisions.
+    /// What replaces its collisions.
     pub choices: &'a Choices,
     /// The hulls of the meshes.
     pub hulls: &'a [Hulls],
@@ -55,7 +55,8 @@ pub fn page(gatherer: Gatherer, pairs: &Pairs, row: &Row) -> String {
     let neutral = pairs.neutral();
     let links = (0..description.links.len()).map(|link| canvas.link(link, neutral[link], pairs, row)).collect();
     let Canvas { gatherer, meshes, .. } = canvas;
-    // Not those of bakes: a fresh pack has none, and equal inputs give equal pages.
+    // Warnings of bakes are left out: a fresh pack has none, and equal inputs must give equal
+    // pages.
     let mut notes = description.notes.clone();
     notes.extend(description.chain.notes.iter().map(|note| format!("{}: {note}", row.file)));
     notes.extend(gatherer.meshes.faults.iter().map(|fault| format!("{fault}; it is not drawn")));
@@ -177,24 +178,24 @@ impl Canvas<'_> {
 
     /// A shape as it is drawn.
     fn as_is(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
-        let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_solid(shape, layer) };
+        let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_primitive(shape, layer) };
         let own = self.gatherer.meshes.get(mesh)?;
         self.placed(Key::File(key(mesh)?), || own.display.clone(), mesh, shape, layer)
     }
 
     /// A shape as engines take it: a mesh by its hull.
     fn as_hull(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
-        let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_solid(shape, layer) };
+        let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_primitive(shape, layer) };
         let own = self.gatherer.meshes.get(mesh)?;
         let pack = own.hull().ok()?;
         let hull = pack.hull(0).ok()?;
         self.placed(Key::HullOf(key(mesh)?), || DisplayMesh::of_hull(&hull, &polygons(&hull)), mesh, shape, layer)
     }
 
-    fn as_solid(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
+    fn as_primitive(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Primitive(primitive) = &shape.geometry else { return None };
-        let solid = primitive.solid?;
-        let mesh = self.mesh(Key::Solid(format!("{solid:?}")), || drawn_solid(solid))?;
+        let primitive = primitive.shape?;
+        let mesh = self.mesh(Key::Primitive(format!("{primitive:?}")), || drawn_primitive(primitive))?;
         let frame = shape.pose?;
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| frame.rotation * axis);
         Some(report::Shape { layer, mesh, in_link: columns(axes, frame.translation) })
@@ -232,13 +233,13 @@ fn columns(axes: [DVec3; 3], origin: DVec3) -> [[f64; 3]; 4] {
     [x, y, z, origin.to_array()]
 }
 
-fn drawn_solid(solid: Solid) -> DisplayMesh {
-    match solid {
-        Solid::Box(half) => DisplayMesh::cuboid(half),
-        Solid::Sphere(radius) => DisplayMesh::ellipsoid([radius; 3]),
-        Solid::Cylinder([radius, half_length]) => DisplayMesh::cylinder(radius, half_length),
-        Solid::Capsule([radius, half_length]) => DisplayMesh::capsule(radius, half_length),
-        Solid::Ellipsoid(radii) => DisplayMesh::ellipsoid(radii),
-        Solid::Cone([radius, half_length]) => DisplayMesh::cone(radius, half_length),
+fn drawn_primitive(primitive: Primitive) -> DisplayMesh {
+    match primitive {
+        Primitive::Box(half) => DisplayMesh::cuboid(half),
+        Primitive::Sphere(radius) => DisplayMesh::ellipsoid([radius; 3]),
+        Primitive::Cylinder([radius, half_length]) => DisplayMesh::cylinder(radius, half_length),
+        Primitive::Capsule([radius, half_length]) => DisplayMesh::capsule(radius, half_length),
+        Primitive::Ellipsoid(radii) => DisplayMesh::ellipsoid(radii),
+        Primitive::Cone([radius, half_length]) => DisplayMesh::cone(radius, half_length),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use hullmap_planning::{Convex, hulls as hulls_of, solid};
+use hullmap_planning::{Convex, hulls as hulls_of, shape_of_primitive};
 use hullmap_report::robot::{Excluded, Touching};
 use hullmap_robot::{Change, Description, DisabledPair, Format, Frame, Geometry, Neighbours, Shape, srdf};
 use rayon::prelude::*;
@@ -161,7 +161,9 @@ fn as_engines_do(shape: &Shape, meshes: &mut Meshes) -> Vec<Piece> {
         Geometry::Mesh(mesh) => {
             meshes.get(mesh).and_then(|own| hulls_of(own.hull().ok()?, mesh).ok()).unwrap_or_default()
         }
-        Geometry::Primitive(primitive) => primitive.solid.and_then(|own| solid(own).ok()).into_iter().collect(),
+        Geometry::Primitive(primitive) => {
+            primitive.shape.and_then(|own| shape_of_primitive(own).ok()).into_iter().collect()
+        }
         Geometry::Other(_) => Vec::new(),
     };
     pieces(shape, shapes)

@@ -55,7 +55,7 @@ pub struct Row {
     pub millis: f64,
 }
 
-/// What became of a collision.
+/// What replaced a collision.
 #[derive(Debug, Serialize)]
 pub struct Collision {
     /// Its link, or body.

@@ -179,7 +179,7 @@ fn properties_that_contradict_one_another_are_rejected() {
 }
 
 /// The model, packed with integers of 14 bits, with exponents, and as floats: each vertex stays at
-/// its place to within the precision that was asked of gltfpack, and no triangle is lost.
+/// its place to within the precision that gltfpack was given, and no triangle is lost.
 #[test]
 fn files_of_gltfpack_have_the_shape_of_their_model() {
     let model = import_bytes(include_bytes!("model.glb").to_vec(), &Limits::DEFAULT).unwrap();

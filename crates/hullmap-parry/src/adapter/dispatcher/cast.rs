@@ -37,8 +37,8 @@ impl<'o> Cast<'o> {
         Self { placement, velocity, target, max_t, options }
     }
 
-    /// Whether an impact is a contact at the start, whose normal and points are those of the shapes
-    /// there.
+    /// Whether an impact is a contact at the start, whose normal and points belong to the shapes at
+    /// their start.
     pub(super) fn is_at_start(&self, impact: &Impact) -> bool {
         let geometry = self.options.compute_impact_geometry_on_penetration || !self.options.stop_at_penetration;
         impact.t < AT_START && geometry
@@ -54,7 +54,7 @@ impl<'o> Cast<'o> {
         !self.options.stop_at_penetration && normal.dot(self.velocity) >= 0.0
     }
 
-    /// A hit on the way.
+    /// A hit during the motion.
     pub(super) fn hit(&self, impact: &Impact) -> ShapeCastHit {
         let Impact { point_a, point_b, normal, t, status, .. } = *impact;
         // The point of B moved with it: subtract the motion.

@@ -1,5 +1,4 @@
-//! A compound of parry's as hullmap's union of parts, for the correction of normals at internal
-//! edges.
+//! A parry compound as a hullmap union of parts, for the correction of normals at internal edges.
 
 use hullmap::compound::seams::{Neighbour, Union, face_of, faces_of_hull, faces_of_shape};
 use hullmap::glam::DVec3;
@@ -15,8 +14,7 @@ use super::primitive::Primitive;
 /// Relative allowance for rounding a point to parry's precision.
 const ROUNDING: f64 = 1e-6;
 
-/// A compound of parry's, as a union of hullmap's shapes. Parts that hullmap has no shape for are
-/// left out.
+/// A parry compound, as a union of hullmap's shapes. Parts without a shape in hullmap are left out.
 pub(super) struct CompoundUnion<'c>(&'c Compound);
 
 impl<'c> CompoundUnion<'c> {

@@ -3,7 +3,7 @@
 //! # Steps
 //! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifold of the pair.
-//! 3. Correct its normal if it is that of an internal edge of a compound.
+//! 3. Correct its normal if it comes from an internal edge of a compound.
 //! 4. Write its points. A point that hullmap kept retains the data that the engine stored in it.
 
 use hullmap::compound::seams::{self, Side, Union};
@@ -35,9 +35,9 @@ pub(super) fn hardly_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut Co
 /// A compound, the index of a shape in it, and the shape's pose.
 pub(super) type PartOf<'u> = (&'u dyn Union, usize, hullmap::Pose);
 
-/// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` belong to the pair.
-/// Empty ones cost a few more support calls. `parts` are the compounds of parry's two shapes, if
-/// they are parts.
+/// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` belong to the pair. If
+/// they are empty, a few more support calls are needed. `parts` are the compounds of parry's two
+/// shapes, if they are parts.
 pub(super) fn update<M, C: Default + Copy>(
     (pair, placement): &(HullPair<'_>, Placement),
     prediction: Real,

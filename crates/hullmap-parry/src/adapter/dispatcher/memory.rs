@@ -1,4 +1,4 @@
-//! Memory of a pair from step to step: hullmap's manifold and cache, in a workspace of parry's.
+//! Memory of a pair from step to step: hullmap's manifold and cache, in a parry workspace.
 
 use hullmap::{Cache, Manifold};
 
@@ -11,8 +11,8 @@ use super::super::parry::query::details::{
 pub(super) struct Memory {
     pub(super) manifold: Manifold,
     pub(super) cache: Cache,
-    /// An empty workspace of parry's. It is saved in place of this one, because parry cannot load
-    /// custom workspaces. The first step after loading replaces it.
+    /// An empty parry workspace. It is saved instead of this one, because parry cannot load custom
+    /// workspaces. The first step after loading replaces it.
     saved_as: VoxelsShapeContactManifoldsWorkspace<2>,
 }
 

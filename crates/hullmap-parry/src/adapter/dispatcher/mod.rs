@@ -1,7 +1,6 @@
 //! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull or a
 //! surface.
 
-mod body;
 mod cast;
 mod compound_union;
 mod manifold;
@@ -13,6 +12,7 @@ mod pair;
 mod part_dispatcher;
 mod patches;
 mod persistent;
+mod pieces;
 mod primitive;
 mod surface_cast;
 mod surface_manifold;
@@ -47,11 +47,11 @@ use surface_pair::surface_pair;
 ///
 /// Casts with rotation are hullmap's for these shapes, for compounds of them, and for half-spaces:
 /// [`cast_motion`](hullmap::cast_motion()). The time is the lower end of a proven interval, rounded
-/// down: until then, the shapes surely do not meet, and no body passes through another. Its status
-/// is `Converged` if they are then as near as the tolerance asks, 1e-6 of the sum of their radii;
+/// down: until then, the shapes certainly do not meet, and no body passes through another. Its
+/// status is `Converged` if they are then within the tolerance, 1e-6 of the sum of their radii;
 /// `OutOfIterations` after 200 queries of a pair, or 4,000 of a tile of a surface, and `Failed`
-/// after rounding error: then it is open whether they meet. Shapes that meet at the start, and are
-/// not to stop there, are judged by parry's rule.
+/// after rounding error: then it is unknown whether they meet. For shapes that meet at the start
+/// and must not stop there, parry's rule decides.
 ///
 /// In Rapier, set it once:
 ///
@@ -243,8 +243,9 @@ impl QueryDispatcher for HullDispatcher {
         DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
     }
 
-    /// By hullmap for convex shapes that it knows, compounds of them, surfaces and half-spaces. The
-    /// time is the lower end of a proven interval: until then, the shapes surely do not meet.
+    /// hullmap solves convex shapes that it supports, compounds of them, surfaces and half-spaces.
+    /// The time is the lower end of a proven interval: until then, the shapes certainly do not
+    /// meet.
     fn cast_shapes_nonlinear(
         &self,
         motion1: &NonlinearRigidMotion,

@@ -5,12 +5,13 @@
 //!    The time is the lower end of the proven interval.
 //! 2. A pair that meets at the start is a hit if the caller stops at penetrations. Otherwise,
 //!    parry's rule decides whether the shapes would pass through each other, and when. In any case,
-//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets
-//!    to the other side. On a surface, this is done for each triangle near the way.
+//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets to
+//!    the other side. On a surface, this is done for each triangle near the path.
 //!
 //! # Deviations
 //! parry advances along one direction until the separation there is zero, and ends at a miss if a
-//! bisection converges to the end: it misses grazing contacts, and those of shapes that turn far.
+//! bisection converges to the end: it misses grazing contacts, and contacts of shapes that turn
+//! far.
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::{HalfSpace, Sphere};
@@ -24,23 +25,24 @@ use super::super::parry::query::details::NonlinearShapeCastMode;
 use super::super::parry::query::{NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
 use super::super::parry::shape::Shape;
 use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
-use super::body::{Piece, pieces};
 use super::nearby::{Ball, first_hit};
+use super::pieces::{Piece, pieces};
 
 /// A meeting that is less than this after the start counts as one at the start, as in parry. In the
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
 
-/// Radius of the core of a body, as a part of that of the largest ball inside.
+/// Radius of the core of a body, relative to the radius of the largest ball inside.
 const CORE: f64 = 0.5;
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
 const SURFACE_QUERIES: u32 = 4_000;
 
-/// Number of balls that cover the way of a body on a surface.
+/// Number of balls that cover the path of a body on a surface.
 const BALLS: u32 = 16;
 
-/// Allowance for rounding when the ways of two pieces are compared, relative to the lengths.
+/// Allowance for rounding when the path lengths of two pieces are compared, relative to the
+/// lengths.
 const SLACK: f64 = 1e-9;
 
 /// A body in motion.
@@ -64,7 +66,7 @@ impl<'s> Body<'s> {
 }
 
 /// The first meeting of two bodies in a window of parry's time. The outer `None` is for pairs that
-/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule asks
+/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule queries
 /// `dispatcher` for distances and contacts.
 pub(super) fn cast(
     dispatcher: &dyn QueryDispatcher,
@@ -95,7 +97,7 @@ struct Cast<'m> {
     stop_at_penetration: bool,
 }
 
-/// A motion of parry's in a window of its time.
+/// A parry motion in a window of its time.
 #[derive(Clone, Copy)]
 struct Windowed {
     /// The pose at the start of the window.
@@ -122,7 +124,7 @@ impl Windowed {
         RigidMotion::screw(self.start.compose(place).ok()?, self.linear, self.angular, self.center).ok()
     }
 
-    /// Upper bound of the length of the way of a point that is at `point` at some time, at which
+    /// Upper bound of the length of the path of a point that is at `point` at some time, at which
     /// the centre of the rotation is `center`.
     fn way(&self, point: DVec3, center: DVec3) -> f64 {
         self.linear.length() + self.angular.length() * point.distance(center)
@@ -258,7 +260,7 @@ impl<'m> Cast<'m> {
         let mut core = self.of_core(b, 1, a);
         add(&mut core, self.of_core(a, 0, b).map(ShapeCastHit::swapped));
         let rule = self.by_rule(a, b);
-        // Rapier ignores hits at the start. It would let the shapes pass.
+        // Rapier ignores hits at the start, so the shapes would pass through each other.
         let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
         if !(is_at_start && core.is_some()) {
             add(&mut core, rule);
@@ -305,7 +307,7 @@ impl<'m> Cast<'m> {
         Some(ShapeCastHit { subshape1: a.subshape, subshape2: b.subshape, ..hit })
     }
 
-    /// The first meeting with a triangle near the way.
+    /// The first meeting with a triangle near the path.
     fn beyond_start_on(&self, tile: &SurfaceTile, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [of_a, of_b] = self.motions;
         let ball = |i: u32| {
@@ -362,7 +364,8 @@ impl<'m> Cast<'m> {
             let point = place.transform_point(contact.point_b);
             let speed = |of: &Windowed| of.linear + of.angular.cross(point - (of.center + of.linear * t));
             let approach = (speed(&of_a) - speed(&of_b)).dot(normal);
-            // As parry: by more than the shape is thick, the rest of the motion would pass through.
+            // As in parry: if the rest of the motion is longer than the shape is thick, it would
+            // pass through.
             if approach * (1.0 - t) > b.shape.inner_radius() {
                 let (point_a, point_b) = (place.transform_point(contact.point_a), point);
                 let found = TimeOfImpact {
@@ -385,7 +388,7 @@ impl<'m> Cast<'m> {
         double(self.window[0])
     }
 
-    /// A time of parry's as a share of the window.
+    /// A parry time as a share of the window.
     fn share(&self, time: f64) -> f64 {
         let [start, end] = self.window.map(double);
         if end > start { (time - start) / (end - start) } else { 0.0 }
@@ -423,7 +426,7 @@ impl<'m> Cast<'m> {
     }
 }
 
-/// A time in parry's precision, rounded down: at a later one, the shapes may have met.
+/// A time in parry's precision, rounded down: at a later time, the shapes may have met.
 fn earlier(time: f64) -> Real {
     let rounded = real(time);
     if double(rounded) > time { rounded.next_down() } else { rounded }

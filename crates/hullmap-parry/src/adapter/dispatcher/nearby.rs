@@ -1,4 +1,4 @@
-//! The triangles of a tile near a moving body, in the order of its way.
+//! The triangles of a tile near a moving body, in the order along its path.
 
 use hullmap::compound::seams::Union as _;
 use hullmap::glam::DVec3;
@@ -13,8 +13,8 @@ pub(super) struct Ball {
     pub(super) start: f64,
 }
 
-/// The first hit of a body with a triangle near its way, which is covered by `balls`. `test`
-/// returns the hit with a triangle and its time. A ball that begins after a hit is skipped.
+/// The first hit of a body with a triangle near its path, which `balls` cover. `test` returns the
+/// hit with a triangle and its time. A ball that begins after a hit is skipped.
 pub(super) fn first_hit<H>(
     tile: &SurfaceTile,
     balls: impl IntoIterator<Item = Ball>,

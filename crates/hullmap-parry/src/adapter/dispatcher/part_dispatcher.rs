@@ -1,7 +1,7 @@
 //! Dispatcher for parts of compounds: corrects the normals of their manifolds at internal edges.
 //!
 //! parry splits compounds, and passes each pair of parts to a dispatcher, without the compounds.
-//! This one knows them.
+//! This dispatcher keeps the compounds.
 
 use super::super::parry::math::{Pose, Real, Vector};
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
@@ -75,7 +75,7 @@ where
     }
 }
 
-/// parry requires these of every dispatcher. All are those of `HullDispatcher`.
+/// parry requires these methods of every dispatcher. All methods are those of `HullDispatcher`.
 impl QueryDispatcher for PartDispatcher<'_> {
     fn intersection_test(
         &self,

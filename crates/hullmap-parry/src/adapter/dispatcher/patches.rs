@@ -28,13 +28,13 @@ pub(super) struct PatchPoint {
 /// The body that the points support.
 #[derive(Clone, Copy)]
 pub(super) struct Supported {
-    /// Where its weight acts, approximately.
+    /// Approximate centre of mass.
     pub(super) center: DVec3,
     /// Radius of a ball around the centre that contains it.
     pub(super) radius: f64,
 }
 
-/// Which points stay: at most four for each normal. `before` are the places of the last step, in
+/// Which points stay: at most four for each normal. `before` are the points of the last step, in
 /// the frame of the body.
 pub(super) fn thinned(points: &[PatchPoint], before: &[DVec3], body: Supported, prediction: Real) -> Vec<bool> {
     let (mut stays, mut is_done) = (vec![false; points.len()], vec![false; points.len()]);
@@ -71,7 +71,7 @@ pub(super) fn thinned(points: &[PatchPoint], before: &[DVec3], body: Supported, 
     stays
 }
 
-/// Which points stay of a ball: the deepest one for each normal.
+/// Which points of a ball stay: the deepest one for each normal.
 pub(super) fn deepest(points: &[PatchPoint]) -> Vec<bool> {
     let is_deeper = |(i, other): (usize, &PatchPoint), (j, point): (usize, &PatchPoint)| {
         let comes_first = other.depth > point.depth || other.depth == point.depth && i < j;

@@ -1,5 +1,5 @@
-//! Implements parry's `contact_manifolds`: hullmap solves the pairs that it knows, parry the rest,
-//! and parts of composite shapes come back to this dispatcher.
+//! Implements parry's `contact_manifolds`: hullmap solves the pairs that it supports, parry solves
+//! the others, and the parts of composite shapes are passed to this dispatcher again.
 
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;
@@ -63,7 +63,7 @@ where
     }
 
     /// parry calls this for the parts of composite shapes too. They have no `Memory`, so each
-    /// update starts from the normal of the last step alone.
+    /// update starts only from the normal of the last step.
     fn contact_manifold_convex_convex(
         &self,
         pos12: &Pose,

@@ -10,7 +10,7 @@ use hullmap::{Feature, Shape, SupportMap, SupportPoint};
 use super::super::convert::wide;
 use super::super::parry;
 
-/// A primitive that hullmap solves against a hull. Its frame is that of parry's shape.
+/// A primitive that hullmap solves against a hull. Its frame is the frame of parry's shape.
 pub(super) enum Primitive {
     Ball(Sphere),
     Capsule(Capsule),
@@ -93,12 +93,12 @@ fn cone(cone: &parry::shape::Cone) -> Option<Turned<Cone>> {
 /// cyclically, which is an exact rotation.
 pub(super) struct Turned<S>(S);
 
-/// From the frame of the turned shape to that of the inner one.
+/// From the frame of the turned shape to the frame of the inner shape.
 fn inward(v: DVec3) -> DVec3 {
     DVec3::new(v.z, v.x, v.y)
 }
 
-/// From the frame of the inner shape to that of the turned one.
+/// From the frame of the inner shape to the frame of the turned shape.
 fn outward(v: DVec3) -> DVec3 {
     DVec3::new(v.y, v.z, v.x)
 }

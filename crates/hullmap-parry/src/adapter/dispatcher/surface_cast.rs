@@ -1,10 +1,10 @@
 //! Linear shape casts of a surface and a body.
 //!
 //! # Steps
-//! 1. The first impact of all triangles and pieces.
-//! 2. If it is a contact at the start that is to be ignored, because the triangle and the piece
-//!    move apart: the body slides on the ground, and may meet other triangles. Then, cast on each
-//!    triangle near the way, by the rule for two convex shapes.
+//! 1. Find the first impact of all triangles and pieces.
+//! 2. A contact at the start is ignored if the triangle and the piece move apart. The body then
+//!    slides on the ground, and may meet other triangles. So cast on each triangle near the path,
+//!    by the rule for two convex shapes.
 
 use hullmap::compound::CompoundAnswer;
 use hullmap::glam::DVec3;
@@ -20,10 +20,10 @@ use super::nearby::{Ball, first_hit};
 use super::nearest::Nearest;
 use super::surface_pair::{Part, SurfacePair};
 
-/// Number of balls that cover the way of a body.
+/// Number of balls that cover the path of a body.
 const BALLS: u32 = 32;
 
-/// The first hit of a pair: arguments and answers as those of [`cast`](super::cast::cast).
+/// The first hit of a pair: arguments and answers as in [`cast`](super::cast::cast).
 pub(super) fn cast(
     pair: &SurfacePair<'_>,
     velocity12: Vector,
@@ -62,7 +62,7 @@ fn part_cast(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, max_t: f6
     Some(CompoundAnswer { answer: as_if_grown(found.answer, cast.target), ..found })
 }
 
-/// The impact on a grown body, as one of the body on a grown surface, which [`Cast::hit`] expects.
+/// Converts an impact on a grown body to an impact on a grown surface, which [`Cast::hit`] expects.
 fn as_if_grown(impact: Impact, target: f64) -> Impact {
     let shift = impact.normal * target;
     Impact { point_a: impact.point_a + shift, point_b: impact.point_b + shift, ..impact }
@@ -112,7 +112,7 @@ fn convex_cast(
     Some((impact, contact))
 }
 
-/// Balls that cover the way of a piece, until it is beyond the tile.
+/// Balls that cover the path of a piece, until it is beyond the tile.
 fn way(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, velocity: DVec3) -> impl Iterator<Item = Ball> {
     let shape = piece.shape();
     let (center, radius) = (b_in_a.transform_point(shape.interior_point()), shape.outer_radius() + cast.target);

@@ -3,19 +3,18 @@
 //! # Steps
 //! 1. If the body has hardly moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifolds of each piece of the body on each tile near it. Tiles that meet
-//!    are joined, so normals at their common edges are those of one surface.
+//!    are joined, so normals at their common edges are normals of one surface.
 //! 3. Correct normals at internal edges of a body that is a compound.
 //! 4. Choose at most eight points for each tile and piece ([`BodyManifold`]), and of these at most
-//!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, the
-//!    others are where triangles end, and stop it as it rolls.
-//! 5. Write a manifold of parry's for each piece and face of the surface, with the number of the
-//!    triangle that is deepest. A point that hullmap kept retains the data that the engine stored
-//!    in it.
+//!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, its
+//!    other points are at the ends of triangles, and would slow it as it rolls.
+//! 5. Write a parry manifold for each piece and face of the surface, with the index of the deepest
+//!    triangle. A point that hullmap kept retains the data that the engine stored in it.
 //!
 //! # What did not work
-//! A manifold for each triangle: Rapier merges those with nearly the same normal, and finds the
-//! impulses of the last step by the places of points on the ground. Bodies that slide or roll lose
-//! them in every step.
+//! A manifold for each triangle: Rapier merges manifolds with nearly the same normal, and finds the
+//! impulses of the last step by the positions of points on the ground. Bodies that slide or roll
+//! would lose their impulses in every step.
 
 use hullmap::compound::seams::{self, Side, Union};
 use hullmap::compound::{BodyManifold, BodyPoint, Joined, Tile};
@@ -37,8 +36,8 @@ use super::surface_pair::{Part, SurfacePair};
 /// Number of triangles that a piece may touch on a tile before more memory is allocated: 40 KB.
 const FEW: usize = 8;
 
-/// Maximum number of triangles that a piece may touch on a tile: 2.5 MB. With more, those of the
-/// last step stay, and others are ignored.
+/// Maximum number of triangles that a piece may touch on a tile: 2.5 MB. If there are more, the
+/// triangles of the last step stay, and others are ignored.
 const MOST: usize = 512;
 
 /// Part of the prediction up to which a body may move before its points are computed anew: more
@@ -52,7 +51,7 @@ const SAME_FACE: f64 = 1.0 - 5e-7;
 /// Width of a seam as a part of the prediction, as in hullmap's correction of normals.
 const SEAM: f64 = 0.005;
 
-/// Memory of a pair of a surface and a body from step to step, in a workspace of parry's.
+/// Memory of a pair of a surface and a body from step to step, in a parry workspace.
 #[derive(Clone, Default)]
 pub(super) struct SurfaceMemory {
     entries: Vec<Entry>,
@@ -60,7 +59,7 @@ pub(super) struct SurfaceMemory {
     written: usize,
     /// The pose of the body in the frame of the surface in the last update.
     last: Option<hullmap::Pose>,
-    /// An empty workspace of parry's, which is saved in place of this one: see
+    /// An empty parry workspace, which is saved instead of this one: see
     /// [`Memory`](super::memory::Memory).
     saved_as: VoxelsShapeContactManifoldsWorkspace<2>,
 }
@@ -82,7 +81,7 @@ struct Entry {
     key: (usize, u32),
     capacity: usize,
     manifolds: CompoundManifolds,
-    /// Its points have the numbers of the written ones as user data, counted from 1.
+    /// The user data of its points are the numbers of the written points, counted from 1.
     body: BodyManifold,
     is_near: bool,
 }
@@ -214,7 +213,7 @@ impl SurfaceMemory {
         points
     }
 
-    /// Replaces the manifolds by those of the points that stay.
+    /// Replaces the manifolds by manifolds of the points that stay.
     fn write<M, C>(
         &mut self,
         points: &[Point],
@@ -227,7 +226,7 @@ impl SurfaceMemory {
     {
         let mut old = std::mem::take(manifolds);
         let old_points: Vec<C> = old.iter().flat_map(|manifold| &manifold.points).map(|point| point.data).collect();
-        // If the engine has changed the points, none is known.
+        // If the engine has changed the points, all of them count as new.
         let is_ours = old_points.len() == self.written;
         let mut numbers = Vec::new();
         for (point, stays) in points.iter().zip(stays) {
@@ -284,13 +283,13 @@ impl SurfaceMemory {
     }
 }
 
-/// What belongs to the surface and to the body, in parry's order.
+/// The values for the surface and for the body, in parry's order.
 fn in_order<T>(placement: &Placement, [of_surface, of_body]: [T; 2]) -> [T; 2] {
     if placement.flipped { [of_body, of_surface] } else { [of_surface, of_body] }
 }
 
-/// The normal of the triangle in place of one that deviates little: Rapier counts both as one, and
-/// a body that rolls over many edges would be slowed down by small deviations.
+/// Replaces a normal that deviates little by the normal of the triangle: Rapier counts both as one,
+/// and a body that rolls over many edges would be slowed down by small deviations.
 fn snapped(normal: DVec3, face: Option<DVec3>) -> DVec3 {
     match face {
         Some(face) if normal.dot(face) >= SAME_NORMAL => face,
@@ -348,7 +347,7 @@ impl Entry {
 }
 
 impl OnTile<'_> {
-    /// Updates the manifolds of all triangles. Returns the number of those that found no memory.
+    /// Updates the manifolds of all triangles. Returns the number of triangles without memory.
     fn update(&self, manifolds: &mut CompoundManifolds) -> u32 {
         let Self { part: Part { tile, piece, b_in_a }, joined, settings } = self;
         let shape = piece.shape();

@@ -8,9 +8,9 @@ use super::super::parry::bounding_volume::Aabb;
 use super::super::parry::query::ShapeCastHit;
 use super::super::parry::shape::Shape;
 use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
-use super::body::{Piece, pieces};
 use super::nearest::Nearest;
 use super::pair::{Placement, placement};
+use super::pieces::{Piece, pieces};
 
 /// A surface, which is A, and a body, which is B.
 pub(super) struct SurfacePair<'s> {
@@ -126,7 +126,7 @@ impl Part<'_> {
         [self.tile.subshape(triangle), self.piece.subshape]
     }
 
-    /// What was found in the frame of the tile, in that of the surface.
+    /// Converts an answer from the frame of the tile to the frame of the surface.
     pub(super) fn nearest_in_surface(&self, found: Nearest) -> Nearest {
         let place = self.tile.place();
         Nearest {
@@ -137,7 +137,7 @@ impl Part<'_> {
         }
     }
 
-    /// An impact in the frame of the tile, in that of the surface.
+    /// Converts an impact from the frame of the tile to the frame of the surface.
     pub(super) fn in_surface(&self, impact: &Impact) -> Impact {
         let place = self.tile.place();
         Impact {

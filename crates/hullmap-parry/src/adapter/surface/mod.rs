@@ -24,16 +24,16 @@ pub(super) use tile::{TileUnion, on_sheet};
 /// directions and lengths are in the frame of the mesh or the field. Heights of a field are along
 /// +z: rotate the collider if another axis is up.
 ///
-/// Triangles are thin. Nothing is inside them, also if a mesh is closed.
+/// Triangles are thin. They have no inside, even if a mesh is closed.
 ///
 /// With `HullDispatcher`, hullmap answers queries with hulls, compounds of them, and primitives:
-/// normals at internal edges are those of the surface, and a body has few contact points. parry's
-/// default dispatcher solves each triangle alone. For that, a tree of parry's is built at the first
-/// query.
+/// normals at internal edges are normals of the surface, and a body has few contact points. parry's
+/// default dispatcher solves each triangle alone. For that, parry builds a tree of its own at the
+/// first query.
 ///
 /// # Tiles that meet
-/// Rapier passes pairs of colliders to the dispatcher. A pair does not know the collider beside it.
-/// So tiles that meet should be one shape: see [`joined`](Self::joined).
+/// The dispatcher gets one pair of colliders at a time from Rapier, and cannot know the colliders
+/// beside it. So tiles that meet should be one shape: see [`joined`](Self::joined).
 ///
 /// # Examples
 /// ```
@@ -140,7 +140,7 @@ impl BakedSurface {
 
     /// The same surface, whose triangles collide on their fronts alone: see
     /// [`OneSided`](hullmap::compound::OneSided). parry's own algorithms ignore it: with parry's
-    /// default dispatcher, contacts and casts of shapes have both sides. Rays have one.
+    /// default dispatcher, contacts and casts of shapes have both sides. Rays hit one side.
     ///
     /// # Complexity
     /// O(n) for n tiles, whose files are shared.
@@ -160,7 +160,7 @@ impl BakedSurface {
         &self.content.tiles
     }
 
-    /// Number of triangles of all tiles; those of holes count.
+    /// Number of triangles of all tiles, including the triangles of holes.
     pub fn triangle_count(&self) -> usize {
         self.tiles().iter().map(SurfaceTile::triangle_count).sum()
     }

@@ -71,7 +71,7 @@ pub struct SurfaceTile {
     place: hullmap::Pose,
     /// The same in parry's precision.
     pose: Pose,
-    /// Number of the first triangle among those of all tiles.
+    /// Index of the first triangle among the triangles of all tiles.
     first: usize,
     /// The box in the frame of the shape.
     bounds: Aabb,
@@ -115,7 +115,7 @@ impl SurfaceTile {
         self.place
     }
 
-    /// Number of its triangles; those of holes count.
+    /// Number of its triangles, including the triangles of holes.
     pub fn triangle_count(&self) -> usize {
         match &self.sheet {
             Sheet::Mesh(mesh) => mesh.triangle_count(),
@@ -123,8 +123,7 @@ impl SurfaceTile {
         }
     }
 
-    /// Material of a triangle, as the bake was given it; `None` in a hole, and beyond the last
-    /// triangle.
+    /// Material of a triangle, from the bake; `None` in a hole, and beyond the last triangle.
     pub fn material(&self, triangle: usize) -> Option<u16> {
         match &self.sheet {
             Sheet::Mesh(mesh) => mesh.material(triangle),
@@ -132,7 +131,7 @@ impl SurfaceTile {
         }
     }
 
-    /// Number of the first triangle among those of all tiles.
+    /// Index of the first triangle among the triangles of all tiles.
     pub fn first(&self) -> usize {
         self.first
     }
@@ -192,7 +191,7 @@ impl SurfaceTile {
         }
     }
 
-    /// Number of a triangle among those of all tiles.
+    /// Index of a triangle among the triangles of all tiles.
     pub(in super::super) fn subshape(&self, triangle: usize) -> u32 {
         u32::try_from(self.first + triangle).unwrap_or(u32::MAX)
     }

@@ -10,11 +10,11 @@ const SAME_NORMAL: f64 = 0.9961946980917455;
 /// Maximum number of points of a [`BodyManifold`](super::BodyManifold).
 pub const MAX_BODY_POINTS: usize = 8;
 
-/// Most groups that there are. Directions that are more than 80 degrees apart are at most seven,
-/// so the angle is doubled at most four times.
+/// Maximum number of groups. Directions that are more than 80 degrees apart are at most seven, so
+/// the angle is doubled at most four times.
 const MAX_GROUPS: usize = MAX_BODY_POINTS;
 
-/// A manifold, as grouping sees it.
+/// The data of a manifold that grouping needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
     /// Unit normal.
@@ -60,8 +60,8 @@ fn group_within(members: &mut [Member], cosine: f64) -> Option<usize> {
     None
 }
 
-/// Number of points of each group, `wanted` of which it has at most: one for each, and the others
-/// in turn.
+/// Number of points of each group, at most its number `wanted`: first one for each group, then the
+/// others in turn.
 pub(super) fn shares(wanted: &[usize; MAX_GROUPS], most: usize) -> [usize; MAX_GROUPS] {
     let mut shares = [0; MAX_GROUPS];
     let mut left = most;

@@ -11,7 +11,7 @@
 //!    without those that add little area ([`spread`]).
 //! 4. Keep the points of the last frame instead, with the deepest point, if they span at least 90 %
 //!    of the area of the best choice.
-//! 5. Chosen points that were chosen in the last frame keep what the caller stored in them.
+//! 5. Points that were also chosen in the last frame keep the caller's data.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (manifold reduction:
@@ -47,7 +47,7 @@ const KEPT_AREA: f64 = 0.9;
 pub struct BodyPoint {
     /// The parts of A and of B that touch there, by index.
     pub pair: [usize; 2],
-    /// Unit normal from A to B, in A's frame: that of the manifold of these parts.
+    /// Unit normal from A to B, in A's frame: the normal of the manifold of these parts.
     pub normal: DVec3,
     /// The point. Its impulse, user data and age belong to the body manifold: those in the
     /// [`CompoundManifolds`] are others.
@@ -59,7 +59,7 @@ impl BodyPoint {
 }
 
 /// At most eight contact points of a body, chosen from its [`CompoundManifolds`]: caller-owned
-/// memory of one ordered pair (A, B), beside that of the manifolds.
+/// memory of one ordered pair (A, B), in addition to the memory of the manifolds.
 ///
 /// A point is one of those in the manifolds, unchanged. The deepest of all points is chosen, or
 /// another one that is less deep by at most 1e-4 of half the diagonal of the smaller body's box. If
@@ -169,7 +169,7 @@ impl BodyManifold {
         Self { points: [BodyPoint::EMPTY; MAX_BODY_POINTS], count: 0, scratch }
     }
 
-    /// The points, those of the group with the deepest point first.
+    /// The points; the group with the deepest point comes first.
     pub fn points(&self) -> &[BodyPoint] {
         self.points.get(..self.count).unwrap_or_default()
     }

@@ -7,8 +7,8 @@
 //!
 //! # What is left
 //! The smallest ear of a polygon of m corners has at most the share 4 sin²(π / m) / m of its area,
-//! that of the regular polygon. From any number of corners down to seven, at least 70 % of the
-//! area is left, the product of 1 − 4 sin²(π / m) / m over all m from eight on.
+//! as in the regular polygon. From any number of corners down to seven, at least 70 % of the area
+//! is left, the product of 1 − 4 sin²(π / m) / m over all m from eight on.
 //!
 //! # Reference
 //! Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979. Ears of
@@ -19,7 +19,7 @@
 use glam::DVec2;
 
 /// An ear of at most this share of the polygon's area counts as nothing, so that points that are on
-/// a side but for rounding are no corners. It is that of a regular polygon of 34 corners.
+/// a side but for rounding are no corners. It is the share for a regular polygon of 34 corners.
 const SLIGHT_EAR: f64 = 1e-3;
 
 /// A polygon whose area is at most this share of the square of its length counts as a line.
@@ -99,7 +99,7 @@ pub(super) fn reduce(corners: &mut Vec<usize>, most: usize, kept: usize, at: imp
     }
 }
 
-/// What the corners of a convex polygon, in order, span.
+/// Area that the corners of a convex polygon span, in order.
 pub(super) fn span(corners: &[usize], at: impl Fn(usize) -> DVec2) -> Span {
     let Some(first) = corners.first().map(|corner| at(*corner)) else { return Span::default() };
     let pairs = corners.iter().zip(corners.iter().skip(1));
@@ -108,7 +108,7 @@ pub(super) fn span(corners: &[usize], at: impl Fn(usize) -> DVec2) -> Span {
     Span { area, length }
 }
 
-/// What points span.
+/// Area that points span.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Span {
     area: f64,

@@ -20,7 +20,7 @@ use crate::vector::{perpendicular, unit};
 use glam::DVec3;
 
 /// A thickness up to this many rounding errors counts as zero: the errors of two support points on
-/// either side, and that of the normal.
+/// either side, and the error of the normal.
 const FLAT_ROUNDINGS: f64 = 8.0;
 
 /// The Minkowski difference has no thickness along this unit normal.

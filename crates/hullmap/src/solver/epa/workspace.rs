@@ -49,8 +49,8 @@ fn existing<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) 
     }
 }
 
-/// Not inlined: the polytope is on this function's stack before it is moved, and otherwise on that
-/// of each caller.
+/// Not inlined: the polytope is on this function's stack before it is moved. Inlined, it would be
+/// on the stack of each caller.
 #[cold]
 #[inline(never)]
 fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {

@@ -24,7 +24,7 @@
 //!   origin may be anywhere.
 //! - A ray that grazes C, so that rounding error decides between hit and miss, is neither. It has a
 //!   status of its own.
-//! - Van den Bergen's search (GJK) has lower bounds alone. It serves for rounded shapes, see
+//! - Van den Bergen's search (GJK) has lower bounds only. It is used for rounded shapes, see
 //!   [`rounded`](super::rounded).
 
 mod clearance;
@@ -213,8 +213,8 @@ fn safer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if off(&last.1) > off(&first.1) + search.clip.noise { first } else { last }
 }
 
-/// The answer from the portal where the line enters the set, at parameter `at`. `error` is that of
-/// `at` if the hit is certain.
+/// The answer from the portal where the line enters the set, at parameter `at`. `error` is the
+/// error of `at` if the hit is certain.
 fn enclose<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     search: &mut LineSearch<'_, '_, A, B>,
     query: &LineQuery,

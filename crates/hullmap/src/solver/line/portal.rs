@@ -15,8 +15,8 @@
 //!    Keep the one that the line pierces.
 //!
 //! # Deviations
-//! - Coordinates are those of the line's frame: x and y across it, z along it, from the foot of the
-//!   centre. So the signs that decide are those of two-dimensional cross products.
+//! - Coordinates are in the line's frame: x and y across the line, z along it, from the foot of the
+//!   centre. So the signs of two-dimensional cross products decide.
 //! - A line through an edge or a vertex of the portal, within rounding error, counts as moved a
 //!   little towards a point inside the first triangle. That is the rule against cycling of the
 //!   simplex method (perturbation), and it makes no side of an edge special.

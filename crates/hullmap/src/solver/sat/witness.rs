@@ -2,8 +2,8 @@
 //! combination of all vertices in the plane.
 //!
 //! # Steps
-//! 1. Of each shape, collect the vertices that are in the support plane within rounding error: a
-//!    vertex, an edge, or a face. Of two parallel faces, these are two polygons.
+//! 1. For each shape, collect the vertices that are in the support plane within rounding error: a
+//!    vertex, an edge, or a face. For two parallel faces, these are two polygons.
 //! 2. Two edges cross, or a vertex is over a triangle: both give the points at once.
 //! 3. Else, GJK in the plane: combine up to three pairs of these vertices into the foot.
 
@@ -29,8 +29,7 @@ const MAX_IN_PLANE: usize = 16;
 
 /// The vertices of a shape in its support plane.
 struct Feature {
-    /// In A's frame. B's are those of the mirrored shape, so that sums are points of the
-    /// difference.
+    /// In A's frame. B's points are mirrored, so that sums are points of the difference.
     points: [DVec3; MAX_IN_PLANE],
     count: usize,
 }
@@ -130,7 +129,7 @@ struct NearPass<'p, const P: usize> {
     /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
-    /// The vertices of B, and those of A.
+    /// The vertices of B, and the vertices of A.
     near: [LaneSet; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What an instruction set computes, and the code that is compiled once for each of them.
+//! Operations of an instruction set, and the code that is compiled once for each set.
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::i16_le;

@@ -380,8 +380,8 @@ fn hit_and_miss_flicker_at_contact() {
 
 #[test]
 fn one_ulp_gap() {
-    // A gap of one ulp of the coordinates cannot be decided: the shapes touch, and the interval
-    // says so.
+    // A gap of one ulp of the coordinates cannot be decided: the shapes count as touching, and the
+    // interval contains 0.
     let cube = Cuboid(DVec3::ONE);
     let gap = 2.0_f64.next_up();
     assert_eq!(solve_overlap(&cube, &cube, pose_at(gap, 0.0, 0.0)), Overlap::Touching);

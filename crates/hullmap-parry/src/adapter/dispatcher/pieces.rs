@@ -1,4 +1,4 @@
-//! A shape of parry's as convex pieces that hullmap solves.
+//! Convex pieces of a parry shape, which hullmap solves.
 
 use super::super::convert::wide_pose;
 use super::super::parry::math::Pose;
@@ -15,7 +15,7 @@ pub(super) enum Convex<'s> {
 /// A convex piece of a body.
 pub(super) struct Piece<'s> {
     convex: Convex<'s>,
-    /// The same as parry's shape.
+    /// The piece as parry's shape.
     pub(super) of_parry: &'s dyn Shape,
     /// Its pose in the frame of the body.
     pub(super) place: hullmap::Pose,

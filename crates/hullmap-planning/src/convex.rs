@@ -1,4 +1,4 @@
-//! The collisions of links as convex shapes that can be queried.
+//! Convex shapes of links and obstacles: hulls of packs, and primitives.
 
 use std::sync::Arc;
 
@@ -6,12 +6,12 @@ use glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Scaled, ShapeError, Sphere};
 use hullmap::{Hull, Pack, Shape, SharedHull};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
-use hullmap_robot::{Frame, MeshUse, Solid};
+use hullmap_robot::{Frame, MeshUse, Primitive};
 
 /// A convex shape of any kind.
 pub type AnyShape = dyn Shape + Send + Sync;
 
-/// A convex solid: a hull of a pack, or another shape.
+/// A convex shape: a hull of a pack, or another shape.
 #[derive(Clone)]
 pub enum Convex {
     /// A hull, as it is in its pack.
@@ -21,7 +21,7 @@ pub enum Convex {
 }
 
 impl Convex {
-    /// The solid as a shape.
+    /// The shape that queries take.
     pub fn shape(&self) -> &AnyShape {
         match self {
             Self::Hull(hull) => hull,
@@ -30,18 +30,18 @@ impl Convex {
     }
 }
 
-/// A primitive.
+/// The shape of a primitive of a description.
 ///
 /// # Errors
 /// It is too small or too large.
-pub fn solid(solid: Solid) -> Result<Convex, ShapeError> {
-    let shape: Arc<AnyShape> = match solid {
-        Solid::Box(half) => Arc::new(Cuboid::new(DVec3::from_array(half))?),
-        Solid::Sphere(radius) => Arc::new(Sphere::new(radius)?),
-        Solid::Cylinder([radius, half_length]) => Arc::new(Cylinder::new(half_length, radius)?),
-        Solid::Capsule([radius, half_length]) => Arc::new(Capsule::new(half_length, radius)?),
-        Solid::Cone([radius, half_length]) => Arc::new(Cone::new(half_length, radius)?),
-        Solid::Ellipsoid(radii) => Arc::new(Scaled::new(Sphere::new(1.0)?, DVec3::from_array(radii))?),
+pub fn shape_of_primitive(primitive: Primitive) -> Result<Convex, ShapeError> {
+    let shape: Arc<AnyShape> = match primitive {
+        Primitive::Box(half) => Arc::new(Cuboid::new(DVec3::from_array(half))?),
+        Primitive::Sphere(radius) => Arc::new(Sphere::new(radius)?),
+        Primitive::Cylinder([radius, half_length]) => Arc::new(Cylinder::new(half_length, radius)?),
+        Primitive::Capsule([radius, half_length]) => Arc::new(Capsule::new(half_length, radius)?),
+        Primitive::Cone([radius, half_length]) => Arc::new(Cone::new(half_length, radius)?),
+        Primitive::Ellipsoid(radii) => Arc::new(Scaled::new(Sphere::new(1.0)?, DVec3::from_array(radii))?),
     };
     Ok(Convex::Shape(shape))
 }
@@ -51,21 +51,21 @@ pub fn solid(solid: Solid) -> Result<Convex, ShapeError> {
 /// # Errors
 /// A factor is too small or too large, or a hull is degenerate.
 pub fn hulls(pack: &Arc<Pack>, mesh: &MeshUse) -> Result<Vec<Convex>, String> {
-    let mut solids = Vec::new();
+    let mut shapes = Vec::new();
     for (index, hull) in pack.hulls().enumerate() {
         if mesh.reference == Frame::IDENTITY {
             let own = pack.shared_hull(index).map_err(|error| error.to_string())?;
-            solids.push(if mesh.scale == [1.0; 3] {
+            shapes.push(if mesh.scale == [1.0; 3] {
                 Convex::Hull(own)
             } else {
                 let scaled = Scaled::new(own, DVec3::from_array(mesh.scale)).map_err(|error| error.to_string())?;
                 Convex::Shape(Arc::new(scaled))
             });
         } else {
-            solids.push(turned(&hull, mesh)?);
+            shapes.push(turned(&hull, mesh)?);
         }
     }
-    Ok(solids)
+    Ok(shapes)
 }
 
 /// A hull that is turned before it is scaled, which shears it: it is built again.

@@ -1,8 +1,8 @@
-//! Primitive solids: boxes, spheres, cylinders, capsules, ellipsoids and cones.
+//! Primitives: boxes, spheres, cylinders, capsules, ellipsoids and cones.
 
-/// A solid about the origin of its frame, along z, in metres.
+/// A primitive about the origin of its frame, along z, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Solid {
+pub enum Primitive {
     /// Half of its edges along each axis.
     Box([f64; 3]),
     /// Its radius.
@@ -17,17 +17,17 @@ pub enum Solid {
     Cone([f64; 2]),
 }
 
-/// A geometry that is stated by its name and sizes.
+/// A geometry of a description that is given by its name and sizes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Primitive {
+pub struct NamedPrimitive {
     /// Its name in the description.
     pub name: String,
-    /// The solid; `None` if its sizes are missing, or are those of a mesh that it is fitted to.
-    pub solid: Option<Solid>,
+    /// The shape; `None` if its sizes are missing, or if it is fitted to a mesh.
+    pub shape: Option<Primitive>,
 }
 
-impl Solid {
-    /// A solid by its name and the half of its lengths: three for boxes and ellipsoids, a radius
+impl Primitive {
+    /// A primitive by its name and half of its lengths: three for boxes and ellipsoids, a radius
     /// for spheres, a radius and half of a length otherwise. `None` unless they are positive.
     pub(crate) fn new(name: &str, sizes: &[f64]) -> Option<Self> {
         let is_positive = |sizes: &[f64]| sizes.iter().all(|size| *size > 0.0 && size.is_finite());
@@ -44,7 +44,7 @@ impl Solid {
         }
     }
 
-    /// A solid by the attributes or elements of URDF and SDF, which state whole lengths.
+    /// A primitive by the attributes or elements of URDF and SDF, which state whole lengths.
     pub(crate) fn of_lengths(name: &str, stated: impl Fn(&str) -> Vec<f64>) -> Option<Self> {
         let half = |numbers: Vec<f64>| numbers.into_iter().map(|length| length / 2.0).collect::<Vec<f64>>();
         match name {
