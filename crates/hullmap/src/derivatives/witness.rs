@@ -52,6 +52,9 @@ const MAX_CORNERS: usize = 16;
 /// more curved unless its radius of curvature is a thousandth of the outer radius.
 const STRAIGHT: f64 = 1e-3;
 
+/// Features of points of which nothing is known.
+pub(super) const UNKNOWN: [u32; 2] = [u32::MAX; 2];
+
 /// What faces a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Facing {
@@ -126,27 +129,27 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         }
     }
 
-    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or
-    /// too short.
-    fn facing_by_edges(&self, normal: DVec3) -> Option<Facing> {
+    /// What faces `normal`, by the edges at the support vertex, which may be `feature`. `None` if
+    /// they are not known, or too short.
+    fn facing_by_edges(&self, normal: DVec3, feature: u32) -> Option<Facing> {
         // The features of a rounded shape are not vertices.
         if self.shape.convex_radius() > 0.0 {
             return None;
         }
         let dir = self.rotation.mul_transpose_vec3(normal);
-        let feature = self.shape.support_point(dir).feature;
-        let level = self.shape.level_edges(feature, dir, 2.0 * self.tilt)?;
+        let level = |feature: u32| self.shape.level_edges(feature, dir, 2.0 * self.tilt);
+        let level = level(feature).or_else(|| level(self.shape.support_point(dir).feature))?;
         match level.count {
             0 => Some(Facing::Vertex),
-            _ if level.shortest <= 2.0 * self.same_place() => None,
+            _ if level.shortest_sq <= (2.0 * self.same_place()).powi(2) => None,
             1 => Some(Facing::Edge(self.rotation * level.longest.normalize())),
             _ => Some(Facing::Face),
         }
     }
 
-    /// What faces `normal`.
-    fn facing_feature(&self, normal: DVec3) -> Facing {
-        self.facing_by_edges(normal).unwrap_or_else(|| self.facing(normal, self.chord(normal)))
+    /// What faces `normal`, maybe at `feature`.
+    fn facing_feature(&self, normal: DVec3, feature: u32) -> Facing {
+        self.facing_by_edges(normal, feature).unwrap_or_else(|| self.facing(normal, self.chord(normal)))
     }
 
     /// Whether the shape is known to be a polytope: it has faces, or features identify its
@@ -181,19 +184,26 @@ pub(super) fn normal_error([lower, upper]: [f64; 2]) -> f64 {
 }
 
 /// Whether there is one pair of closest points along `normal`, from A to B, in A's frame. `error`
-/// is an upper bound of the error of the normal.
+/// is an upper bound of the error of the normal. The points may be at these `features`; B's comes
+/// first if A's is unknown.
 pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     shapes: (&A, &B, Pose),
     normal: DVec3,
     error: f64,
+    features: [u32; 2],
 ) -> Differentiability {
     let (a, b) = placed(shapes, error);
     let is_point = |facing| matches!(facing, Facing::Vertex | Facing::Curved(None));
-    let of_a = a.facing_feature(normal);
+    let of_b = || b.facing_feature(-normal, features[1]);
+    let first_of_b = (features[0] == UNKNOWN[0]).then(of_b);
+    if first_of_b.is_some_and(is_point) {
+        return Differentiability::Unique;
+    }
+    let of_a = a.facing_feature(normal, features[0]);
     if is_point(of_a) {
         return Differentiability::Unique;
     }
-    let of_b = b.facing_feature(-normal);
+    let of_b = first_of_b.unwrap_or_else(of_b);
     if is_point(of_b) {
         return Differentiability::Unique;
     }
@@ -212,14 +222,14 @@ pub(super) fn facing_features<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     error: f64,
 ) -> Result<[Facing; 2], Differentiability> {
     let (a, b) = placed(shapes, error);
-    let facing = [a.facing_feature(normal), b.facing_feature(-normal)];
+    let facing = [a.facing_feature(normal, UNKNOWN[0]), b.facing_feature(-normal, UNKNOWN[1])];
     let is_inside = match facing {
         [Facing::Curved(_), _] | [_, Facing::Curved(_)] => return Err(Differentiability::Curved),
         [Facing::Vertex, Facing::Vertex] => true,
         [Facing::Edge(along), Facing::Vertex] | [Facing::Vertex, Facing::Edge(along)] => {
             is_inside_edge(&a, &b, (normal, along), points)
         }
-        _ => disc_in_face(&a, &b, normal, points).is_some(),
+        _ => is_inside_face(&a, &b, normal, points),
     };
     if is_inside { Ok(facing) } else { Err(Differentiability::Feature) }
 }
@@ -239,33 +249,27 @@ fn is_inside_edge<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     })
 }
 
-/// Whether there is one pair of points that meet along `normal`, and no other normal there, and the
-/// radius of a disc about the foot, in the face of the difference that faces `normal`; 0 if none is
-/// known. `points` are the points of A and of B.
+/// Whether there is one pair of points that meet along `normal`, and no other normal there.
+/// `points` are the points of A and of B.
 pub(super) fn meeting_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     shapes: (&A, &B, Pose),
     normal: DVec3,
     points: [DVec3; 2],
-) -> (Differentiability, f64) {
+) -> Differentiability {
     let (a, b) = placed(shapes, 0.0);
-    let mut disc = 0.0;
-    if a.is_polytope(normal) && b.is_polytope(-normal) {
-        match disc_in_face(&a, &b, normal, points) {
-            Some(radius) => disc = radius,
-            None => return (Differentiability::Normals, 0.0),
-        }
+    if a.is_polytope(normal) && b.is_polytope(-normal) && !is_inside_face(&a, &b, normal, points) {
+        return Differentiability::Normals;
     }
-    (closest_points(shapes, normal, 0.0), disc)
+    closest_points(shapes, normal, 0.0, UNKNOWN)
 }
 
-/// Radius of a disc about the difference of the points that is in the face of A − B that faces
-/// `normal`; `None` if that difference is not certainly inside the face.
-fn disc_in_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Whether the difference of the points is certainly inside the face of A − B that faces `normal`.
+fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &Placed<'_, A>,
     b: &Placed<'_, B>,
     normal: DVec3,
     [point_a, point_b]: [DVec3; 2],
-) -> Option<f64> {
+) -> bool {
     let (x, y) = (perpendicular(normal), normal.cross(perpendicular(normal)));
     let reach = a.same_place() + b.same_place();
     let corner = |side: DVec2| {
@@ -278,18 +282,18 @@ fn disc_in_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         polygon.insert(polygon.len, corner(side));
     }
     while polygon.len < MAX_CORNERS {
-        let (at, height, outward) = polygon.nearest_side()?;
+        let Some((at, height, outward)) = polygon.nearest_side() else { return false };
         if height > reach {
-            return Some(height);
+            return true;
         }
         let found = corner(outward);
         // NaN takes the failing branch.
         if !(found.dot(outward) > height + reach) {
-            return None;
+            return false;
         }
         polygon.insert(at + 1, found);
     }
-    None
+    false
 }
 
 /// A convex polygon, counter-clockwise. Corners may coincide.

@@ -6,7 +6,7 @@ use rkyv::rend::f32_le;
 
 use super::Hull;
 use crate::facets::view::Facets;
-use crate::support::hint::{Edges, IsLocalMaximum};
+use crate::support::hint::{Edges, LevelOrRising};
 use crate::support::simd::{Dispatch, Instructions, fetch};
 use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 
@@ -101,15 +101,22 @@ impl Hull<'_> {
     /// The position of vertex `hint` if it is certainly the support point in direction `dir`.
     #[inline]
     fn certain(&self, dir: [f32; 3], hint: u32) -> Option<[f32; 3]> {
-        let at = hint as usize;
+        let point = self.vertices.get(hint as usize)?;
+        (self.level_or_rising(dir, hint, 0.0)? == 0).then(|| point.map(f32_le::to_native))
+    }
+
+    /// The edges at a vertex that may not fall by more than `tangent` of their length in direction
+    /// `dir`, one bit each, in the order of the neighbours. `None` if there are no edges, or if f32
+    /// cannot decide.
+    #[inline]
+    fn level_or_rising(&self, dir: [f32; 3], vertex: u32, tangent: f32) -> Option<u32> {
+        let at = vertex as usize;
         let start = self.neighbour_starts.get(at)?.to_native() as usize;
         let end = self.neighbour_starts.get(at + 1).map_or(self.neighbours.len(), |next| next.to_native() as usize);
         // Empty for hulls of rank below 3.
-        let numbers = self.edges.get(3 * start..)?;
-        let edges = Edges { components: numbers, count: end.saturating_sub(start) };
-        let point = self.vertices.get(at)?;
-        (!numbers.is_empty() && self.index.dispatch.run(IsLocalMaximum(edges), dir))
-            .then(|| point.map(f32_le::to_native))
+        let components = self.edges.get(3 * start..).filter(|components| !components.is_empty())?;
+        let edges = Edges { components, count: end.saturating_sub(start) };
+        self.index.dispatch.run(LevelOrRising { edges, tangent }, dir)
     }
 
     /// Vector instructions that queries on this hull use. By default, the best that the processor
@@ -291,20 +298,29 @@ impl SupportMap for Hull<'_> {
     }
 
     /// # Complexity
-    /// One dot product for each edge at the vertex, of at most [`MAX_EDGES`].
+    /// One dot product in f32 for each edge at the vertex, of at most [`MAX_EDGES`], and one in f64
+    /// for each edge that may be level.
     fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
-        let (from, neighbours) = (self.position(feature)?, self.neighbours(feature));
+        let (from, neighbours) = (self.position(feature)?, self.neighbour_run(feature));
         // A solid has three edges at each vertex.
         if !(3..=MAX_EDGES).contains(&neighbours.len()) {
             return None;
         }
-        let mut found = LevelEdges { shortest: f64::INFINITY, ..LevelEdges::default() };
-        for neighbour in neighbours {
-            let edge = self.position(neighbour)? - from;
+        let left = self.level_or_rising(dir.as_vec3().to_array(), feature, tangent as f32);
+        let mut left = left.unwrap_or(u32::MAX >> (u32::BITS as usize - neighbours.len()));
+        let mut found = LevelEdges { shortest_sq: f64::INFINITY, ..LevelEdges::default() };
+        while left != 0 {
+            let neighbour = neighbours.get(left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            let edge = self.position(neighbour.to_native())? - from;
             let (length_sq, rise) = (edge.length_squared(), edge.dot(dir));
-            if rise >= 0.0 || rise * rise <= tangent * tangent * length_sq {
+            let is_level = rise * rise <= tangent * tangent * length_sq;
+            if rise > 0.0 && !is_level {
+                return None;
+            }
+            if is_level {
                 found.count += 1;
-                found.shortest = found.shortest.min(length_sq.sqrt());
+                found.shortest_sq = found.shortest_sq.min(length_sq);
                 if length_sq > found.longest.length_squared() {
                     found.longest = edge;
                 }

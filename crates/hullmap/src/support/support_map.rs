@@ -48,8 +48,8 @@ pub struct LevelEdges {
     pub count: usize,
     /// The longest one, from the vertex on.
     pub longest: DVec3,
-    /// Length of the shortest one.
-    pub shortest: f64,
+    /// Square of the length of the shortest one.
+    pub shortest_sq: f64,
 }
 
 /// A convex shape, described by its support mapping.
