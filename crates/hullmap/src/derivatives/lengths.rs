@@ -127,11 +127,25 @@ impl Contact {
         } else if self.is_only_normal {
             closest_points((a, b, b_in_a), self.normal, 0.0, self.features)
         } else {
-            let found = meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b]);
-            let has_other = found != Differentiability::Normals && self.has_other_normal(a, b, b_in_a, settings, cache);
-            if has_other { Differentiability::Normals } else { found }
+            self.meeting(a, b, b_in_a, settings, cache)
         };
         between(-self.normal, [self.point_a, self.point_b], b_in_a, status)
+    }
+
+    /// Whether normal and points are the only ones, by a second contact query.
+    #[cold]
+    #[inline(never)]
+    fn meeting<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Differentiability {
+        let found = meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b]);
+        let has_other = found != Differentiability::Normals && self.has_other_normal(a, b, b_in_a, settings, cache);
+        if has_other { Differentiability::Normals } else { found }
     }
 
     /// Whether B, deeper along the normal, is less deep along another one than along this one.

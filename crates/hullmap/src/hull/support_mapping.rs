@@ -298,21 +298,16 @@ impl SupportMap for Hull<'_> {
     }
 
     /// # Complexity
-    /// One dot product in f32 for each edge at the vertex, of at most [`MAX_EDGES`], and one in f64
-    /// for each edge that may be level.
+    /// One dot product for each edge at the vertex, of at most [`MAX_EDGES`].
     fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
-        let (from, neighbours) = (self.position(feature)?, self.neighbour_run(feature));
+        let (from, neighbours) = (self.position(feature)?, self.neighbours(feature));
         // A solid has three edges at each vertex.
         if !(3..=MAX_EDGES).contains(&neighbours.len()) {
             return None;
         }
-        let left = self.level_or_rising(dir.as_vec3().to_array(), feature, tangent as f32);
-        let mut left = left.unwrap_or(u32::MAX >> (u32::BITS as usize - neighbours.len()));
-        let mut found = LevelEdges { shortest_sq: f64::INFINITY, ..LevelEdges::default() };
-        while left != 0 {
-            let neighbour = neighbours.get(left.trailing_zeros() as usize)?;
-            left &= left - 1;
-            let edge = self.position(neighbour.to_native())? - from;
+        let mut found = LevelEdges { shortest: f64::INFINITY, ..LevelEdges::default() };
+        for neighbour in neighbours {
+            let edge = self.position(neighbour)? - from;
             let (length_sq, rise) = (edge.length_squared(), edge.dot(dir));
             let is_level = rise * rise <= tangent * tangent * length_sq;
             if rise > 0.0 && !is_level {
@@ -320,13 +315,27 @@ impl SupportMap for Hull<'_> {
             }
             if is_level {
                 found.count += 1;
-                found.shortest_sq = found.shortest_sq.min(length_sq);
+                found.shortest = found.shortest.min(length_sq.sqrt());
                 if length_sq > found.longest.length_squared() {
                     found.longest = edge;
                 }
             }
         }
         Some(found)
+    }
+
+    /// # Complexity
+    /// One dot product in f32 for each edge at the vertex, of at most 16.
+    #[inline]
+    fn only_level_edge(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<DVec3> {
+        let left = self.level_or_rising(dir.as_vec3().to_array(), feature, tangent as f32)?;
+        if left == 0 {
+            return Some(DVec3::ZERO);
+        }
+        let end = self.neighbour_run(feature).get(left.trailing_zeros() as usize)?.to_native();
+        let edge = self.position(end)? - self.position(feature)?;
+        // It may rise.
+        (left & (left - 1) == 0 && edge.dot(dir) <= tangent * edge.length()).then_some(edge)
     }
 
     #[inline]
