@@ -5,15 +5,15 @@
 //!    The time is the lower end of the proven interval.
 //! 2. A pair that meets at the start is a hit if the caller stops at penetrations. Otherwise,
 //!    parry's rule decides whether the shapes would pass through each other, and when. In any case,
-//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets
-//!    to the other side. On a surface, this is done for each triangle near the way.
+//!    the cast ends when the core of one, the shape scaled about its middle, meets the other: so no
+//!    body gets to the other side. On a surface, this is done for each triangle near the way.
 //!
 //! # Deviations
 //! parry advances along one direction until the separation there is zero, and ends at a miss if a
 //! bisection converges to the end: it misses grazing contacts, and those of shapes that turn far.
 
 use hullmap::glam::DVec3;
-use hullmap::shapes::{HalfSpace, Sphere};
+use hullmap::shapes::{HalfSpace, Scaled};
 use hullmap::{Cache, CompoundCache, MotionSettings, RigidMotion, Shape as Convex, Status, TimeOfImpact, compound};
 
 use super::super::convert::{double, narrow, narrow_pose, real, wide, wide_pose};
@@ -31,8 +31,9 @@ use super::nearby::{Ball, first_hit};
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
 
-/// Radius of the core of a body, as a part of that of the largest ball inside.
-const CORE: f64 = 0.5;
+/// Scales of the cores of a body. The first one that does not meet the other body at the start
+/// counts.
+const CORES: [f64; 2] = [0.9, 0.5];
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
 const SURFACE_QUERIES: u32 = 4_000;
@@ -266,22 +267,22 @@ impl<'m> Cast<'m> {
         core
     }
 
-    /// When the core of `body`, on this side, meets `other`: a ball in its middle, half as large as
-    /// the largest one inside. `None` if there is no ball, or it meets the other at the start. The
-    /// hit has `other` as its first shape.
+    /// When the core of `body`, on this side, meets `other`: the largest of [`CORES`] that does not
+    /// meet it at the start. `None` if all do, or if the body is flat. The hit has `other` as its
+    /// first shape.
     fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
-        let radius = CORE * body.shape.inner_radius();
         // NaN takes the failing branch.
-        if !(radius > 0.0) {
+        if !(body.shape.inner_radius() > 0.0) {
             return None;
         }
-        let middle = hullmap::Pose::from_translation(body.shape.interior_point()).ok()?;
-        let motion = self.motions.get(side)?.of(body.place.compose(middle).ok()?)?;
-        let (core, settings) = (Sphere::new(radius).ok()?, MotionSettings::default());
-        let found = hullmap::cast_motion(other.shape, &other.motion, &core, &motion, &settings, &mut Cache::new());
-        if self.is_ignored(&found) {
-            return None;
-        }
+        let cast = |scale: f64| {
+            let core = Scaled::new(body.shape, DVec3::splat(scale)).ok()?;
+            let place = hullmap::Pose::from_translation(body.shape.interior_point() * (1.0 - scale)).ok()?;
+            let motion = self.motions.get(side)?.of(body.place.compose(place).ok()?)?;
+            let settings = MotionSettings::default();
+            Some(hullmap::cast_motion(other.shape, &other.motion, &core, &motion, &settings, &mut Cache::new()))
+        };
+        let found = CORES.into_iter().filter_map(cast).find(|found| !self.is_ignored(found))?;
         let hit = self.hit_between([1 - side, side], &found)?;
         Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
     }
