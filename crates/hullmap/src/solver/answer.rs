@@ -48,7 +48,7 @@ pub struct Contact {
     /// greatest number if they are not known.
     #[doc(hidden)]
     pub features: [u32; 2],
-    /// Whether no other normal has the same depth, nearly: see `with_others`.
+    /// Whether it is certain that no other normal has nearly the same depth.
     #[doc(hidden)]
     pub is_only_normal: bool,
 }
@@ -67,11 +67,8 @@ impl Contact {
         (DEEPER * outer_radii).max(WIDTHS * (self.depth_upper - self.depth_lower))
     }
 
-    /// The same contact, with what follows from a lower bound of the depths along all other
-    /// normals: of those at which the depth has a local minimum, or of those that a polytope inside
-    /// the difference has.
-    ///
-    /// docs/intervals.md, section 16, proves that there is no other normal.
+    /// The same contact, with what follows from `others`, a lower bound of the depth along other
+    /// normals. docs/intervals.md, section 16, says along which, and proves that these are enough.
     pub(super) fn with_others(self, others: f64, outer_radii: f64) -> Self {
         // NaN takes the failing branch.
         Self { is_only_normal: others >= self.depth_upper + 2.0 * self.deeper(outer_radii), ..self }

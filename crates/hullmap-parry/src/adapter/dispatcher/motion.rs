@@ -239,7 +239,10 @@ impl<'m> Cast<'m> {
             let b = self.mover(1, piece)?;
             let found = plane.cast_motion(&motion, b.shape, &b.motion, &MotionSettings::default());
             if self.is_ignored(&found) {
-                add(&mut first, self.beyond_start_of_plane(plane, &motion, &b));
+                let core =
+                    self.core_of(&b, 1, |core, own| plane.cast_motion(&motion, core, own, &MotionSettings::default()));
+                let core = core.and_then(|found| self.hit(&found, [0, b.subshape]));
+                add(&mut first, self.earlier(core, self.beyond_start_of_plane(plane, &motion, &b)));
             } else {
                 add(&mut first, self.hit(&found, [0, b.subshape]));
             }
@@ -258,8 +261,12 @@ impl<'m> Cast<'m> {
     fn beyond_start(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let mut core = self.of_core(b, 1, a);
         add(&mut core, self.of_core(a, 0, b).map(ShapeCastHit::swapped));
-        let rule = self.by_rule(a, b);
-        // Rapier ignores hits at the start. It would let the shapes pass.
+        self.earlier(core, self.by_rule(a, b))
+    }
+
+    /// The earlier one of the hits by a core and by parry's rule. Rapier ignores hits at the start,
+    /// and would let the shapes pass: such a hit by the rule counts only if there is no other.
+    fn earlier(&self, mut core: Option<ShapeCastHit>, rule: Option<ShapeCastHit>) -> Option<ShapeCastHit> {
         let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
         if !(is_at_start && core.is_some()) {
             add(&mut core, rule);
@@ -267,24 +274,35 @@ impl<'m> Cast<'m> {
         core
     }
 
-    /// When the core of `body`, on this side, meets `other`: the largest of [`CORES`] that does not
-    /// meet it at the start. `None` if all do, or if the body is flat. The hit has `other` as its
-    /// first shape.
+    /// When the core of `body`, on this side, meets `other`. The hit has `other` as its first shape.
     fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
+        let found = self.core_of(body, side, |core, motion| {
+            let settings = MotionSettings::default();
+            hullmap::cast_motion(other.shape, &other.motion, core, motion, &settings, &mut Cache::new())
+        })?;
+        let hit = self.hit_between([1 - side, side], &found)?;
+        Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
+    }
+
+    /// When the core of `body`, on this side, meets what `cast` tests: the largest of [`CORES`] that
+    /// does not meet it at the start. `None` if all do, or if the body is flat.
+    fn core_of(
+        &self,
+        body: &Mover<'_>,
+        side: usize,
+        cast: impl Fn(&Scaled<&dyn Convex>, &RigidMotion) -> TimeOfImpact,
+    ) -> Option<TimeOfImpact> {
         // NaN takes the failing branch.
         if !(body.shape.inner_radius() > 0.0) {
             return None;
         }
-        let cast = |scale: f64| {
+        let scaled = |scale: f64| {
             let core = Scaled::new(body.shape, DVec3::splat(scale)).ok()?;
             let place = hullmap::Pose::from_translation(body.shape.interior_point() * (1.0 - scale)).ok()?;
             let motion = self.motions.get(side)?.of(body.place.compose(place).ok()?)?;
-            let settings = MotionSettings::default();
-            Some(hullmap::cast_motion(other.shape, &other.motion, &core, &motion, &settings, &mut Cache::new()))
+            Some(cast(&core, &motion))
         };
-        let found = CORES.into_iter().filter_map(cast).find(|found| !self.is_ignored(found))?;
-        let hit = self.hit_between([1 - side, side], &found)?;
-        Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
+        CORES.into_iter().filter_map(scaled).find(|found| !self.is_ignored(found))
     }
 
     /// parry's rule for shapes that meet at the start.
