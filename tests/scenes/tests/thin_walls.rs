@@ -65,7 +65,7 @@ fn spinning_rods_do_not_pass_thin_walls() {
         for (name, wall, front) in walls(way) {
             let [first, later] = passed(way, &wall, front, 100);
             println!("{}, {name}: of 100, {first} are in the wall or behind it, later {later} behind", way.name());
-            assert!(way != Way::Dispatcher || first == 0, "{name}: {first}");
+            assert!(way != Way::Dispatcher || (first == 0 && later < 20), "{name}: {first}, {later}");
         }
     }
 }
