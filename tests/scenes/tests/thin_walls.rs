@@ -52,9 +52,10 @@ fn passed(way: Way, wall: &SharedShape, front: f32, count: usize) -> [usize; 2] 
         let is_behind = (0..60).any(|_| beyond()[1] > 0.02);
         [arrival.expect("it arrives")[0] > 1e-3, is_behind]
     };
-    turns.iter().map(passes).fold([0, 0], |[first, later], [is_in, is_behind]| {
-        [first + usize::from(is_in), later + usize::from(is_behind)]
-    })
+    turns
+        .iter()
+        .map(passes)
+        .fold([0, 0], |[first, later], [is_in, is_behind]| [first + usize::from(is_in), later + usize::from(is_behind)])
 }
 
 /// In later steps, where a rod touches at its end, the solver makes it spin by hundreds of radians
