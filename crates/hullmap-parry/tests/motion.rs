@@ -292,6 +292,47 @@ fn a_spinning_rod_does_not_pass_a_thin_wall() {
     assert!(counts.hits >= 40 && counts.missed_by_parry + counts.late_by_parry > 0, "{counts:?}");
 }
 
+/// Rods of 100:1 that touch the front of a thin wall with one end at the start, and swing or fly
+/// through it. Rapier ignores the touch, so no later hit would let the rod pass.
+#[test]
+fn a_rod_that_touches_a_thin_wall_does_not_swing_through() {
+    let (half, thick) = ([1.0, 0.01, 0.01], 0.005_f64);
+    let (rod, wall) = (hull(&cuboid_points(half)), hull(&cuboid_points([thick as f32, 4.0, 4.0])));
+    let of_parry = [&wall, &rod].map(|hull| hull.to_convex_polyhedron().unwrap());
+    let corners: Vec<DVec3> = cuboid_points(half).into_iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+    let still = NonlinearRigidMotion::constant_position(Pose::IDENTITY);
+    let mut rng = SplitMix64::new(4);
+    let (mut passed, mut swings) = ([0, 0], 0);
+    for _ in 0..60 {
+        let turn = turn(&mut rng);
+        let reach = corners.iter().map(|p| (turn * *p).x).fold(0.0, f64::max);
+        let place = DVec3::new(-thick - reach, rng.between(-1.0, 1.0), rng.between(-1.0, 1.0));
+        let spin = DVec3::from_array(rng.direction()) * rng.between(0.5, 3.0);
+        let velocity = DVec3::new(rng.between(0.0, 1.0), rng.between(-1.0, 1.0), 0.0);
+        let start = Pose::from_parts(place.as_vec3(), turn.as_quat());
+        let motion = NonlinearRigidMotion::new(start, Vector::ZERO, velocity.as_vec3(), spin.as_vec3());
+        let deepest = |t: f64| {
+            let place = at(&motion, t);
+            corners.iter().map(|p| place.transform_point(*p).x + thick).fold(f64::NEG_INFINITY, f64::max)
+        };
+        // Whether a corner leaves the wall at its back.
+        let is_through = |end: f64| (0..=100).any(|i| deepest(end * f64::from(i) / 100.0) > 2.0 * thick);
+        if !is_through(1.0) {
+            continue;
+        }
+        swings += 1;
+        let cast = |dispatcher: &dyn QueryDispatcher, [a, b]: [&dyn Shape; 2]| {
+            let hit = dispatcher.cast_shapes_nonlinear(&still, a, &motion, b, 0.0, 1.0, false).unwrap();
+            // Rapier ignores a hit at the start.
+            hit.map(|hit| f64::from(hit.time_of_impact)).filter(|time| *time > 0.0).unwrap_or(1.0)
+        };
+        passed[0] += usize::from(is_through(cast(&HullDispatcher, [&wall, &rod])));
+        passed[1] += usize::from(is_through(cast(&DefaultQueryDispatcher, [&of_parry[0], &of_parry[1]])));
+    }
+    println!("of {swings} rods that would pass, {} do, and with parry {}", passed[0], passed[1]);
+    assert!(swings > 40 && passed[0] == 0, "{passed:?} of {swings}");
+}
+
 fn time(hit: Option<ShapeCastHit>) -> f32 {
     hit.map_or(f32::INFINITY, |hit| hit.time_of_impact)
 }

@@ -98,6 +98,7 @@ const UNKNOWN: Distance = Distance {
     point_b: DVec3::ZERO,
     iterations: 0,
     support_calls: 0,
+    features: [u32::MAX; 2],
 };
 
 impl Pairing<'_> {
@@ -200,8 +201,7 @@ impl Pairing<'_> {
                     normal: DVec3::Z,
                     point_a: DVec3::ZERO,
                     point_b: DVec3::Z,
-                    iterations: 0,
-                    support_calls: 0,
+                    ..UNKNOWN
                 };
                 let found = on_face(own.normal, own.point_b - own.normal, b, b_in_a, |a, b, pose| {
                     below.derivatives(a, b, pose)

@@ -268,6 +268,65 @@ def test_jax_differentiates_rays():
     check_grads(check, smooth_rays(), 1, modes=["rev"], eps=1e-6, atol=2e-5, rtol=2e-5)
 
 
+def impacts(motions: np.ndarray, others: np.ndarray) -> hullmap.TimeOfImpact:
+    """Times of impact of motions of 13 numbers."""
+    screws = [
+        hullmap.Motion.screw(own[:, :7], linear=own[:, 7:10], angular=own[:, 10:], center=own[:, :3])
+        for own in (motions, others)
+    ]
+    return hullmap.cast_motion(HULL, OTHER, *screws, tolerance=0)
+
+
+def smooth_motions() -> tuple[np.ndarray, np.ndarray]:
+    """Motions of both shapes that meet at the same features from all places nearby. Some do not turn."""
+    rng = np.random.default_rng(41)
+    count = 120
+    start_a, start_b = random_poses(count, 42, 0.3), random_poses(count, 43, 1.0)
+    start_b[:, :3] *= 3.5 / np.linalg.norm(start_b[:, :3], axis=1, keepdims=True)
+    own = lambda scale: rng.normal(size=(count, 3)) * scale
+    turns = own(1.0) * (np.arange(count) % 4 != 0)[:, None]
+    a = np.concatenate((start_a, own(0.1), own(0.5)), axis=1)
+    b = np.concatenate((start_b, -start_b[:, :3] + own(0.3), turns), axis=1)
+    found = impacts(a, b)
+    kept = found.hit & (found.differentiability == hullmap.Differentiability.UNIQUE) & (found.t_lower > 0.05)
+    for shift in np.concatenate((np.eye(6), -np.eye(6))) * 1e-4:
+        moved = b.copy()
+        moved[:, :7] = turned(b[:, :7], shift)
+        near = impacts(a, moved)
+        kept &= near.hit & (np.abs(near.by_b - found.by_b).max(-1) < 1e-2)
+    still = ~turns.any(-1)
+    assert (kept & still).sum() > 4 and (kept & ~still).sum() > 12, (kept & still).sum()
+    chosen = np.concatenate((np.flatnonzero(kept & still)[:3], np.flatnonzero(kept & ~still)[:9]))
+    return a[chosen], b[chosen]
+
+
+def test_torch_differentiates_times_of_impact():
+    module, torch = torch_module(), pytest.importorskip("torch")
+    motions = [torch.tensor(own, requires_grad=True) for own in smooth_motions()]
+    check = lambda a, b: module.time_of_impact(HULL, OTHER, a, b, tolerance=0, strict=True)
+    assert torch.autograd.gradcheck(check, motions, eps=1e-5, atol=1e-4)
+    away = motions[1].detach().clone()
+    away[:, 7:10] *= -1
+    away.requires_grad_()
+    t = module.time_of_impact(HULL, OTHER, motions[0].detach(), away, strict=True)
+    t.sum().backward()
+    assert (t == float("inf")).all() and (away.grad == 0).all()
+    with pytest.raises(hullmap.ArrayError, match="motions of the shape"):
+        module.time_of_impact(HULL, OTHER, torch.zeros(7), torch.zeros(7))
+
+
+def test_jax_differentiates_times_of_impact_as_torch_does():
+    jax, module = pytest.importorskip("jax"), jax_module()
+    torch, torch_queries = pytest.importorskip("torch"), torch_module()
+    rows = smooth_motions()
+    motions = [torch.tensor(own, requires_grad=True) for own in rows]
+    torch_queries.time_of_impact(HULL, OTHER, *motions).sum().backward()
+    time = lambda a, b: module.time_of_impact(HULL, OTHER, a, b).sum()
+    found = jax.jit(jax.grad(time, argnums=(0, 1)))(*rows)
+    for own, other in zip(found, motions):
+        np.testing.assert_array_equal(own, other.grad.numpy())
+
+
 def test_missing_modules_name_their_extra(monkeypatch):
     gradients = importlib.import_module("hullmap._gradients")
     with pytest.raises(hullmap.Error, match=r"pip install hullmap\[nothing_of_that_name\]"):

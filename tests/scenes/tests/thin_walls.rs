@@ -27,9 +27,9 @@ fn walls(way: Way) -> Vec<(&'static str, SharedShape, f32)> {
     ]
 }
 
-/// How many of the rods that fly towards a wall, whose front is at this x, are in it or behind it
-/// after the step in which they arrive.
-fn passed(way: Way, wall: &SharedShape, front: f32, count: usize) -> usize {
+/// Of the rods that fly towards a wall, whose front is at this x, how many are in it or behind it
+/// after the step in which they arrive, and of how many the middle gets behind it within a second.
+fn passed(way: Way, wall: &SharedShape, front: f32, count: usize) -> [usize; 2] {
     let rod = cuboid([0.5, 0.01, 0.01]);
     let mut rng = SplitMix64::new(40);
     let turns = rotations(40, count);
@@ -44,24 +44,29 @@ fn passed(way: Way, wall: &SharedShape, front: f32, count: usize) -> usize {
         let (body, _) = world.insert(body, ColliderBuilder::new(rod.shape(way)));
         let mut beyond = || {
             world.step();
-            rod.extent(*world.bodies[body].position(), Vector::X) - front
+            let place = *world.bodies[body].position();
+            [rod.extent(place, Vector::X) - front, place.translation.x - front]
         };
         // Rapier lets bodies come within its prediction before they touch.
-        let arrival = (0..60).map(|_| beyond()).find(|beyond| *beyond > -0.02);
-        arrival.expect("it arrives") > 1e-3
+        let arrival = (0..60).map(|_| beyond()).find(|beyond| beyond[0] > -0.02);
+        let is_behind = (0..60).any(|_| beyond()[1] > 0.02);
+        [arrival.expect("it arrives")[0] > 1e-3, is_behind]
     };
-    turns.iter().map(passes).filter(|passes| *passes).count()
+    turns
+        .iter()
+        .map(passes)
+        .fold([0, 0], |[first, later], [is_in, is_behind]| [first + usize::from(is_in), later + usize::from(is_behind)])
 }
 
-/// Later steps are not judged: where a rod touches at its end, the solver makes it spin by hundreds
-/// of radians in a second, and it is in contact when the next step begins.
+/// In later steps, where a rod touches at its end, the solver makes it spin by hundreds of radians
+/// in a second, and it is in contact when the next step begins.
 #[test]
 fn spinning_rods_do_not_pass_thin_walls() {
     for way in [Way::Parry, Way::Shapes, Way::Dispatcher] {
         for (name, wall, front) in walls(way) {
-            let found = passed(way, &wall, front, 100);
-            println!("{}, {name}: {found} of 100 are in the wall or behind it", way.name());
-            assert!(way != Way::Dispatcher || found == 0, "{name}: {found}");
+            let [first, later] = passed(way, &wall, front, 100);
+            println!("{}, {name}: of 100, {first} are in the wall or behind it, later {later} behind", way.name());
+            assert!(way != Way::Dispatcher || (first == 0 && later < 20), "{name}: {first}, {later}");
         }
     }
 }

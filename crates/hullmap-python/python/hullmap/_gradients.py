@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ._arrays import Floats
 from ._hullmap import ArrayError, Error
-from ._motion import derivatives, ray_derivatives
+from ._motion import Motion, cast_motion, derivatives, ray_derivatives
 from ._poses import relative
 from ._results import Codes, Differentiability, Status
 from ._robot import Robot
@@ -37,8 +37,12 @@ def required(module: str) -> Any:
 def check_width(shape: Tuple[int, ...], width: Optional[int]) -> None:
     """Checks that arrays of this shape hold rows of ``width`` numbers; of any number if it is None."""
     if width is not None and tuple(shape[-1:]) != (width,):
-        rows = {3: "vectors of the shape (..., 3)", 7: "poses of the shape (..., 7), rows of x y z qx qy qz qw"}[width]
-        raise ArrayError(f"expected {rows}, found {tuple(shape)}")
+        rows = {
+            3: "vectors of the shape (..., 3)",
+            7: "poses of the shape (..., 7), rows of x y z qx qy qz qw",
+            13: "motions of the shape (..., 13), rows of a pose, a displacement and a rotation vector",
+        }
+        raise ArrayError(f"expected {rows[width]}, found {tuple(shape)}")
 
 
 def _unit(rows: Floats) -> Tuple[Floats, Floats]:
@@ -142,6 +146,53 @@ class RayValue:
         if self.strict:
             slopes = (_strict(found.differentiability, slopes[0]), _strict(found.differentiability, slopes[1]))
         return found.value, slopes
+
+
+def _by_rotation_vector(twists: Floats, turns: Floats) -> Floats:
+    """The gradient by rotation vectors, from the derivative by small rotations after them: the transpose of the left
+    Jacobian of SO(3), times the derivative."""
+    angle = np.linalg.norm(turns, axis=-1, keepdims=True)
+    half = np.sinc(angle / (2.0 * np.pi))
+    # (θ - sin θ)/θ³ loses its digits at small angles.
+    square = np.where(angle > 1e-2, angle**2, 1.0)
+    cubic = np.where(angle > 1e-2, (1.0 - np.sinc(angle / np.pi)) / square, (1.0 - angle**2 / 20.0) / 6.0)
+    along = (turns * twists).sum(-1, keepdims=True)
+    found: Floats = np.sinc(angle / np.pi) * twists - 0.5 * half**2 * np.cross(turns, twists) + cubic * along * turns
+    return found
+
+
+@dataclass(frozen=True)
+class ImpactValue:
+    """The time at which two shapes that move and turn first meet, by their motions: rows of 13 numbers."""
+
+    a: Shape
+    b: Shape
+    target_distance: float
+    tolerance: float
+    strict: bool
+
+    def __call__(self, motions: Sequence[Floats], gradient: bool) -> Tuple[Floats, Gradients]:
+        """The values, and their gradients by the numbers of both motions."""
+        units = [_unit(rows[..., :7]) for rows in motions]
+        screws = [
+            Motion.screw(pose, linear=rows[..., 7:10], angular=rows[..., 10:], center=pose[..., :3])
+            for rows, (pose, _) in zip(motions, units)
+        ]
+        found = cast_motion(self.a, self.b, *screws, target_distance=self.target_distance, tolerance=self.tolerance)
+        if not gradient:
+            return found.t, ()
+        t = np.where(np.isfinite(found.t), found.t_lower, 0.0)[..., None]
+        slopes = []
+        for by, rows, (pose, length) in zip((found.by_a, found.by_b), motions, units):
+            # At the impact, the shape is displaced by what a change of the motion displaces it there.
+            place, turn, turned = by[..., :3], by[..., 3:], t * rows[..., 10:]
+            half = 0.5 * np.linalg.norm(turned, axis=-1, keepdims=True)
+            back = np.concatenate((0.0 * place, -0.5 * np.sinc(half / np.pi) * turned, np.cos(half)), axis=-1)
+            start = _by_numbers(np.concatenate((place, _rotated(back, turn)), axis=-1), pose, length)
+            slopes.append(np.concatenate((start, t * place, t * _by_rotation_vector(turn, turned)), axis=-1))
+        if self.strict:
+            slopes = [_strict(found.differentiability, own) for own in slopes]
+        return found.t, tuple(slopes)
 
 
 @dataclass(frozen=True)

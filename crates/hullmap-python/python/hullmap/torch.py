@@ -23,15 +23,16 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 import numpy as np
 
-from ._gradients import PairValue, RayValue, RobotValue, check_width, perturbations, required
+from ._gradients import ImpactValue, PairValue, RayValue, RobotValue, check_width, perturbations, required
 from ._hullmap import ArrayError
+from ._motion import MOTION_TOLERANCE
 from ._robot import Robot
 from ._shapes import Shape
 
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["clearance", "depth", "distance", "perturbed", "ray", "robot_clearance"]
+__all__ = ["clearance", "depth", "distance", "perturbed", "ray", "robot_clearance", "time_of_impact"]
 
 
 @lru_cache(maxsize=None)
@@ -121,6 +122,27 @@ def ray(
     """Where rays enter a convex shape, at ``origins + t * directions``; infinite with a gradient of 0 where they
     miss it. Origins and directions have the shape (..., 3)."""
     found: torch.Tensor = _apply(RayValue(shape, tolerance, strict), [origins, directions], 3)
+    return found
+
+
+def time_of_impact(
+    a: Shape,
+    b: Shape,
+    motion_a: torch.Tensor,
+    motion_b: torch.Tensor,
+    *,
+    target_distance: float = 0.0,
+    tolerance: float = MOTION_TOLERANCE,
+    strict: bool = False,
+) -> torch.Tensor:
+    """Times from 0 to 1 at which convex shapes that move and turn first come within ``target_distance`` of each other;
+    infinite with a gradient of 0 where they do not.
+
+    Motions have the shape (..., 13): the pose at the start, the displacement of the origin of the shape's frame until
+    time 1, and the rotation vector by which the shape turns about that origin until then. The gradient is by all of
+    these numbers. With a tolerance of ε, it is off by as much as the shapes turn in the time that ε takes."""
+    value = ImpactValue(a, b, target_distance, tolerance, strict)
+    found: torch.Tensor = _apply(value, [motion_a, motion_b], 13)
     return found
 
 

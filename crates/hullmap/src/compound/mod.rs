@@ -96,6 +96,7 @@ const NOTHING_KNOWN: Distance = Distance {
     point_b: glam::DVec3::ZERO,
     iterations: 0,
     support_calls: 0,
+    features: [u32::MAX; 2],
 };
 
 /// Answer of a query of compounds. See the [module's example](self).

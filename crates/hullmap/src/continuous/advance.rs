@@ -389,13 +389,14 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
     /// The longest step from a time on, at most to `until`, in which the separation certainly stays
     /// above `target`. It is along `normal`, in space or with one of the shapes. There, `gap` is a
     /// lower bound of the separation. `meeting` is a guess of the time at which the shapes meet,
-    /// and `frame` one of what the direction is to be fixed to.
+    /// and `frame` one of what the direction is to be fixed to. `here` becomes the end of the step,
+    /// unless that is the end of the motion.
     ///
     /// # Complexity
     /// At most [`MAX_TRIES`] separations, and four more.
     pub(super) fn step(
         &self,
-        here: &Moment,
+        here: &mut Moment,
         (normal, gap): (DVec3, f64),
         until: f64,
         meeting: f64,
@@ -407,15 +408,18 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         let end = until.min(t + LONGEST_TURN / fastest);
         if end < until {
             let clear = self.clear_until(here, normal, until, target, support_calls);
-            if clear > end {
-                return if clear == until { Step::Apart(target) } else { Step::To(clear, target) };
+            if clear == until {
+                return Step::Apart(target);
+            } else if clear > end {
+                *here = self.at(clear);
+                return Step::To(clear, target);
             }
         }
         // The frame in which the bound is the highest just before the shapes may meet, or the first
         // one that leads there.
         let rest = (REST * fastest * (meeting - t)).clamp(LEAST_REST, GREATEST_REST);
         let before = t + (meeting - t) * (1.0 - rest);
-        let probe = self.at(if before > t && before < end { before } else { end });
+        let mut probe = self.at(if before > t && before < end { before } else { end });
         let mut best: Option<(Direction, Separation, f64, Try)> = None;
         let last = *frame;
         for frame in self.frames(last) {
@@ -437,11 +441,21 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         }
         let Some((direction, from, start, tried)) = best else { return Step::Nowhere };
         *frame = direction.frame;
-        let above = |to: &Separation| self.least(&direction, &from, to) - target;
-        let above = |t| above(&self.separation(&direction, &self.at(t), support_calls));
+        // The latest time with a positive bound is where the step ends.
+        let above = |t| {
+            let at = self.at(t);
+            let above = self.least(&direction, &from, &self.separation(&direction, &at, support_calls)) - target;
+            if above > 0.0 {
+                probe = at;
+            }
+            above
+        };
         match longest((t, start), tried, end, rest, above) {
             (later, above) if later == until => Step::Apart(target + above),
-            (later, above) if later > t => Step::To(later, target + above),
+            (later, above) if later > t => {
+                *here = probe;
+                Step::To(later, target + above)
+            }
             _ => Step::Nowhere,
         }
     }

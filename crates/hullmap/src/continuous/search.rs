@@ -162,7 +162,7 @@ where
             let meeting = if speed > 0.0 { t + excess / speed } else { f64::INFINITY };
             let plane = (normal, gap.lower);
             let hints = (&mut self.frame, &mut self.found.support_calls);
-            let step = self.pair.step(&self.here, plane, until, meeting, target, hints);
+            let step = self.pair.step(&mut self.here, plane, until, meeting, target, hints);
             let (later, least) = match step {
                 Step::Apart(least) => {
                     self.goal.clearance = self.goal.clearance.min(least);
@@ -175,7 +175,6 @@ where
             };
             self.found.t_lower = later;
             self.goal.clearance = self.goal.clearance.min(least);
-            self.here = self.pair.at(later);
             gap = self.distance();
         }
         self.end(Status::IterationLimit);

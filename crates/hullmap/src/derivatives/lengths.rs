@@ -9,20 +9,11 @@ use glam::DVec3;
 use super::pose_derivative::{Derivatives, Differentiability, PoseDerivative};
 use super::witness::{closest_points, meeting_points, normal_error};
 use crate::pose::Pose;
+use crate::solver::bound::SAME_NORMAL;
 use crate::solver::queries::contact;
 use crate::solver::ray::Dot;
 use crate::solver::{Cache, Contact, Distance, Settings, SignedDistance, Status};
 use crate::support::SupportMap;
-
-/// How much deeper B is moved to find other normals of the same depth, as a fraction of the sum of
-/// the outer radii. Along another normal n′, the depth grows by n · n′ of that.
-const DEEPER: f64 = 1e-6;
-
-/// Multiples of the width of the interval by which B is moved at least.
-const WIDTHS: f64 = 64.0;
-
-/// Two normals are the same if they differ by less than this.
-const SAME_NORMAL: f64 = 1e-7;
 
 /// Derivatives of the height of b over a along `normal`.
 fn between(normal: DVec3, [point_a, point_b]: [DVec3; 2], b_in_a: Pose, status: Differentiability) -> Derivatives {
@@ -46,7 +37,7 @@ impl Distance {
     /// with a tolerance of ε, the normal is off by up to √(2 ε), mostly by much less.
     ///
     /// # Complexity
-    /// 3 support queries where A has a vertex, up to 10 otherwise. No allocation.
+    /// None to 10 support queries. No allocation.
     ///
     /// # Examples
     /// ```
@@ -80,7 +71,7 @@ impl Distance {
         } else if !is_accurate(self.status) {
             Differentiability::Inaccurate
         } else {
-            closest_points((a, b, b_in_a), self.normal, normal_error([self.lower, self.upper]))
+            closest_points((a, b, b_in_a), self.normal, normal_error([self.lower, self.upper]), self.features)
         };
         between(self.normal, [self.point_a, self.point_b], b_in_a, status)
     }
@@ -90,12 +81,13 @@ impl Contact {
     /// Derivatives of the depth by the poses of `a` and of `b`, which is at `b_in_a`: of the shapes
     /// of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
     ///
-    /// Whether other normals have the same depth is decided by what is known of the shapes if they
-    /// overlap little, otherwise by a second contact query, with B deeper by 1e-6 of the outer
-    /// radii, and `settings` and `cache` as for the first.
+    /// The answer mostly knows whether other normals have the same depth. If not, as for curved
+    /// shapes, a second contact query decides, with B deeper by 1e-6 of the outer radii, and
+    /// `settings` and `cache` as for the first.
     ///
     /// # Complexity
-    /// A [`contact`](crate::contact()), and 6 to 20 support queries of each shape. No allocation.
+    /// None to 10 support queries; with a second query, those of a [`contact`](crate::contact()), and
+    /// 6 to 20 of each shape. No allocation.
     ///
     /// # Examples
     /// ```
@@ -132,39 +124,28 @@ impl Contact {
             Differentiability::Touching
         } else if !is_accurate(self.status) {
             Differentiability::Inaccurate
+        } else if self.is_only_normal {
+            closest_points((a, b, b_in_a), self.normal, 0.0, self.features)
         } else {
-            let (found, disc) = meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b]);
-            let needs_query = found != Differentiability::Normals && !self.is_only_normal(a, b, b_in_a, disc);
-            let has_other = needs_query && self.has_other_normal(a, b, b_in_a, settings, cache);
-            if has_other { Differentiability::Normals } else { found }
+            self.meeting(a, b, b_in_a, settings, cache)
         };
         between(-self.normal, [self.point_a, self.point_b], b_in_a, status)
     }
 
-    /// How much deeper B is moved.
-    fn deeper<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(&self, a: &A, b: &B) -> f64 {
-        let width = self.depth_upper - self.depth_lower;
-        (DEEPER * (a.outer_radius() + b.outer_radius())).max(WIDTHS * width)
-    }
-
-    /// Whether a disc of this radius about the foot, in the face of the difference, and the ball
-    /// inside the difference prove that the depth along each other normal is greater than along
-    /// this one by more than [`has_other_normal`](Self::has_other_normal) would find.
-    ///
-    /// docs/intervals.md, section 16.
-    fn is_only_normal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    /// Whether normal and points are the only ones, by a second contact query.
+    #[cold]
+    #[inline(never)]
+    fn meeting<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &self,
         a: &A,
         b: &B,
         b_in_a: Pose,
-        disc: f64,
-    ) -> bool {
-        let needed = self.depth_upper + 4.0 * self.deeper(a, b);
-        let center = a.interior_point() - b_in_a.transform_point(b.interior_point());
-        let behind = -center.dot(self.normal);
-        let beside = (center + self.normal * behind).length();
-        // NaN takes the failing branch.
-        disc >= needed && behind >= 0.0 && a.inner_radius() + b.inner_radius() - beside >= needed
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Differentiability {
+        let found = meeting_points((a, b, b_in_a), self.normal, [self.point_a, self.point_b]);
+        let has_other = found != Differentiability::Normals && self.has_other_normal(a, b, b_in_a, settings, cache);
+        if has_other { Differentiability::Normals } else { found }
     }
 
     /// Whether B, deeper along the normal, is less deep along another one than along this one.
@@ -176,7 +157,7 @@ impl Contact {
         settings: &Settings,
         cache: &mut Cache,
     ) -> bool {
-        let deeper = self.deeper(a, b);
+        let deeper = self.deeper(a.outer_radius() + b.outer_radius());
         // Without a polytope to continue from, small hulls are solved faster afresh.
         if a.facets().is_some() && b.facets().is_some() && !cache.has_polytope() {
             cache.clear();

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::pose_derivative::{Derivatives, Differentiability, PoseDerivative};
-use super::witness::{closest_points, meeting_points};
+use super::witness::{UNKNOWN, closest_points, meeting_points};
 use crate::continuous::{RigidMotion, TimeOfImpact};
 use crate::pose::Pose;
 use crate::solver::ray::Dot;
@@ -72,7 +72,7 @@ impl RayHit {
         let speeds = [-self.normal.dot(direction), direction.length()];
         let points = [self.point, ray.at(self.t)];
         of_time(self.status, self.normal, points, [DVec3::ZERO, ray.origin()], speeds, || {
-            meeting_points((shape, &Dot, Pose::from_checked(self.point)), self.normal, points).0
+            meeting_points((shape, &Dot, Pose::from_checked(self.point)), self.normal, points)
         })
     }
 }
@@ -114,7 +114,7 @@ impl Impact {
         let at_impact = b_in_a.moved(velocity * self.t);
         let origins = [DVec3::ZERO, at_impact.translation()];
         of_time(self.status, self.normal, [self.point_a, self.point_b], origins, speeds, || {
-            meeting_points((a, b, at_impact), self.normal, [self.point_a, self.point_b]).0
+            meeting_points((a, b, at_impact), self.normal, [self.point_a, self.point_b])
         })
     }
 }
@@ -168,7 +168,7 @@ impl TimeOfImpact {
         };
         let origins = poses.map(|pose| pose.translation());
         of_time(self.status, normal, [self.point_a, self.point_b], origins, speeds, || {
-            closest_points((a, b, b_in_a), poses[0].inverse_transform_vector(normal), 0.0)
+            closest_points((a, b, b_in_a), poses[0].inverse_transform_vector(normal), 0.0, UNKNOWN)
         })
     }
 }

@@ -52,15 +52,18 @@ const MAX_CORNERS: usize = 16;
 /// more curved unless its radius of curvature is a thousandth of the outer radius.
 const STRAIGHT: f64 = 1e-3;
 
+/// Features of points of which nothing is known.
+pub(super) const UNKNOWN: [u32; 2] = [u32::MAX; 2];
+
 /// What faces a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Facing {
     Vertex,
-    /// An edge, along this unit direction.
+    /// An edge, along this direction.
     Edge(DVec3),
     Face,
     /// A curved surface, or features that are too small to be distinguished from one. It may
-    /// contain a line along this unit direction, as the side of a cylinder does.
+    /// contain a line along this direction, as the side of a cylinder does.
     Curved(Option<DVec3>),
 }
 
@@ -83,7 +86,11 @@ struct Placed<'s, S: ?Sized> {
     tilt: f64,
 }
 
-impl<S: SupportMap + ?Sized> Placed<'_, S> {
+impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
+    fn new(shape: &'s S, pose: Pose, tilt: f64) -> Self {
+        Self { shape, pose, rotation: pose.rotation_matrix(), tilt }
+    }
+
     fn support(&self, dir: DVec3) -> DVec3 {
         self.rotation * self.shape.core_support_point(self.rotation.mul_transpose_vec3(dir)).point
             + self.pose.translation()
@@ -126,27 +133,27 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
         }
     }
 
-    /// What faces `normal`, by the edges at the support vertex. `None` if they are not known, or
-    /// too short.
-    fn facing_by_edges(&self, normal: DVec3) -> Option<Facing> {
+    /// What faces `normal`, by the edges at the support vertex, which may be `feature`. `None` if
+    /// they are not known, or too short.
+    fn facing_by_edges(&self, normal: DVec3, feature: u32) -> Option<Facing> {
         // The features of a rounded shape are not vertices.
         if self.shape.convex_radius() > 0.0 {
             return None;
         }
         let dir = self.rotation.mul_transpose_vec3(normal);
-        let feature = self.shape.support_point(dir).feature;
-        let level = self.shape.level_edges(feature, dir, 2.0 * self.tilt)?;
+        let level = |feature: u32| self.shape.level_edges(feature, dir, 2.0 * self.tilt);
+        let level = level(feature).or_else(|| level(self.shape.support_point(dir).feature))?;
         match level.count {
             0 => Some(Facing::Vertex),
             _ if level.shortest <= 2.0 * self.same_place() => None,
-            1 => Some(Facing::Edge(self.rotation * level.longest.normalize())),
+            1 => Some(Facing::Edge(self.rotation * level.longest)),
             _ => Some(Facing::Face),
         }
     }
 
-    /// What faces `normal`.
-    fn facing_feature(&self, normal: DVec3) -> Facing {
-        self.facing_by_edges(normal).unwrap_or_else(|| self.facing(normal, self.chord(normal)))
+    /// What faces `normal`, maybe at `feature`.
+    fn facing_feature(&self, normal: DVec3, feature: u32) -> Facing {
+        self.facing_by_edges(normal, feature).unwrap_or_else(|| self.facing(normal, self.chord(normal)))
     }
 
     /// Whether the shape is known to be a polytope: it has faces, or features identify its
@@ -163,13 +170,12 @@ fn tilt(error: f64) -> f64 {
 }
 
 /// The shapes at their poses, for a normal whose error is at most `error`.
-fn placed<'s, A: ?Sized, B: ?Sized>(
+fn placed<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&'s A, &'s B, Pose),
     error: f64,
 ) -> (Placed<'s, A>, Placed<'s, B>) {
     let tilt = tilt(error);
-    let of_a = Placed { shape: a, pose: Pose::IDENTITY, rotation: DMat3::IDENTITY, tilt };
-    (of_a, Placed { shape: b, pose: b_in_a, rotation: b_in_a.rotation_matrix(), tilt })
+    (Placed::new(a, Pose::IDENTITY, tilt), Placed::new(b, b_in_a, tilt))
 }
 
 /// Upper bound of the length of the difference of the normal and the true direction, for a distance
@@ -177,30 +183,63 @@ fn placed<'s, A: ?Sized, B: ?Sized>(
 ///
 /// The nearest point of the difference of the shapes is within √(u² − l²) of the point found.
 pub(super) fn normal_error([lower, upper]: [f64; 2]) -> f64 {
-    ((upper - lower) * (upper + lower)).max(0.0).sqrt() / lower
+    ((upper - lower) * (upper + lower)).max(0.0).sqrt() * lower.recip()
 }
 
 /// Whether there is one pair of closest points along `normal`, from A to B, in A's frame. `error`
-/// is an upper bound of the error of the normal.
+/// is an upper bound of the error of the normal. The points may be at these `features`.
 pub(super) fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    shapes: (&A, &B, Pose),
+    (a, b, b_in_a): (&A, &B, Pose),
     normal: DVec3,
     error: f64,
+    features: [u32; 2],
 ) -> Differentiability {
-    let (a, b) = placed(shapes, error);
+    let tilt = tilt(error);
+    if a.convex_radius() + b.convex_radius() == 0.0 && is_only_pair((a, b, b_in_a), normal, tilt, features) {
+        return Differentiability::Unique;
+    }
     let is_point = |facing| matches!(facing, Facing::Vertex | Facing::Curved(None));
-    let of_a = a.facing_feature(normal);
+    let of_a = Placed::new(a, Pose::IDENTITY, tilt).facing_feature(normal, features[0]);
     if is_point(of_a) {
         return Differentiability::Unique;
     }
-    let of_b = b.facing_feature(-normal);
+    let of_b = Placed::new(b, b_in_a, tilt).facing_feature(-normal, features[1]);
     if is_point(of_b) {
         return Differentiability::Unique;
     }
     match (of_a.line(), of_b.line()) {
-        (Some(a), Some(b)) if a.cross(b).length() > PARALLEL * tilt(error) => Differentiability::Unique,
+        (Some(a), Some(b)) if !are_parallel(a, b, PARALLEL * tilt) => Differentiability::Unique,
         _ => Differentiability::Parallel,
     }
+}
+
+/// Whether edges at these features show at once that there is one pair of points: all edges at one
+/// of them fall, or all but one at each, and these two are not parallel.
+fn is_only_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    normal: DVec3,
+    tilt: f64,
+    features: [u32; 2],
+) -> bool {
+    let on_a = a.only_level_edge(features[0], normal, 2.0 * tilt);
+    if on_a == Some(DVec3::ZERO) {
+        return true;
+    }
+    match (on_a, b.only_level_edge(features[1], b_in_a.inverse_transform_vector(-normal), 2.0 * tilt)) {
+        (_, Some(DVec3::ZERO)) => true,
+        (Some(on_a), Some(on_b)) => {
+            let is_long = |edge: DVec3, radius: f64| edge.length_squared() > (2.0 * SAME_PLACE * tilt * radius).powi(2);
+            is_long(on_a, a.outer_radius())
+                && is_long(on_b, b.outer_radius())
+                && !are_parallel(on_a, b_in_a.transform_vector(on_b), PARALLEL * tilt)
+        }
+        _ => false,
+    }
+}
+
+/// Whether the sine of the angle between two directions is at most `sine`.
+fn are_parallel(a: DVec3, b: DVec3, sine: f64) -> bool {
+    a.cross(b).length_squared() <= sine * sine * a.length_squared() * b.length_squared()
 }
 
 /// The features of A and of B that face each other along `normal`, or why the points, which are the
@@ -212,20 +251,20 @@ pub(super) fn facing_features<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     error: f64,
 ) -> Result<[Facing; 2], Differentiability> {
     let (a, b) = placed(shapes, error);
-    let facing = [a.facing_feature(normal), b.facing_feature(-normal)];
+    let facing = [a.facing_feature(normal, UNKNOWN[0]), b.facing_feature(-normal, UNKNOWN[1])];
     let is_inside = match facing {
         [Facing::Curved(_), _] | [_, Facing::Curved(_)] => return Err(Differentiability::Curved),
         [Facing::Vertex, Facing::Vertex] => true,
         [Facing::Edge(along), Facing::Vertex] | [Facing::Vertex, Facing::Edge(along)] => {
-            is_inside_edge(&a, &b, (normal, along), points)
+            is_inside_edge(&a, &b, (normal, along.normalize()), points)
         }
-        _ => disc_in_face(&a, &b, normal, points).is_some(),
+        _ => is_inside_face(&a, &b, normal, points),
     };
     if is_inside { Ok(facing) } else { Err(Differentiability::Feature) }
 }
 
 /// Whether the difference of the points is inside the edge of A − B that faces `normal`, and is
-/// along `along`.
+/// along `along`, a unit vector.
 fn is_inside_edge<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &Placed<'_, A>,
     b: &Placed<'_, B>,
@@ -239,33 +278,27 @@ fn is_inside_edge<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     })
 }
 
-/// Whether there is one pair of points that meet along `normal`, and no other normal there, and the
-/// radius of a disc about the foot, in the face of the difference that faces `normal`; 0 if none is
-/// known. `points` are the points of A and of B.
+/// Whether there is one pair of points that meet along `normal`, and no other normal there.
+/// `points` are the points of A and of B.
 pub(super) fn meeting_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     shapes: (&A, &B, Pose),
     normal: DVec3,
     points: [DVec3; 2],
-) -> (Differentiability, f64) {
+) -> Differentiability {
     let (a, b) = placed(shapes, 0.0);
-    let mut disc = 0.0;
-    if a.is_polytope(normal) && b.is_polytope(-normal) {
-        match disc_in_face(&a, &b, normal, points) {
-            Some(radius) => disc = radius,
-            None => return (Differentiability::Normals, 0.0),
-        }
+    if a.is_polytope(normal) && b.is_polytope(-normal) && !is_inside_face(&a, &b, normal, points) {
+        return Differentiability::Normals;
     }
-    (closest_points(shapes, normal, 0.0), disc)
+    closest_points(shapes, normal, 0.0, UNKNOWN)
 }
 
-/// Radius of a disc about the difference of the points that is in the face of A − B that faces
-/// `normal`; `None` if that difference is not certainly inside the face.
-fn disc_in_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Whether the difference of the points is certainly inside the face of A − B that faces `normal`.
+fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &Placed<'_, A>,
     b: &Placed<'_, B>,
     normal: DVec3,
     [point_a, point_b]: [DVec3; 2],
-) -> Option<f64> {
+) -> bool {
     let (x, y) = (perpendicular(normal), normal.cross(perpendicular(normal)));
     let reach = a.same_place() + b.same_place();
     let corner = |side: DVec2| {
@@ -278,18 +311,18 @@ fn disc_in_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         polygon.insert(polygon.len, corner(side));
     }
     while polygon.len < MAX_CORNERS {
-        let (at, height, outward) = polygon.nearest_side()?;
+        let Some((at, height, outward)) = polygon.nearest_side() else { return false };
         if height > reach {
-            return Some(height);
+            return true;
         }
         let found = corner(outward);
         // NaN takes the failing branch.
         if !(found.dot(outward) > height + reach) {
-            return None;
+            return false;
         }
         polygon.insert(at + 1, found);
     }
-    None
+    false
 }
 
 /// A convex polygon, counter-clockwise. Corners may coincide.

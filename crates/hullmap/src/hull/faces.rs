@@ -65,7 +65,7 @@ impl<'a> Hull<'a> {
     }
 
     #[inline]
-    fn neighbour_run(&self, index: u32) -> &'a [u32_le] {
+    pub(super) fn neighbour_run(&self, index: u32) -> &'a [u32_le] {
         self.neighbours.get(self.neighbour_range(index)).unwrap_or_default()
     }
 

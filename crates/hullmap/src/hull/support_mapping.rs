@@ -6,7 +6,7 @@ use rkyv::rend::f32_le;
 
 use super::Hull;
 use crate::facets::view::Facets;
-use crate::support::hint::{Edges, IsLocalMaximum};
+use crate::support::hint::{Edges, LevelOrRising};
 use crate::support::simd::{Dispatch, Instructions, fetch};
 use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 
@@ -101,15 +101,22 @@ impl Hull<'_> {
     /// The position of vertex `hint` if it is certainly the support point in direction `dir`.
     #[inline]
     fn certain(&self, dir: [f32; 3], hint: u32) -> Option<[f32; 3]> {
-        let at = hint as usize;
+        let point = self.vertices.get(hint as usize)?;
+        (self.level_or_rising(dir, hint, 0.0)? == 0).then(|| point.map(f32_le::to_native))
+    }
+
+    /// The edges at a vertex that may not fall by more than `tangent` of their length in direction
+    /// `dir`, one bit each, in the order of the neighbours. `None` if there are no edges, or if f32
+    /// cannot decide.
+    #[inline]
+    fn level_or_rising(&self, dir: [f32; 3], vertex: u32, tangent: f32) -> Option<u32> {
+        let at = vertex as usize;
         let start = self.neighbour_starts.get(at)?.to_native() as usize;
         let end = self.neighbour_starts.get(at + 1).map_or(self.neighbours.len(), |next| next.to_native() as usize);
         // Empty for hulls of rank below 3.
-        let numbers = self.edges.get(3 * start..)?;
-        let edges = Edges { components: numbers, count: end.saturating_sub(start) };
-        let point = self.vertices.get(at)?;
-        (!numbers.is_empty() && self.index.dispatch.run(IsLocalMaximum(edges), dir))
-            .then(|| point.map(f32_le::to_native))
+        let components = self.edges.get(3 * start..).filter(|components| !components.is_empty())?;
+        let edges = Edges { components, count: end.saturating_sub(start) };
+        self.index.dispatch.run(LevelOrRising { edges, tangent }, dir)
     }
 
     /// Vector instructions that queries on this hull use. By default, the best that the processor
@@ -302,7 +309,11 @@ impl SupportMap for Hull<'_> {
         for neighbour in neighbours {
             let edge = self.position(neighbour)? - from;
             let (length_sq, rise) = (edge.length_squared(), edge.dot(dir));
-            if rise >= 0.0 || rise * rise <= tangent * tangent * length_sq {
+            let is_level = rise * rise <= tangent * tangent * length_sq;
+            if rise > 0.0 && !is_level {
+                return None;
+            }
+            if is_level {
                 found.count += 1;
                 found.shortest = found.shortest.min(length_sq.sqrt());
                 if length_sq > found.longest.length_squared() {
@@ -311,6 +322,20 @@ impl SupportMap for Hull<'_> {
             }
         }
         Some(found)
+    }
+
+    /// # Complexity
+    /// One dot product in f32 for each edge at the vertex, of at most 16.
+    #[inline]
+    fn only_level_edge(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<DVec3> {
+        let left = self.level_or_rising(dir.as_vec3().to_array(), feature, tangent as f32)?;
+        if left == 0 {
+            return Some(DVec3::ZERO);
+        }
+        let end = self.neighbour_run(feature).get(left.trailing_zeros() as usize)?.to_native();
+        let edge = self.position(end)? - self.position(feature)?;
+        // It may rise.
+        (left & (left - 1) == 0 && edge.dot(dir) <= tangent * edge.length()).then_some(edge)
     }
 
     #[inline]

@@ -140,6 +140,7 @@ impl Lowest {
             point_b: self.point_b,
             iterations: self.support_calls,
             support_calls: self.support_calls,
+            ..Contact::default()
         };
         let none = Contact { depth: 0.0, depth_lower: 0.0, ..found };
         match self.overlap() {
@@ -205,6 +206,7 @@ impl Lowest {
             point_b: self.point_b,
             iterations: self.support_calls,
             support_calls: self.support_calls,
+            ..Distance::default()
         };
         let none = Distance { distance: 0.0, lower: 0.0, ..found };
         match self.overlap() {

@@ -44,6 +44,35 @@ pub struct Contact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// Features of a point of A and of a point of B in their support planes along the normal; the
+    /// greatest number if they are not known.
+    #[doc(hidden)]
+    pub features: [u32; 2],
+    /// Whether it is certain that no other normal has nearly the same depth.
+    #[doc(hidden)]
+    pub is_only_normal: bool,
+}
+
+/// How much deeper B is moved to find other normals of the same depth, as a fraction of the sum of
+/// the outer radii. Along another normal n′, the depth grows by n · n′ of that.
+const DEEPER: f64 = 1e-6;
+
+/// Multiples of the width of the interval by which B is moved at least.
+const WIDTHS: f64 = 64.0;
+
+impl Contact {
+    /// How much deeper B is moved to find other normals of the same depth, for these outer radii of
+    /// both shapes together.
+    pub(crate) fn deeper(&self, outer_radii: f64) -> f64 {
+        (DEEPER * outer_radii).max(WIDTHS * (self.depth_upper - self.depth_lower))
+    }
+
+    /// The same contact, with what follows from `others`, a lower bound of the depth along other
+    /// normals. docs/intervals.md, section 16, says along which, and proves that these are enough.
+    pub(super) fn with_others(self, others: f64, outer_radii: f64) -> Self {
+        // NaN takes the failing branch.
+        Self { is_only_normal: others >= self.depth_upper + 2.0 * self.deeper(outer_radii), ..self }
+    }
 }
 
 impl Default for Contact {
@@ -61,6 +90,8 @@ impl Default for Contact {
             point_b: DVec3::ZERO,
             iterations: 0,
             support_calls: 0,
+            features: [u32::MAX; 2],
+            is_only_normal: false,
         }
     }
 }
@@ -86,5 +117,6 @@ pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_b: center.b(),
         iterations,
         support_calls: m.support_calls(),
+        ..Contact::default()
     }
 }

@@ -16,6 +16,9 @@ use crate::support::SupportMap;
 /// noises.
 pub(super) const FOOT_ROUNDINGS: f64 = 2.0;
 
+/// Two normals are the same if they differ by less than this.
+pub(crate) const SAME_NORMAL: f64 = 1e-7;
+
 /// Maximum number of steps of the search for witness points. Most need 1 to 4.
 const MAX_STEPS: u32 = 100;
 

@@ -319,7 +319,10 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_b,
         iterations,
         support_calls: m.support_calls(),
+        features: expanded.features,
+        ..Contact::default()
     }
+    .with_others(expanded.others - m.noise(), m.outer_radius())
 }
 
 /// Contact of shapes that are balls within the tolerance. The line of centres gives it, with one
@@ -350,6 +353,8 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_b: vertex.b(),
         iterations: 1,
         support_calls: m.support_calls(),
+        features: vertex.features,
+        ..Contact::default()
     })
 }
 
@@ -364,7 +369,8 @@ mod tests {
         let m = Minkowski::new(&a, &b, Pose::from_translation(DVec3::X).unwrap());
         let found = |lower, upper| {
             let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
-            let expanded = Expansion { end: epa::End::Touching, lower, bound, iterations: 1 };
+            let (features, others) = (Point::CENTER, 0.0);
+            let expanded = Expansion { end: epa::End::Touching, lower, bound, iterations: 1, features, others };
             let exact = Settings { tolerance: 0.0, ..Settings::default() };
             contact_from_expansion(&m, &mut Cache::new(), &expanded, &exact, 1)
         };

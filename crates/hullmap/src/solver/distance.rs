@@ -53,6 +53,10 @@ pub struct Distance {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// Features of a point of A and of a point of B in their support planes along the normal; the
+    /// greatest number if they are not known.
+    #[doc(hidden)]
+    pub features: [u32; 2],
 }
 
 impl Default for Distance {
@@ -69,6 +73,7 @@ impl Default for Distance {
             point_b: DVec3::ZERO,
             iterations: 0,
             support_calls: 0,
+            features: [u32::MAX; 2],
         }
     }
 }
@@ -179,8 +184,7 @@ fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_,
         normal: unit(-center.w).unwrap_or(DVec3::X),
         point_a: center.a,
         point_b: center.b(),
-        iterations: 0,
-        support_calls: 0,
+        ..Distance::default()
     }
 }
 
@@ -206,6 +210,7 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let rounding = m.rounding_error();
     let mut out = overlapping(m);
     cache.set_simplex(simplex.features());
+    out.features = Point::first_features(simplex.features());
     let (point_a, point_b, between) = simplex.witnesses(found.upper, m.noise());
     (out.point_a, out.point_b) = (point_a, point_b);
     out.iterations = found.iterations;

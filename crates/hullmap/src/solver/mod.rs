@@ -32,7 +32,7 @@
 
 mod answer;
 mod barycentric;
-mod bound;
+pub(crate) mod bound;
 mod cache;
 pub(crate) mod cast;
 mod contact;

@@ -223,6 +223,7 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 point_b: gap.point_b,
                 iterations: gap.iterations,
                 support_calls: gap.support_calls,
+                ..Contact::default()
             };
             let mut out = outward(&gap, touching_length);
             if upper < 0.0 {
@@ -245,6 +246,8 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             }
             found.point_a += out * radii[0];
             found.point_b -= out * radii[1];
+            // The depth falls from the other normals to that of the closest points.
+            found = found.with_others(upper + gap.lower, a.outer_radius() + b.outer_radius());
             settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
             found
         }
@@ -268,6 +271,7 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 point_b: core.point_b - core.normal * radii[1],
                 iterations: gap.iterations + core.iterations,
                 support_calls: gap.support_calls + core.support_calls,
+                ..core
             };
             settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
             found

@@ -90,6 +90,7 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_b: lowest,
         iterations: 0,
         support_calls: m.support_calls(),
+        ..Contact::default()
     };
     Some(FaceContact { contact, depth })
 }

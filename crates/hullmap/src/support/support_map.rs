@@ -250,6 +250,16 @@ pub trait SupportMap {
         None
     }
 
+    /// The only edge at the vertex of a feature that may be perpendicular to `dir`, as
+    /// [`level_edges`](Self::level_edges) defines it, while all others surely fall; zero if that one
+    /// falls, too. `None` if there are more, or if this is not known at once. The default is `None`.
+    ///
+    /// A wrapper may forward this method if it forwards all others.
+    #[doc(hidden)]
+    fn only_level_edge(&self, _feature: u32, _dir: DVec3, _tangent: f64) -> Option<DVec3> {
+        None
+    }
+
     /// Axis-aligned bounds of the shape, placed at `pose`, in the frame that the pose maps to.
     ///
     /// The box certainly contains the shape: it is larger than the tightest box by the rounding
@@ -363,6 +373,9 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
         (**self).level_edges(feature, dir, tangent)
+    }
+    fn only_level_edge(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<DVec3> {
+        (**self).only_level_edge(feature, dir, tangent)
     }
     fn bounds_under(&self, pose: Pose) -> Bounds {
         (**self).bounds_under(pose)

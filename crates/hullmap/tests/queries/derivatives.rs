@@ -6,11 +6,11 @@ use crate::motions_of_parts::motion;
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Sphere};
 use hullmap::{
-    Cache, CastSettings, Derivatives, Differentiability, Hull, Motion, MotionSettings, Pose, Ray, RigidMotion,
-    Settings, Shape, Status, cast, cast_motion, contact, distance, ray, signed_distance,
+    Cache, CastSettings, Contact, Derivatives, Differentiability, Distance, Hull, Motion, MotionSettings, Pack, Pose,
+    Ray, RigidMotion, Settings, Shape, Status, cast, cast_motion, contact, distance, ray, signed_distance,
 };
-use hullmap_testkit::{gap::gap, polytope::Polytope};
-use shapes::rng::SplitMix64;
+use hullmap_testkit::{gap::gap, packs, polytope::Polytope};
+use shapes::{families, rng::SplitMix64};
 
 const SEED: u64 = 0xde21;
 
@@ -190,6 +190,52 @@ fn ambiguous_depths_have_no_derivative() {
     let inside = point(DVec3::new(-0.5, 0.1, 0.2));
     assert_eq!(inside.status, Differentiability::Unique);
     assert!(inside.of_b.linear.distance(DVec3::NEG_X) < 1e-9 && inside.of_b.angular.length() < 1e-9);
+}
+
+/// What a contact knows of other normals, and an answer of its features, against the second query
+/// and support queries, which mostly find the same without them.
+#[test]
+fn known_normals_and_features_change_no_status() {
+    let (mut rng, mut different) = (SplitMix64::new(SEED + 2), 0);
+    for vertices in [8, 16, 30, 100] {
+        let points = [0, 1].map(|seed| families::rock(vertices, seed));
+        let packs = points.map(|points| Pack::from_bytes(&packs::tree_bytes(&points)).unwrap());
+        let [a, b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
+        let (mut hits, mut known, mut unique) = (0, 0, 0);
+        for _ in 0..400 {
+            let rotation = DQuat::from_axis_angle(DVec3::from_array(rng.direction()), rng.between(0.0, 6.0));
+            let b_in_a = Pose::new(DVec3::from_array(rng.direction()) * rng.between(0.2, 2.5), rotation).unwrap();
+            let mut cache = Cache::new();
+            let near = distance(&a, &b, b_in_a, &EXACT, &mut cache);
+            let twin = Distance { features: [u32::MAX; 2], ..near };
+            let by = near.derivatives(&a, &b, b_in_a);
+            let expected = twin.derivatives(&a, &b, b_in_a);
+            assert_eq!((by.of_a, by.of_b), (expected.of_a, expected.of_b), "seed {SEED:#x}: {b_in_a:?}");
+            different += usize::from(by.status != expected.status);
+            unique += usize::from(by.status == Differentiability::Unique);
+            let found = contact(&a, &b, b_in_a, &EXACT, &mut cache);
+            if !found.hit {
+                continue;
+            }
+            let twin = Contact { is_only_normal: false, features: [u32::MAX; 2], ..found };
+            let by = found.derivatives(&a, &b, b_in_a, &EXACT, &mut Cache::new());
+            let expected = twin.derivatives(&a, &b, b_in_a, &EXACT, &mut Cache::new());
+            assert_eq!((by.of_a, by.of_b), (expected.of_a, expected.of_b), "seed {SEED:#x}: {b_in_a:?} {found:?}");
+            different += usize::from(by.status != expected.status);
+            hits += 1;
+            known += usize::from(found.is_only_normal);
+        }
+        println!("{vertices} vertices: {unique} distances unique, {known} of {hits} contacts know");
+        assert!(unique > 100 && hits > 100 && known * 100 > hits * 95, "{unique}, {known} of {hits}");
+    }
+    // Of a face that is level just within the error of the normal, only some corners show it.
+    assert!(different <= 2, "{different} statuses differ");
+    // As deep along y as along x, and nearly so.
+    let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::splat(0.25)).unwrap());
+    for (y, expected) in [(0.5, false), (0.499_999, false), (0.499, true)] {
+        let found = contact(&cube, &ball, at(0.5, y, 0.1), &EXACT, &mut Cache::new());
+        assert_eq!(found.is_only_normal, expected, "{found:?}");
+    }
 }
 
 #[test]

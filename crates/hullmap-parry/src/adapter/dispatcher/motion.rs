@@ -5,8 +5,8 @@
 //!    The time is the lower end of the proven interval.
 //! 2. A pair that meets at the start is a hit if the caller stops at penetrations. Otherwise,
 //!    parry's rule decides whether the shapes would pass through each other, and when. In any case,
-//!    the cast ends when the core of one, a ball in its middle, meets the other: so no body gets to
-//!    the other side. On a surface, this is done for each triangle near the path.
+//!    the cast ends when the core of one, the shape scaled about its middle, meets the other: so no
+//!    body gets to the other side. On a surface, this is done for each triangle near the path.
 //!
 //! # Deviations
 //! parry advances along one direction until the separation there is zero, and ends at a miss if a
@@ -14,7 +14,7 @@
 //! far.
 
 use hullmap::glam::DVec3;
-use hullmap::shapes::{HalfSpace, Sphere};
+use hullmap::shapes::{HalfSpace, Scaled};
 use hullmap::{Cache, CompoundCache, MotionSettings, RigidMotion, Shape as Convex, Status, TimeOfImpact, compound};
 
 use super::super::convert::{double, narrow, narrow_pose, real, wide, wide_pose};
@@ -32,8 +32,9 @@ use super::pieces::{Piece, pieces};
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
 
-/// Radius of the core of a body, relative to the radius of the largest ball inside.
-const CORE: f64 = 0.5;
+/// Scales of the cores of a body. The first one that does not meet the other body at the start
+/// counts.
+const CORES: [f64; 2] = [0.9, 0.5];
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
 const SURFACE_QUERIES: u32 = 4_000;
@@ -240,7 +241,10 @@ impl<'m> Cast<'m> {
             let b = self.mover(1, piece)?;
             let found = plane.cast_motion(&motion, b.shape, &b.motion, &MotionSettings::default());
             if self.is_ignored(&found) {
-                add(&mut first, self.beyond_start_of_plane(plane, &motion, &b));
+                let core =
+                    self.core_of(&b, 1, |core, own| plane.cast_motion(&motion, core, own, &MotionSettings::default()));
+                let core = core.and_then(|found| self.hit(&found, [0, b.subshape]));
+                add(&mut first, self.earlier(core, self.beyond_start_of_plane(plane, &motion, &b)));
             } else {
                 add(&mut first, self.hit(&found, [0, b.subshape]));
             }
@@ -259,8 +263,12 @@ impl<'m> Cast<'m> {
     fn beyond_start(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let mut core = self.of_core(b, 1, a);
         add(&mut core, self.of_core(a, 0, b).map(ShapeCastHit::swapped));
-        let rule = self.by_rule(a, b);
-        // Rapier ignores hits at the start, so the shapes would pass through each other.
+        self.earlier(core, self.by_rule(a, b))
+    }
+
+    /// The earlier one of the hits by a core and by parry's rule. Rapier ignores hits at the start,
+    /// and would let the shapes pass: such a hit by the rule counts only if there is no other.
+    fn earlier(&self, mut core: Option<ShapeCastHit>, rule: Option<ShapeCastHit>) -> Option<ShapeCastHit> {
         let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
         if !(is_at_start && core.is_some()) {
             add(&mut core, rule);
@@ -268,24 +276,35 @@ impl<'m> Cast<'m> {
         core
     }
 
-    /// When the core of `body`, on this side, meets `other`: a ball in its middle, half as large as
-    /// the largest one inside. `None` if there is no ball, or it meets the other at the start. The
-    /// hit has `other` as its first shape.
+    /// When the core of `body`, on this side, meets `other`. The hit has `other` as its first shape.
     fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
-        let radius = CORE * body.shape.inner_radius();
-        // NaN takes the failing branch.
-        if !(radius > 0.0) {
-            return None;
-        }
-        let middle = hullmap::Pose::from_translation(body.shape.interior_point()).ok()?;
-        let motion = self.motions.get(side)?.of(body.place.compose(middle).ok()?)?;
-        let (core, settings) = (Sphere::new(radius).ok()?, MotionSettings::default());
-        let found = hullmap::cast_motion(other.shape, &other.motion, &core, &motion, &settings, &mut Cache::new());
-        if self.is_ignored(&found) {
-            return None;
-        }
+        let found = self.core_of(body, side, |core, motion| {
+            let settings = MotionSettings::default();
+            hullmap::cast_motion(other.shape, &other.motion, core, motion, &settings, &mut Cache::new())
+        })?;
         let hit = self.hit_between([1 - side, side], &found)?;
         Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
+    }
+
+    /// When the core of `body`, on this side, meets what `cast` tests: the largest of [`CORES`] that
+    /// does not meet it at the start. `None` if all do, or if the body is flat.
+    fn core_of(
+        &self,
+        body: &Mover<'_>,
+        side: usize,
+        cast: impl Fn(&Scaled<&dyn Convex>, &RigidMotion) -> TimeOfImpact,
+    ) -> Option<TimeOfImpact> {
+        // NaN takes the failing branch.
+        if !(body.shape.inner_radius() > 0.0) {
+            return None;
+        }
+        let scaled = |scale: f64| {
+            let core = Scaled::new(body.shape, DVec3::splat(scale)).ok()?;
+            let place = hullmap::Pose::from_translation(body.shape.interior_point() * (1.0 - scale)).ok()?;
+            let motion = self.motions.get(side)?.of(body.place.compose(place).ok()?)?;
+            Some(cast(&core, &motion))
+        };
+        CORES.into_iter().filter_map(scaled).find(|found| !self.is_ignored(found))
     }
 
     /// parry's rule for shapes that meet at the start.

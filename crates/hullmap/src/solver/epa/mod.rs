@@ -359,6 +359,10 @@ fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const 
     let face = state.corners.map(|corners| corners.map(|i| polytope.point(i)));
     if let Some(face) = &face {
         state.out.bound = Bound::on_face(upper, normal, face.each_ref());
+        state.out.features = Point::first_features(face.iter().map(|point| point.features));
+    }
+    if state.encloses && terms.keeps_polytope() {
+        state.out.others = polytope.offset_beside(normal);
     }
     let mut expansion = state.out;
     if expansion.end == End::Converged {

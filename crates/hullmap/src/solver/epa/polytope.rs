@@ -28,6 +28,7 @@
 //!   Minkowski difference, even if the surface is not convex (docs/intervals.md).
 
 use crate::solver::barycentric::on_triangle;
+use crate::solver::bound::SAME_NORMAL;
 use crate::solver::minkowski::Point;
 use crate::support::simd::{Dispatch, Pass, Simd};
 use glam::DVec3;
@@ -344,6 +345,20 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         let normal = DVec3::new(self.planes[0][face], self.planes[1][face], self.planes[2][face]);
         let offset_sq = self.offsets[face];
         (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
+    }
+
+    /// The minimum offset of the faces whose unit normals are not `normal`.
+    pub(in crate::solver) fn offset_beside(&self, normal: DVec3) -> f64 {
+        let mut lowest = f64::INFINITY;
+        for face in 0..self.face_count {
+            // The offset of a free place is infinite.
+            if self.offsets[face] < lowest {
+                let (direction, length, _) = self.plane(face);
+                let is_same = direction.distance(normal * length) <= SAME_NORMAL * length;
+                lowest = if is_same { lowest } else { self.offsets[face] };
+            }
+        }
+        lowest.abs().sqrt().copysign(lowest)
     }
 
     /// The vertex indices of the corners of a face.

@@ -52,6 +52,11 @@ pub(in crate::solver) struct Expansion {
     pub(in crate::solver) lower: f64,
     pub(in crate::solver) bound: Bound,
     pub(in crate::solver) iterations: u32,
+    /// The features of a corner of the bound's face; the greatest number if there is none.
+    pub(in crate::solver) features: [u32; 2],
+    /// Lower bound of the depth along all directions that pass through faces beside the bound's
+    /// plane, up to rounding errors; negative if nothing is known.
+    pub(in crate::solver) others: f64,
 }
 
 /// √3, rounded up.
@@ -291,7 +296,9 @@ impl Probe {
 impl State {
     /// The state before the first step, with an upper bound known from elsewhere.
     pub(super) fn new(bound: Bound) -> Self {
-        let out = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
+        let nothing = f64::NEG_INFINITY;
+        let features = Point::CENTER;
+        let out = Expansion { end: End::Limit, lower: nothing, bound, iterations: 0, features, others: nothing };
         Self { out, corners: None, encloses: false }
     }
 

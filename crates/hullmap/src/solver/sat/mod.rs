@@ -31,7 +31,7 @@ use glam::DVec3;
 
 use self::first_pass::{Arc, FirstPass, Pair, threshold};
 use super::answer::{Contact, separated_contact};
-use super::bound::{Bound, FOOT_ROUNDINGS};
+use super::bound::{Bound, FOOT_ROUNDINGS, SAME_NORMAL};
 use super::cache::Cache;
 use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
@@ -136,7 +136,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return separated_by_face(m, facets, &first, cache);
     }
     // 3.
-    let mut search = Search { m, facets, best: Bound::none(), features: [0; 2], lower: f64::INFINITY };
+    let mut search = Search::new(m, facets);
     search.evaluate_faces(&mut first)?;
     // 4.
     first.find_arcs(&pair, dispatch, search.best.upper as f32)?;
@@ -147,8 +147,14 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     // 5.
     let (status, lower) = search.interval(reach, tolerance)?;
+    // What the first pass has ruled out is at least two of its errors above the depth.
+    let others = search.others.min(search.best.upper + 2.0 * f64::from(first.error)) - (search.best.upper - lower);
     // 6.
-    let Search { m, mut best, .. } = search;
+    let Search { m, mut best, mut features, lowest_of_a, .. } = search;
+    if best.normal == lowest_of_a {
+        // B is at a vertex, and A at a face.
+        features[0] = Point::CENTER[0];
+    }
     let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {
         Some(points) => [best.point_a, best.point_b] = points,
@@ -160,7 +166,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return None;
     }
     cache.set_axis(best.normal);
-    Some(Contact {
+    let found = Contact {
         hit: true,
         status,
         depth: best.upper,
@@ -170,8 +176,10 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         point_a: best.point_a,
         point_b: best.point_b,
         iterations: m.support_calls(),
-        support_calls: 0,
-    })
+        features,
+        ..Contact::default()
+    };
+    Some(found.with_others(others, m.outer_radius()))
 }
 
 /// The answer if the lowest face separates the shapes in f64, too.
@@ -213,6 +221,11 @@ struct Search<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
     features: [u32; 2],
     /// Lower bound over everything that was evaluated.
     lower: f64,
+    /// Lower bound over the directions of local minima that were evaluated, apart from the one of
+    /// the bound.
+    others: f64,
+    /// The normal of A's lowest face; zero if there is none.
+    lowest_of_a: DVec3,
 }
 
 /// A part of an arc: two directions, and a point of the difference that is the support point in
@@ -223,7 +236,13 @@ struct Piece {
     points: [DVec3; 2],
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, '_, A, B> {
+impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 'f, A, B> {
+    fn new(m: &'m mut Minkowski<'s, A, B>, facets: &'f [Facets<'f>; 2]) -> Self {
+        let nothing = f64::INFINITY;
+        let lowest_of_a = DVec3::ZERO;
+        Self { m, facets, best: Bound::none(), features: [0; 2], lower: nothing, others: nothing, lowest_of_a }
+    }
+
     /// Step 3. `None` after too many queries.
     #[inline(always)]
     fn evaluate_faces<const P: usize, const N: usize>(&mut self, first: &mut FirstPass<P, N>) -> Option<()> {
@@ -236,6 +255,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, '_, A, B> {
             self.lower = self.lower.min(self.take(&point, dir)?);
             first.set_vertex(face, point.features[1]);
         }
+        self.lowest_of_a = self.best.normal;
         for face in of_b.iter() {
             let (dir, on_b) = (reversed_normal(self.m, self.facets, face)?, b.support(face)?);
             let point = self.m.point_with_b(b.vertex(on_b)?, on_b as u32, dir);
@@ -297,11 +317,20 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, '_, A, B> {
             return None;
         }
         let value = point.w.dot(dir);
+        self.compare(dir, value.max(self.best.upper));
         if value < self.best.upper {
             self.best = Bound { upper: value, normal: dir, ..self.best };
             self.features = point.features;
         }
         Some(value)
+    }
+
+    /// Takes a value of a direction other than that of the bound into account.
+    fn compare(&mut self, dir: DVec3, value: f64) {
+        // NaN counts as a low value.
+        if !(value >= self.others) && !(dir.distance(self.best.normal) <= SAME_NORMAL) {
+            self.others = value;
+        }
     }
 
     /// Whether the direction of the smallest value separates the shapes.
@@ -340,6 +369,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, '_, A, B> {
                 return self.along(Piece { dirs: [dir, to], points: [point.w, q] }, bisections + 1);
             }
         }
+        self.compare(dir, middle);
         self.lower = self.lower.min(lowest);
         Some(())
     }
