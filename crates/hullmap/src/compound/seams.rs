@@ -679,6 +679,8 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             } else {
                 let is_exposed =
                     |p: &ManifoldPoint| self.own.is_exposed(face.normal, points(p)[0], self.body(), self.seam);
+                // A body that reaches over a peak may have its middle below the plane of a triangle
+                // beyond it. Then the back is less deep, but the body has not come through it.
                 let is_against = is_flat && to_a(face.normal).dot(manifold.normal()) < 0.0;
                 let has_come = |p: &ManifoldPoint| !is_against || self.has_come_through(points(p)[1]);
                 if trial.points().iter().any(|p| is_exposed(p) && has_come(p)) && other_allows(&trial) {
