@@ -681,7 +681,11 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             } else {
                 let is_exposed =
                     |p: &ManifoldPoint| self.own.is_exposed(face.normal, points(p)[0], self.body(), self.seam);
-                if trial.points().iter().any(is_exposed) && other_allows(&trial) {
+                // A body that reaches over a peak may have its middle below the plane of a triangle
+                // beyond it. Then the back is less deep, but the body has not come through it.
+                let is_against = is_flat && to_a(face.normal).dot(manifold.normal()) < 0.0;
+                let has_come = |p: &ManifoldPoint| !is_against || self.has_come_through(points(p)[1]);
+                if trial.points().iter().any(|p| is_exposed(p) && has_come(p)) && other_allows(&trial) {
                     return Choice::Manifold(trial);
                 }
             }
@@ -701,6 +705,14 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
     /// A point inside the other body.
     fn body(&self) -> DVec3 {
         self.other_in_own.transform_point(self.other.interior_point())
+    }
+
+    /// Whether a triangle, this one or another, is between a point of the other body and its middle.
+    fn has_come_through(&self, point: DVec3) -> bool {
+        let Some((union, _, place)) = self.own.union else { return true };
+        let [point, body] = [point, self.body()].map(|point| place.transform_point(point));
+        let way = body - point;
+        union.any_near(point + way * 0.5, 0.5 * way.length(), &mut |near| hides(&near, [point, body]))
     }
 
     /// The point of the other body that is lowest along `normal`.

@@ -5,9 +5,14 @@ use glam::{DQuat, DVec3};
 use hullmap::compound::{Joined, OneSided, Tile, seams};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Cuboid;
-use hullmap::{CompoundManifolds, HeightField, Manifold, ManifoldSettings, Pose};
+use hullmap::{
+    Cache, CompoundCache, CompoundManifolds, HeightField, Manifold, ManifoldSettings, Overlap, Pose, Prediction,
+    SupportMap, compound,
+};
+use shapes::rng::SplitMix64;
 
 use crate::height_field::{centred, field};
+use crate::meshes::grid;
 
 /// A field of 10 × 10 cells with these heights for each column.
 fn ridge(heights: [f32; 11], diagonal: Diagonal) -> HeightField {
@@ -125,4 +130,50 @@ fn a_box_does_not_stumble_where_two_fields_meet() {
     }
     println!("{stumbles} normals are wrong if each field is alone");
     assert!(stumbles > 20);
+}
+
+/// A plate that lies on rough ground, tilted, and has sunk in by at most half a millimetre: no
+/// contact pushes it down. Where it reaches over a peak, its middle is below the plane of a triangle
+/// beyond the peak, which it touches at the peak only.
+#[test]
+fn a_plate_that_reaches_over_a_peak_is_not_pushed_down() {
+    const SEED: u64 = 0x39;
+    println!("seed {SEED}");
+    let mut rng = SplitMix64::new(SEED);
+    let plate = Cuboid::new(DVec3::new(0.9, 0.7, 0.05)).unwrap();
+    let mut cache = CompoundCache::default();
+    let near = ManifoldSettings { prediction: Prediction::Length(0.02), ..Default::default() };
+    let (mut beyond, mut touching) = (0, 0);
+    for round in 0..2000 {
+        let ground = grid(6, |_, _| rng.between(-0.2, 0.2));
+        let turn = DQuat::from_rotation_z(rng.between(0.0, 6.0))
+            * DQuat::from_rotation_x(rng.between(-0.5, 0.5))
+            * DQuat::from_rotation_y(rng.between(-0.5, 0.5));
+        let at = DVec3::new(rng.between(-0.5, 0.5), rng.between(-0.5, 0.5), 0.0);
+        let pose = |height: f64| Pose::new(at.with_z(height), turn).unwrap();
+        let [mut low, mut high] = [-0.5, 2.0];
+        while high - low > 2.5e-4 {
+            let middle = 0.5 * (low + high);
+            let meets =
+                compound::intersects(&ground, &plate, pose(middle), &mut cache).answer.status != Overlap::Separated;
+            *(if meets { &mut low } else { &mut high }) = middle;
+        }
+        let body = pose(low - 2.5e-4);
+        let mut manifolds = CompoundManifolds::new(64);
+        manifolds.update(&ground, &plate, body, &near);
+        touching += usize::from(!manifolds.is_empty());
+        for ([triangle, _], manifold) in manifolds.iter() {
+            let normal = manifold.normal();
+            assert!(normal.z > 0.0, "round {round}: triangle {triangle} has the normal {normal}");
+        }
+        let is_beyond = |triangle: usize| {
+            let [a, b, c] = ground.triangle(triangle).unwrap().corners();
+            let depth = (body.transform_point(plate.interior_point()) - a).dot((b - a).cross(c - a));
+            let part = ground.triangle(triangle).unwrap();
+            depth < 0.0 && hullmap::intersects(&part, &plate, body, &mut Cache::new()).status != Overlap::Separated
+        };
+        beyond += usize::from((0..ground.triangle_count()).any(is_beyond));
+    }
+    println!("{touching} plates touch, {beyond} are beyond a peak");
+    assert!(touching > 1900 && beyond > 50, "{touching}, {beyond}");
 }
