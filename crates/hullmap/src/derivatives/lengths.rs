@@ -86,8 +86,8 @@ impl Contact {
     /// `settings` and `cache` as for the first.
     ///
     /// # Complexity
-    /// None to 10 support queries; with a second query, those of a [`contact`](crate::contact()), and
-    /// 6 to 20 of each shape. No allocation.
+    /// None to 10 support queries; with a second query, those of a [`contact`](crate::contact()),
+    /// and 6 to 20 of each shape. No allocation.
     ///
     /// # Examples
     /// ```

@@ -80,8 +80,8 @@ impl Point {
     /// The features of the centre v0.
     pub(crate) const CENTER: [u32; 2] = [u32::MAX; 2];
 
-    /// The features of the first of these points. If all of them have the same feature of B, and not
-    /// of A, that of A is the one of the centre.
+    /// The features of the first of these points. If all of them have the same feature of B, and
+    /// not of A, A's is the one of the centre.
     pub(crate) fn first_features(mut points: impl Iterator<Item = [u32; 2]>) -> [u32; 2] {
         let Some([a, b]) = points.next() else { return Self::CENTER };
         let (is_a, is_b) = points.fold((true, true), |(is_a, is_b), next| (is_a && next[0] == a, is_b && next[1] == b));

@@ -251,8 +251,9 @@ pub trait SupportMap {
     }
 
     /// The only edge at the vertex of a feature that may be perpendicular to `dir`, as
-    /// [`level_edges`](Self::level_edges) defines it, while all others surely fall; zero if that one
-    /// falls, too. `None` if there are more, or if this is not known at once. The default is `None`.
+    /// [`level_edges`](Self::level_edges) defines it, while all others certainly fall; zero if it
+    /// falls, too. `None` if there are more, or if this is not known at once. The default is
+    /// `None`.
     ///
     /// A wrapper may forward this method if it forwards all others.
     #[doc(hidden)]

@@ -276,7 +276,8 @@ impl<'m> Cast<'m> {
         core
     }
 
-    /// When the core of `body`, on this side, meets `other`. The hit has `other` as its first shape.
+    /// When the core of `body`, on this side, meets `other`. The hit has `other` as its first
+    /// shape.
     fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
         let found = self.core_of(body, side, |core, motion| {
             let settings = MotionSettings::default();
@@ -286,8 +287,8 @@ impl<'m> Cast<'m> {
         Some(ShapeCastHit { subshape1: other.subshape, subshape2: body.subshape, ..hit })
     }
 
-    /// When the core of `body`, on this side, meets what `cast` tests: the largest of [`CORES`] that
-    /// does not meet it at the start. `None` if all do, or if the body is flat.
+    /// When the core of `body`, on this side, meets what `cast` tests: the largest of [`CORES`]
+    /// that does not meet it at the start. `None` if all do, or if the body is flat.
     fn core_of(
         &self,
         body: &Mover<'_>,
