@@ -71,8 +71,8 @@ typedef struct {
     uint32_t max_parts;
     // Maximum number of vertices of a part, at least 4. Default: 64.
     uint32_t max_vertices;
-    // Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as
-    // a share of the latter. Default: 0.05.
+    // Maximum overlap of merged parts: the sum of their volumes minus the volume of their union,
+    // as a share of the latter. Default: 0.05.
     double overlap;
     // Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     // error. Default: 0.005.

@@ -37,8 +37,8 @@ pub struct Options {
     pub max_parts: u32,
     /// Maximum number of vertices of a part, at least 4. Default: 64.
     pub max_vertices: u32,
-    /// Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as
-    /// a share of the latter. Default: 0.05.
+    /// Maximum overlap of merged parts: the sum of their volumes minus the volume of their union,
+    /// as a share of the latter. Default: 0.05.
     pub overlap: f64,
     /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.

@@ -11,16 +11,16 @@ pub struct HeightFieldArgs {
     /// Bake grids of heights: greyscale PNG, ESRI ASCII, raw f32
     #[arg(long = "height-field")]
     pub is_set: bool,
-    /// Distance between neighbouring vertices [default: from the file]
+    /// Distance between neighbouring vertices [default: the file's]
     #[arg(long, value_name = "X[,Y]", value_parser = spacing, requires = "is_set", hide_short_help = true)]
     pub spacing: Option<[f64; 2]>,
-    /// Height of white above black; for numbers, a factor [default: 1, for numbers]
+    /// Height of white above black; numbers are multiplied by it
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub height_scale: Option<f64>,
     /// Height of a sample of 0
     #[arg(long, value_name = "O", value_parser = finite, default_value_t = 0.0, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub height_offset: f64,
-    /// First vertex [default: from the file, or the middle of the field at 0 0]
+    /// First vertex [default: the file's, or field centred at 0 0]
     #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub origin: Option<[f64; 2]>,
     /// Sample that means no ground, in addition to NaN
@@ -29,7 +29,7 @@ pub struct HeightFieldArgs {
     /// PNG beside each INPUT in which black pixels are holes
     #[arg(long, value_name = "NAME", value_parser = name, requires = "is_set", hide_short_help = true)]
     pub hole_image: Option<String>,
-    /// Number of rows of raw numbers; the row with the least y comes first
+    /// Number of rows of raw numbers; the first has the least y
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires = "columns", hide_short_help = true)]
     pub rows: Option<u32>,
     /// Number of columns of raw numbers
