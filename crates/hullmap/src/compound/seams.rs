@@ -707,7 +707,8 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
         self.other_in_own.transform_point(self.other.interior_point())
     }
 
-    /// Whether a triangle, this one or another, is between a point of the other body and its middle.
+    /// Whether a triangle, this one or another, is between a point of the other body and its
+    /// middle.
     fn has_come_through(&self, point: DVec3) -> bool {
         let Some((union, _, place)) = self.own.union else { return true };
         let [point, body] = [point, self.body()].map(|point| place.transform_point(point));

@@ -133,8 +133,8 @@ fn a_box_does_not_stumble_where_two_fields_meet() {
 }
 
 /// A plate that lies on rough ground, tilted, and has sunk in by at most half a millimetre: no
-/// contact pushes it down. Where it reaches over a peak, its middle is below the plane of a triangle
-/// beyond the peak, which it touches at the peak only.
+/// contact pushes it down. Where it reaches over a peak, its middle is below the plane of a
+/// triangle beyond the peak, which it touches at the peak only.
 #[test]
 fn a_plate_that_reaches_over_a_peak_is_not_pushed_down() {
     const SEED: u64 = 0x39;
