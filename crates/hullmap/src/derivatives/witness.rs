@@ -228,7 +228,7 @@ fn is_only_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     match (on_a, b.only_level_edge(features[1], b_in_a.inverse_transform_vector(-normal), 2.0 * tilt)) {
         (_, Some(DVec3::ZERO)) => true,
         (Some(on_a), Some(on_b)) => {
-            let is_long = |edge: DVec3, radius: f64| edge.length_squared() > (2.0 * SAME_PLACE * tilt * radius).powi(2);
+            let is_long = |edge: DVec3, radius: f64| edge.length() > 2.0 * SAME_PLACE * tilt * radius;
             is_long(on_a, a.outer_radius())
                 && is_long(on_b, b.outer_radius())
                 && !are_parallel(on_a, b_in_a.transform_vector(on_b), PARALLEL * tilt)
