@@ -6,7 +6,7 @@ use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Field, Fields, Plain, error};
-use crate::pair::{Found, Pair, no_query, of_compound, of_parts, of_side, pose_of};
+use crate::pair::{Found, Pair, no_query, of_compound, of_parts, pose_of};
 use crate::shape::Side;
 
 #[wasm_bindgen(typescript_custom_section)]

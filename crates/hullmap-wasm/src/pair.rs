@@ -216,7 +216,7 @@ macro_rules! of_parts {
         }
     };
 }
-pub(crate) use {of_parts, of_side};
+pub(crate) use of_parts;
 
 /// An answer, and the hulls of A and B that decided it.
 pub(crate) type Found<T> = (T, [usize; 2]);
