@@ -650,10 +650,10 @@ fn cavities_cost_no_parts_where_no_ball_can_reach() {
         }
     }
     fs::write(folder.path().join("hollow.obj"), text).unwrap();
-    let row = bake(&folder, "build hollow.obj --out o --decompose --verify --json").expect(0).json()[0].clone();
+    let row = bake(&folder, "build hollow.obj --out o --decompose --json").expect(0).json()[0].clone();
     assert!(row["hulls"].as_u64().unwrap() >= 6, "{row}");
     assert_eq!(row["objects"][0]["reachable"], serde_json::Value::Null, "{row}");
-    let line = "build hollow.obj --out r --decompose --reachable 1 --verify --json";
+    let line = "build hollow.obj --out r --decompose --reachable 1 --json";
     let row = bake(&folder, line).expect(0).json()[0].clone();
     assert_eq!((&row["hulls"], &row["objects"][0]["reachable"]), (&1.into(), &1.0.into()), "{row}");
     assert!(row["objects"][0]["protrusion"].as_f64().unwrap() <= 0.02 * 300_f64.sqrt(), "{row}");

@@ -6,7 +6,6 @@ use std::fs;
 use glam::{DQuat, DVec3};
 use hullmap::Pack;
 use hullmap_outside::command::{Run, bake_in};
-use hullmap_outside::files::workspace;
 use hullmap_testkit::packs::{Further, with_record};
 use shapes::{
     mesh::Mesh,
@@ -162,17 +161,6 @@ fn round_bodies_are_exported_as_what_they_are() {
         let text = fs::read_to_string(folder.path().join(format!("{name}-urdf/{name}.urdf"))).unwrap();
         assert_eq!(text.contains("<mesh "), name == "capsule", "{text}");
     }
-}
-
-/// Pieces of a torus knot are in no primitive that stays near it.
-#[test]
-fn parts_of_a_torus_knot_stay_hulls() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::copy(workspace().join("assets/torus_knot.obj"), folder.path().join("k.obj")).unwrap();
-    bake(&folder, "build k.obj --out baked --decompose --max-error 1% --primitives").expect(0);
-    let pack = Pack::open(folder.path().join("baked/k.hullmap")).unwrap();
-    let found = pack.hulls().filter(|hull| hull.primitive().is_some()).count();
-    assert_eq!((found, pack.hull_count() > 20), (0, true), "{} hulls", pack.hull_count());
 }
 
 #[test]
