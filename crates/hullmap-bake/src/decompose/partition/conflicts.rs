@@ -5,6 +5,11 @@
 //! The number of forbidden points in their hulls is less meaningful: a plane across a ring halves
 //! it, and both halves take as many parts as the ring.
 //!
+//! Points of which any two are in conflict, a *clique* of the graph of conflicts, need a part each.
+//! So a clique is a lower bound on the number of parts. It is proven up to rounding: both ends of a
+//! line are on the surface, so in some part; if they were in the same part, this would contain the
+//! line, and protrude by more than the limit.
+//!
 //! # Reference
 //! Such pairs are called mutex pairs in Ren, Yuan, Li, Liu, "Minimum near-convex decomposition for
 //! robust shape representation", 2011.
@@ -13,7 +18,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    field::Field,
+    context::Search,
     piece::{Piece, Scale},
     sample::spread_points,
 };
@@ -34,6 +39,8 @@ pub struct Conflicts {
     points: Vec<(DVec3, u32)>,
     /// For each point, those with which it is in conflict.
     with: Vec<Points>,
+    /// The same, of pairs whose line leads beyond the limit of final hulls, which is larger.
+    proven: Vec<Points>,
     total: f64,
 }
 
@@ -42,29 +49,51 @@ impl Conflicts {
     ///
     /// # Complexity
     /// A few distances from the solid for each of at most 2,016 pairs.
-    pub fn new(piece: &Piece, scale: &Scale, field: &Field) -> Self {
+    pub fn new(search: &Search, piece: &Piece) -> Self {
+        let Search { field, scale, bounds, .. } = search;
         let atoms = piece.atoms.iter().enumerate();
         let (owners, triangles): (Vec<u32>, Vec<[DVec3; 3]>) =
             atoms.flat_map(|(index, atom)| atom.triangles().map(move |triangle| (index as u32, triangle))).unzip();
         let spread = spread_points(triangles.into_iter(), piece.area() / POINTS as f64);
         let mut points: Vec<(DVec3, u32)> = spread.into_iter().map(|(index, p)| (p, owners[index])).collect();
         points.truncate(POINTS);
-        let is_conflict = |p: DVec3, q: DVec3| MEASURED.iter().any(|t| field.is_beyond(p.lerp(q, *t), scale.limit));
-        let row = |i: usize| {
-            let mut with: Points = 0;
-            for j in (0..i).filter(|j| is_conflict(points[i].0, points[*j].0)) {
-                with |= 1 << j;
-            }
-            with
+        let far = |p: DVec3, q: DVec3| {
+            MEASURED.iter().map(|t| p.lerp(q, *t)).find(|between| field.is_beyond(*between, scale.limit))
         };
-        let mut with: Vec<Points> = (0..points.len()).into_par_iter().map(row).collect();
-        for i in 0..points.len() {
+        // Conflicts with earlier points.
+        let row = |i: usize| -> (Points, Points) {
+            let (mut with, mut proven) = (0, 0);
             for j in 0..i {
-                with[j] |= (with[i] >> j & 1) << i;
+                if let Some(far) = far(points[i].0, points[j].0) {
+                    with |= 1 << j;
+                    proven |= Points::from(field.is_beyond(far, bounds.limit)) << j;
+                }
             }
-        }
+            (with, proven)
+        };
+        let (with, proven): (Vec<Points>, Vec<Points>) = (0..points.len()).into_par_iter().map(row).unzip();
+        let [with, proven] = [with, proven].map(mutual);
         let total = with.iter().map(|with| f64::from(with.count_ones())).sum();
-        Self { points, with, total }
+        Self { points, with, proven, total }
+    }
+
+    /// A number of parts that any cover within the limit needs: the size of a large clique.
+    pub fn needed(&self) -> usize {
+        (0..self.proven.len()).map(|start| self.clique(start)).max().unwrap_or(1)
+    }
+
+    /// The size of a clique. The point that leaves the most candidates comes next.
+    fn clique(&self, start: usize) -> usize {
+        let (mut candidates, mut size) = (self.proven[start], 1);
+        let left = |candidates: Points, i: usize| (self.proven[i] & candidates).count_ones();
+        let is_in = |candidates: Points, i: usize| candidates >> i & 1 == 1;
+        while let Some(next) =
+            (0..self.proven.len()).filter(|i| is_in(candidates, *i)).max_by_key(|i| left(candidates, *i))
+        {
+            candidates &= self.proven[next];
+            size += 1;
+        }
+        size
     }
 
     /// The share of the conflicts that are within connected components on one side of a plane.
@@ -92,5 +121,117 @@ impl Conflicts {
             }
         }
         left / self.total
+    }
+}
+
+/// Adds to each row, which has conflicts with earlier points, those with later ones.
+fn mutual(mut rows: Vec<Points>) -> Vec<Points> {
+    for i in 0..rows.len() {
+        for j in 0..i {
+            rows[j] |= (rows[i] >> j & 1) << i;
+        }
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use shapes::{concave, mesh::Mesh, rng::SplitMix64, solids::extrusion};
+
+    use super::*;
+    use crate::{
+        PointSet,
+        decompose::{
+            partition::{
+                PartitionLimits, cells::FacePlanes, field::Field, piece::Atom, search, surface::Surface, wrap::Bounds,
+            },
+            patch::Patch,
+            tests::point_set,
+        },
+        fit::Solid,
+        progress::Stage,
+    };
+
+    fn bounds(share: f64, solid: &Solid) -> Bounds<'static> {
+        let (diagonal, stage) = (solid.diagonal(), Stage::default());
+        Bounds { limit: share * diagonal, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage }
+    }
+
+    /// The lower bound for a whole mesh.
+    fn needed(mesh: &PointSet, share: f64) -> usize {
+        let (solid, triangles) = (Solid::new(mesh), Surface::new(mesh).triangles);
+        let bounds = bounds(share, &solid);
+        let field = Field::new(&solid);
+        let scale = Scale { limit: 0.94 * bounds.limit, diagonal: bounds.diagonal };
+        let planes = FacePlanes::new(&triangles, bounds.diagonal);
+        let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
+        let piece = scale.piece(triangles.iter().map(atom).collect(), Vec::new(), &[]);
+        let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+        Conflicts::new(&search, &piece).needed()
+    }
+
+    #[test]
+    fn bodies_in_a_row_need_a_part_each() {
+        for count in 1..=6 {
+            let mut row = Mesh::default();
+            for k in 0..count {
+                let cube = extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 0.0, 1.0);
+                let first = row.vertices.len() as u32;
+                row.vertices.extend(cube.vertices.iter().map(|p| [p[0] + 3.0 * k as f32, p[1], p[2]]));
+                row.faces.extend(cube.faces.iter().map(|face| face.iter().map(|v| v + first).collect::<Vec<_>>()));
+            }
+            assert_eq!(needed(&point_set(&row), 0.01), count);
+        }
+    }
+
+    /// Judged by all sets of points.
+    #[test]
+    fn cliques_are_cliques_and_mostly_the_largest() {
+        let seed = 4;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let (mut largest, mut sizes) = (0, [0; 13]);
+        for _ in 0..300 {
+            let density = rng.between(0.1, 0.9);
+            let row = |i: usize, rng: &mut SplitMix64| {
+                (0..i).map(|j| Points::from(rng.unit() < density) << j).fold(0, |row, bit| row | bit)
+            };
+            let proven = mutual((0..12).map(|i| row(i, &mut rng)).collect());
+            let is_clique = |set: &u64| (0..12).all(|i| set >> i & 1 == 0 || set & !proven[i] == 1 << i);
+            let expected = (1..1 << 12).filter(is_clique).map(u64::count_ones).max().unwrap() as usize;
+            let conflicts = Conflicts { points: Vec::new(), with: Vec::new(), proven: proven.clone(), total: 0.0 };
+            let found = conflicts.needed();
+            assert!(found <= expected, "{found} of {expected}");
+            largest += usize::from(found == expected);
+            sizes[expected] += 1;
+        }
+        assert!(largest > 270 && sizes.iter().filter(|count| **count > 10).count() > 4, "{largest} {sizes:?}");
+    }
+
+    #[test]
+    fn no_more_parts_are_needed_than_are_found() {
+        let (mut equal, mut sum) = (0, [0; 2]);
+        for mesh in [concave::l(), concave::open_box(), concave::chair(), concave::horseshoe(12), concave::pipe(10)] {
+            let mesh = point_set(&mesh);
+            let solid = Solid::new(&mesh);
+            for share in [0.01, 0.03] {
+                let limits = PartitionLimits {
+                    bounds: bounds(share, &solid),
+                    overlap: 0.05,
+                    enough: None,
+                    wanted: 1,
+                    peels: true,
+                };
+                let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits).unwrap().parts.len();
+                let needed = needed(&mesh, share);
+                println!("{needed} needed, {found} found");
+                assert!(needed <= found, "{needed} of {found}");
+                equal += usize::from(needed == found);
+                sum = [sum[0] + needed, sum[1] + found];
+            }
+        }
+        assert!(equal > 3 && 2 * sum[0] > sum[1], "the sample is not representative: {equal}, {sum:?}");
     }
 }
