@@ -19,8 +19,10 @@ use rayon::prelude::*;
 
 use super::{
     context::Search,
+    field::Field,
     piece::{Piece, Scale},
     sample::spread_points,
+    surface::Surface,
 };
 use crate::fit::planes::HalfSpace;
 
@@ -57,43 +59,18 @@ impl Conflicts {
         let spread = spread_points(triangles.into_iter(), piece.area() / POINTS as f64);
         let mut points: Vec<(DVec3, u32)> = spread.into_iter().map(|(index, p)| (p, owners[index])).collect();
         points.truncate(POINTS);
-        let far = |p: DVec3, q: DVec3| {
-            MEASURED.iter().map(|t| p.lerp(q, *t)).find(|between| field.is_beyond(*between, scale.limit))
+        let pair = |p: DVec3, q: DVec3| match far(field, p, q, scale.limit) {
+            Some(far) => [true, field.is_beyond(far, bounds.limit)],
+            None => [false; 2],
         };
-        // Conflicts with earlier points.
-        let row = |i: usize| -> (Points, Points) {
-            let (mut with, mut proven) = (0, 0);
-            for j in 0..i {
-                if let Some(far) = far(points[i].0, points[j].0) {
-                    with |= 1 << j;
-                    proven |= Points::from(field.is_beyond(far, bounds.limit)) << j;
-                }
-            }
-            (with, proven)
-        };
-        let (with, proven): (Vec<Points>, Vec<Points>) = (0..points.len()).into_par_iter().map(row).unzip();
-        let [with, proven] = [with, proven].map(mutual);
+        let [with, proven] = conflicts(&points.iter().map(|(p, _)| *p).collect::<Vec<_>>(), pair);
         let total = with.iter().map(|with| f64::from(with.count_ones())).sum();
         Self { points, with, proven, total }
     }
 
-    /// A number of parts that any cover within the limit needs: the size of a large clique.
+    /// A number of parts that any cover of the piece within the limit needs.
     pub fn needed(&self) -> usize {
-        (0..self.proven.len()).map(|start| self.clique(start)).max().unwrap_or(1)
-    }
-
-    /// The size of a clique. The point that leaves the most candidates comes next.
-    fn clique(&self, start: usize) -> usize {
-        let (mut candidates, mut size) = (self.proven[start], 1);
-        let left = |candidates: Points, i: usize| (self.proven[i] & candidates).count_ones();
-        let is_in = |candidates: Points, i: usize| candidates >> i & 1 == 1;
-        while let Some(next) =
-            (0..self.proven.len()).filter(|i| is_in(candidates, *i)).max_by_key(|i| left(candidates, *i))
-        {
-            candidates &= self.proven[next];
-            size += 1;
-        }
-        size
+        large_clique(&self.proven)
     }
 
     /// The share of the conflicts that are within connected components on one side of a plane.
@@ -124,6 +101,42 @@ impl Conflicts {
     }
 }
 
+/// A number of parts that any cover of a surface within `limit` needs; of half a surface, with their
+/// mirror images.
+///
+/// # Complexity
+/// A few distances from the solid for each of at most 2,016 pairs.
+pub fn needed(surface: &Surface, field: &Field, limit: f64) -> usize {
+    let triangles = surface.triangles.iter().copied();
+    let area = triangles.clone().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum::<f64>();
+    let count = if surface.mirror.is_some() { POINTS / 2 } else { POINTS };
+    let mut points: Vec<DVec3> = spread_points(triangles, area / count as f64).into_iter().map(|(_, p)| p).collect();
+    points.truncate(count);
+    let images = surface.mirror.iter().flat_map(|mirror| points.iter().map(|p| mirror.image(*p)));
+    let points = [images.collect(), points.clone()].concat();
+    let [proven] = conflicts(&points, |p, q| [far(field, p, q, limit).is_some()]);
+    large_clique(&proven)
+}
+
+/// A point between two others that is too far from the solid; `None` if none is found.
+fn far(field: &Field, p: DVec3, q: DVec3, limit: f64) -> Option<DVec3> {
+    MEASURED.iter().map(|t| p.lerp(q, *t)).find(|between| field.is_beyond(*between, limit))
+}
+
+/// For each point, those with which it is in conflict, in one or several senses.
+fn conflicts<const N: usize>(points: &[DVec3], pair: impl Fn(DVec3, DVec3) -> [bool; N] + Sync) -> [Vec<Points>; N] {
+    let earlier = |i: usize| {
+        let mut row = [0; N];
+        for j in 0..i {
+            let found = pair(points[i], points[j]);
+            (0..N).for_each(|k| row[k] |= Points::from(found[k]) << j);
+        }
+        row
+    };
+    let rows: Vec<[Points; N]> = (0..points.len()).into_par_iter().map(earlier).collect();
+    std::array::from_fn(|k| mutual(rows.iter().map(|row| row[k]).collect()))
+}
+
 /// Adds to each row, which has conflicts with earlier points, those with later ones.
 fn mutual(mut rows: Vec<Points>) -> Vec<Points> {
     for i in 0..rows.len() {
@@ -132,6 +145,22 @@ fn mutual(mut rows: Vec<Points>) -> Vec<Points> {
         }
     }
     rows
+}
+
+/// The size of a large clique, 1 if there are no conflicts: the largest of those that are found
+/// from each point, where the point that leaves the most candidates comes next.
+fn large_clique(rows: &[Points]) -> usize {
+    let from = |start: usize| {
+        let (mut candidates, mut size) = (rows[start], 1);
+        while candidates != 0 {
+            let next = (0..rows.len()).filter(|i| candidates >> i & 1 == 1);
+            let Some(next) = next.max_by_key(|i| (rows[*i] & candidates).count_ones()) else { break };
+            candidates &= rows[next];
+            size += 1;
+        }
+        size
+    };
+    (0..rows.len()).map(from).max().unwrap_or(1)
 }
 
 #[cfg(test)]
@@ -144,14 +173,13 @@ mod tests {
     use crate::{
         PointSet,
         decompose::{
-            partition::{
-                PartitionLimits, cells::FacePlanes, field::Field, piece::Atom, search, surface::Surface, wrap::Bounds,
-            },
+            partition::{PartitionLimits, cells::FacePlanes, piece::Atom, search, wrap::Bounds},
             patch::Patch,
             tests::point_set,
         },
         fit::Solid,
         progress::Stage,
+        symmetry,
     };
 
     fn bounds(share: f64, solid: &Solid) -> Bounds<'static> {
@@ -159,17 +187,21 @@ mod tests {
         Bounds { limit: share * diagonal, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage }
     }
 
-    /// The lower bound for a whole mesh.
-    fn needed(mesh: &PointSet, share: f64) -> usize {
-        let (solid, triangles) = (Solid::new(mesh), Surface::new(mesh).triangles);
+    /// The lower bounds for a whole mesh: as a piece, as a surface, and as half a surface.
+    fn all_needed(mesh: &PointSet, share: f64) -> Vec<usize> {
+        let (solid, surface) = (Solid::new(mesh), Surface::new(mesh));
         let bounds = bounds(share, &solid);
         let field = Field::new(&solid);
         let scale = Scale { limit: 0.94 * bounds.limit, diagonal: bounds.diagonal };
-        let planes = FacePlanes::new(&triangles, bounds.diagonal);
+        let planes = FacePlanes::new(&surface.triangles, bounds.diagonal);
         let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
-        let piece = scale.piece(triangles.iter().map(atom).collect(), Vec::new(), &[]);
+        let piece = scale.piece(surface.triangles.iter().map(atom).collect(), Vec::new(), &[]);
         let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
-        Conflicts::new(&search, &piece).needed()
+        let mut found = vec![Conflicts::new(&search, &piece).needed(), needed(&surface, &field, bounds.limit)];
+        if let Some(mirror) = symmetry::mirror_of_mesh(mesh, &solid) {
+            found.push(needed(&surface.halved(mirror, bounds.diagonal), &field, bounds.limit));
+        }
+        found
     }
 
     #[test]
@@ -182,7 +214,7 @@ mod tests {
                 row.vertices.extend(cube.vertices.iter().map(|p| [p[0] + 3.0 * k as f32, p[1], p[2]]));
                 row.faces.extend(cube.faces.iter().map(|face| face.iter().map(|v| v + first).collect::<Vec<_>>()));
             }
-            assert_eq!(needed(&point_set(&row), 0.01), count);
+            assert_eq!(all_needed(&point_set(&row), 0.01), [count; 3]);
         }
     }
 
@@ -198,11 +230,10 @@ mod tests {
             let row = |i: usize, rng: &mut SplitMix64| {
                 (0..i).map(|j| Points::from(rng.unit() < density) << j).fold(0, |row, bit| row | bit)
             };
-            let proven = mutual((0..12).map(|i| row(i, &mut rng)).collect());
-            let is_clique = |set: &u64| (0..12).all(|i| set >> i & 1 == 0 || set & !proven[i] == 1 << i);
-            let expected = (1..1 << 12).filter(is_clique).map(u64::count_ones).max().unwrap() as usize;
-            let conflicts = Conflicts { points: Vec::new(), with: Vec::new(), proven: proven.clone(), total: 0.0 };
-            let found = conflicts.needed();
+            let rows = mutual((0..12).map(|i| row(i, &mut rng)).collect());
+            let is_clique = |set: &Points| (0..12).all(|i| set >> i & 1 == 0 || set & !rows[i] == 1 << i);
+            let expected = (1..1 << 12).filter(is_clique).map(Points::count_ones).max().unwrap() as usize;
+            let found = large_clique(&rows);
             assert!(found <= expected, "{found} of {expected}");
             largest += usize::from(found == expected);
             sizes[expected] += 1;
@@ -225,11 +256,11 @@ mod tests {
                     peels: true,
                 };
                 let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits).unwrap().parts.len();
-                let needed = needed(&mesh, share);
-                println!("{needed} needed, {found} found");
-                assert!(needed <= found, "{needed} of {found}");
-                equal += usize::from(needed == found);
-                sum = [sum[0] + needed, sum[1] + found];
+                let needed = all_needed(&mesh, share);
+                println!("{needed:?} needed, {found} found");
+                assert!(needed.iter().all(|needed| *needed <= found), "{needed:?} of {found}");
+                equal += usize::from(needed[0] == found);
+                sum = [sum[0] + needed[0], sum[1] + found];
             }
         }
         assert!(equal > 3 && 2 * sum[0] > sum[1], "the sample is not representative: {equal}, {sum:?}");

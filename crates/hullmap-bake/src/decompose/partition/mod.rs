@@ -67,6 +67,7 @@ use rayon::prelude::*;
 
 use cells::Cutting;
 use conflicts::Conflicts;
+pub use conflicts::needed;
 use context::Search;
 use field::Field;
 pub use join::Found;
