@@ -101,8 +101,8 @@ impl Conflicts {
     }
 }
 
-/// A number of parts that any cover of a surface within `limit` needs; of half a surface, with their
-/// mirror images.
+/// A number of parts that any cover of a surface within `limit` needs; of half a surface, with
+/// their mirror images.
 ///
 /// # Complexity
 /// A few distances from the solid for each of at most 2,016 pairs.

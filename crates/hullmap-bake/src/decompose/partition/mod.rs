@@ -8,7 +8,7 @@
 //! | [`field`] | which points are too far from the solid |
 //! | [`piece`] | pieces of the surface, and how planes divide them |
 //! | [`cuts`] | the plane that divides a piece |
-//! | [`conflicts`] | pairs of points that must not be in the same part, and a lower bound on parts |
+//! | [`conflicts`] | pairs of points that must not be in the same part; how many parts are needed |
 //! | [`peel`] | caps that are cut off a piece, one after the other |
 //! | [`join`] | mergers of parts |
 //! | [`surface`], [`halves`] | the surface, or half of it; mergers across its mirror plane |
