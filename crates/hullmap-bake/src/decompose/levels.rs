@@ -240,7 +240,7 @@ impl<'a> Levels<'a> {
         let first = self.level(error, STEP);
         let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP).min(first);
         let mut best: Option<Found> = self.rough(first);
-        let (mut level, mut misses) = (first, 0);
+        let (mut level, mut misses, mut needed) = (first, 0, 0);
         while misses < MISSES && level >= last {
             let within = best.as_ref().filter(|best| best.limit <= error);
             // Lower limits take about as many parts before mergers, or more.
@@ -248,6 +248,13 @@ impl<'a> Levels<'a> {
                 break;
             }
             let enough = within.map(|best| best.count()).or(self.enough);
+            if let Some(enough) = enough {
+                needed = partition::needed(self.surface, &self.field, self.limit(level)).max(needed);
+                // Lower limits need as many.
+                if needed > enough {
+                    break;
+                }
+            }
             let found = self.search(level, enough, true);
             if self.is_over() {
                 return better(best, found, error);

@@ -5,6 +5,11 @@
 //! The number of forbidden points in their hulls is less meaningful: a plane across a ring halves
 //! it, and both halves take as many parts as the ring.
 //!
+//! Points of which any two are in conflict, a *clique* of the graph of conflicts, need a part each.
+//! So a clique is a lower bound on the number of parts. It is proven up to rounding: both ends of a
+//! line are on the surface, so in some part; if they were in the same part, this would contain the
+//! line, and protrude by more than the limit.
+//!
 //! # Reference
 //! Such pairs are called mutex pairs in Ren, Yuan, Li, Liu, "Minimum near-convex decomposition for
 //! robust shape representation", 2011.
@@ -13,9 +18,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
+    context::Search,
     field::Field,
     piece::{Piece, Scale},
     sample::spread_points,
+    surface::Surface,
 };
 use crate::fit::planes::HalfSpace;
 
@@ -34,6 +41,8 @@ pub struct Conflicts {
     points: Vec<(DVec3, u32)>,
     /// For each point, those with which it is in conflict.
     with: Vec<Points>,
+    /// The same, of pairs whose line leads beyond the limit of final hulls, which is larger.
+    proven: Vec<Points>,
     total: f64,
 }
 
@@ -42,29 +51,26 @@ impl Conflicts {
     ///
     /// # Complexity
     /// A few distances from the solid for each of at most 2,016 pairs.
-    pub fn new(piece: &Piece, scale: &Scale, field: &Field) -> Self {
+    pub fn new(search: &Search, piece: &Piece) -> Self {
+        let Search { field, scale, bounds, .. } = search;
         let atoms = piece.atoms.iter().enumerate();
         let (owners, triangles): (Vec<u32>, Vec<[DVec3; 3]>) =
             atoms.flat_map(|(index, atom)| atom.triangles().map(move |triangle| (index as u32, triangle))).unzip();
         let spread = spread_points(triangles.into_iter(), piece.area() / POINTS as f64);
         let mut points: Vec<(DVec3, u32)> = spread.into_iter().map(|(index, p)| (p, owners[index])).collect();
         points.truncate(POINTS);
-        let is_conflict = |p: DVec3, q: DVec3| MEASURED.iter().any(|t| field.is_beyond(p.lerp(q, *t), scale.limit));
-        let row = |i: usize| {
-            let mut with: Points = 0;
-            for j in (0..i).filter(|j| is_conflict(points[i].0, points[*j].0)) {
-                with |= 1 << j;
-            }
-            with
+        let pair = |p: DVec3, q: DVec3| match far(field, p, q, scale.limit) {
+            Some(far) => [true, field.is_beyond(far, bounds.limit)],
+            None => [false; 2],
         };
-        let mut with: Vec<Points> = (0..points.len()).into_par_iter().map(row).collect();
-        for i in 0..points.len() {
-            for j in 0..i {
-                with[j] |= (with[i] >> j & 1) << i;
-            }
-        }
+        let [with, proven] = conflicts(&points.iter().map(|(p, _)| *p).collect::<Vec<_>>(), pair);
         let total = with.iter().map(|with| f64::from(with.count_ones())).sum();
-        Self { points, with, total }
+        Self { points, with, proven, total }
+    }
+
+    /// A number of parts that any cover of the piece within the limit needs.
+    pub fn needed(&self) -> usize {
+        large_clique(&self.proven)
     }
 
     /// The share of the conflicts that are within connected components on one side of a plane.
@@ -92,5 +98,171 @@ impl Conflicts {
             }
         }
         left / self.total
+    }
+}
+
+/// A number of parts that any cover of a surface within `limit` needs; of half a surface, with
+/// their mirror images.
+///
+/// # Complexity
+/// A few distances from the solid for each of at most 2,016 pairs.
+pub fn needed(surface: &Surface, field: &Field, limit: f64) -> usize {
+    let triangles = surface.triangles.iter().copied();
+    let area = triangles.clone().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum::<f64>();
+    let count = if surface.mirror.is_some() { POINTS / 2 } else { POINTS };
+    let mut points: Vec<DVec3> = spread_points(triangles, area / count as f64).into_iter().map(|(_, p)| p).collect();
+    points.truncate(count);
+    let images = surface.mirror.iter().flat_map(|mirror| points.iter().map(|p| mirror.image(*p)));
+    let points = [images.collect(), points.clone()].concat();
+    let [proven] = conflicts(&points, |p, q| [far(field, p, q, limit).is_some()]);
+    large_clique(&proven)
+}
+
+/// A point between two others that is too far from the solid; `None` if none is found.
+fn far(field: &Field, p: DVec3, q: DVec3, limit: f64) -> Option<DVec3> {
+    MEASURED.iter().map(|t| p.lerp(q, *t)).find(|between| field.is_beyond(*between, limit))
+}
+
+/// For each point, those with which it is in conflict, in one or several senses.
+fn conflicts<const N: usize>(points: &[DVec3], pair: impl Fn(DVec3, DVec3) -> [bool; N] + Sync) -> [Vec<Points>; N] {
+    let earlier = |i: usize| {
+        let mut row = [0; N];
+        for j in 0..i {
+            let found = pair(points[i], points[j]);
+            (0..N).for_each(|k| row[k] |= Points::from(found[k]) << j);
+        }
+        row
+    };
+    let rows: Vec<[Points; N]> = (0..points.len()).into_par_iter().map(earlier).collect();
+    std::array::from_fn(|k| mutual(rows.iter().map(|row| row[k]).collect()))
+}
+
+/// Adds to each row, which has conflicts with earlier points, those with later ones.
+fn mutual(mut rows: Vec<Points>) -> Vec<Points> {
+    for i in 0..rows.len() {
+        for j in 0..i {
+            rows[j] |= (rows[i] >> j & 1) << i;
+        }
+    }
+    rows
+}
+
+/// The size of a large clique, 1 if there are no conflicts: the largest of those that are found
+/// from each point, where the point that leaves the most candidates comes next.
+fn large_clique(rows: &[Points]) -> usize {
+    let from = |start: usize| {
+        let (mut candidates, mut size) = (rows[start], 1);
+        while candidates != 0 {
+            let next = (0..rows.len()).filter(|i| candidates >> i & 1 == 1);
+            let Some(next) = next.max_by_key(|i| (rows[*i] & candidates).count_ones()) else { break };
+            candidates &= rows[next];
+            size += 1;
+        }
+        size
+    };
+    (0..rows.len()).map(from).max().unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use shapes::{concave, mesh::Mesh, rng::SplitMix64, solids::extrusion};
+
+    use super::*;
+    use crate::{
+        PointSet,
+        decompose::{
+            partition::{PartitionLimits, cells::FacePlanes, piece::Atom, search, wrap::Bounds},
+            patch::Patch,
+            tests::point_set,
+        },
+        fit::Solid,
+        progress::Stage,
+        symmetry,
+    };
+
+    fn bounds(share: f64, solid: &Solid) -> Bounds<'static> {
+        let (diagonal, stage) = (solid.diagonal(), Stage::default());
+        Bounds { limit: share * diagonal, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage }
+    }
+
+    /// The lower bounds for a whole mesh: as a piece, as a surface, and as half a surface.
+    fn all_needed(mesh: &PointSet, share: f64) -> Vec<usize> {
+        let (solid, surface) = (Solid::new(mesh), Surface::new(mesh));
+        let bounds = bounds(share, &solid);
+        let field = Field::new(&solid);
+        let scale = Scale { limit: 0.94 * bounds.limit, diagonal: bounds.diagonal };
+        let planes = FacePlanes::new(&surface.triangles, bounds.diagonal);
+        let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
+        let piece = scale.piece(surface.triangles.iter().map(atom).collect(), Vec::new(), &[]);
+        let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+        let mut found = vec![Conflicts::new(&search, &piece).needed(), needed(&surface, &field, bounds.limit)];
+        if let Some(mirror) = symmetry::mirror_of_mesh(mesh, &solid) {
+            found.push(needed(&surface.halved(mirror, bounds.diagonal), &field, bounds.limit));
+        }
+        found
+    }
+
+    #[test]
+    fn bodies_in_a_row_need_a_part_each() {
+        for count in 1..=6 {
+            let mut row = Mesh::default();
+            for k in 0..count {
+                let cube = extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 0.0, 1.0);
+                let first = row.vertices.len() as u32;
+                row.vertices.extend(cube.vertices.iter().map(|p| [p[0] + 3.0 * k as f32, p[1], p[2]]));
+                row.faces.extend(cube.faces.iter().map(|face| face.iter().map(|v| v + first).collect::<Vec<_>>()));
+            }
+            assert_eq!(all_needed(&point_set(&row), 0.01), [count; 3]);
+        }
+    }
+
+    /// Judged by all sets of points.
+    #[test]
+    fn cliques_are_cliques_and_mostly_the_largest() {
+        let seed = 4;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let (mut largest, mut sizes) = (0, [0; 13]);
+        for _ in 0..300 {
+            let density = rng.between(0.1, 0.9);
+            let row = |i: usize, rng: &mut SplitMix64| {
+                (0..i).map(|j| Points::from(rng.unit() < density) << j).fold(0, |row, bit| row | bit)
+            };
+            let rows = mutual((0..12).map(|i| row(i, &mut rng)).collect());
+            let is_clique = |set: &Points| (0..12).all(|i| set >> i & 1 == 0 || set & !rows[i] == 1 << i);
+            let expected = (1..1 << 12).filter(is_clique).map(Points::count_ones).max().unwrap() as usize;
+            let found = large_clique(&rows);
+            assert!(found <= expected, "{found} of {expected}");
+            largest += usize::from(found == expected);
+            sizes[expected] += 1;
+        }
+        assert!(largest > 270 && sizes.iter().filter(|count| **count > 10).count() > 4, "{largest} {sizes:?}");
+    }
+
+    #[test]
+    fn no_more_parts_are_needed_than_are_found() {
+        let (mut equal, mut sum) = (0, [0; 2]);
+        for mesh in [concave::l(), concave::open_box(), concave::chair(), concave::horseshoe(12), concave::pipe(10)] {
+            let mesh = point_set(&mesh);
+            let solid = Solid::new(&mesh);
+            for share in [0.01, 0.03] {
+                let limits = PartitionLimits {
+                    bounds: bounds(share, &solid),
+                    overlap: 0.05,
+                    enough: None,
+                    wanted: 1,
+                    peels: true,
+                };
+                let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits).unwrap().parts.len();
+                let needed = all_needed(&mesh, share);
+                println!("{needed:?} needed, {found} found");
+                assert!(needed.iter().all(|needed| *needed <= found), "{needed:?} of {found}");
+                equal += usize::from(needed[0] == found);
+                sum = [sum[0] + needed[0], sum[1] + found];
+            }
+        }
+        assert!(equal > 3 && 2 * sum[0] > sum[1], "the sample is not representative: {equal}, {sum:?}");
     }
 }

@@ -36,6 +36,8 @@ pub struct Search<'a> {
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
     pub bounds: Bounds<'a>,
+    /// Number of parts above which a result is of no use.
+    pub enough: usize,
     /// Whether pieces are peeled, too, which may give fewer parts.
     pub peels: bool,
 }

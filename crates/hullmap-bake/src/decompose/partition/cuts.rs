@@ -118,9 +118,8 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
 ///
 /// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
 /// across the axes.
-pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>]) -> Option<HalfSpace> {
-    let Search { scale, field, planes, .. } = search;
-    let conflicts = Conflicts::new(piece, scale, field);
+pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: &Conflicts) -> Option<HalfSpace> {
+    let Search { scale, planes, .. } = search;
     let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
     let forbidden: Vec<DVec3> = piece.forbidden.iter().step_by(stride).copied().collect();
     let across = |normal: DVec3, k: usize| {

@@ -8,7 +8,7 @@
 //! | [`field`] | which points are too far from the solid |
 //! | [`piece`] | pieces of the surface, and how planes divide them |
 //! | [`cuts`] | the plane that divides a piece |
-//! | [`conflicts`] | pairs of points that must not be in the same part |
+//! | [`conflicts`] | pairs of points that must not be in the same part; how many parts are needed |
 //! | [`peel`] | caps that are cut off a piece, one after the other |
 //! | [`join`] | mergers of parts |
 //! | [`surface`], [`halves`] | the surface, or half of it; mergers across its mirror plane |
@@ -26,7 +26,8 @@
 //! 3. A piece whose hull contains no forbidden point, and is proven, is a part. Divide any other
 //!    piece by the plane that leaves the fewest conflicts and forbidden points within both sides,
 //!    and go on with the connected components of the sides.
-//! 4. Where that gives a few parts, peel the piece, too, and take what has fewer parts.
+//! 4. Where that gives a few parts, but more than a lower bound, peel the piece, too, and take what
+//!    has fewer parts.
 //! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts.
 //!
 //! # Why the bounds hold
@@ -65,6 +66,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use cells::Cutting;
+use conflicts::Conflicts;
+pub use conflicts::needed;
 use context::Search;
 use field::Field;
 pub use join::Found;
@@ -92,8 +95,7 @@ const MAX_CELLS: usize = 3000;
 /// Maximum number of cuts that lead to a piece. Then its polygons become parts.
 const MAX_DEPTH: u32 = 40;
 
-/// Number of parts of a piece up to which it is peeled, too. Components of the whole mesh always
-/// are.
+/// Number of parts of a piece up to which it is peeled, too.
 const PEELED: usize = 12;
 
 /// A search gives up when it has more parts before mergers than the first of these times the number
@@ -144,7 +146,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body_of_atoms(&atoms);
-    let search = Search { field, scale, planes: &planes, bounds, peels };
+    let search = Search { field, scale, planes: &planes, bounds, enough: enough.unwrap_or(usize::MAX), peels };
     let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
     let most = enough.map_or(usize::MAX, most_before_mergers);
@@ -169,7 +171,7 @@ pub fn divided_further(
     field.find_peaks(bounds.limit * HARD_SHARE, bounds.deadline);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
     let planes = cells::FacePlanes::new(&surface.triangles, bounds.diagonal);
-    let search = Search { field, scale, planes: &planes, bounds, peels: true };
+    let search = Search { field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
     let mut room = count.saturating_sub(parts.len());
     let mut parts = parts;
     let excess = |part: &Part| part.bound * part.piece.area();
@@ -248,24 +250,27 @@ fn divided(
         return None;
     }
     let components = search.scale.components(&piece.atoms);
-    let is_connected = components.len() == 1;
-    let sides: Vec<Piece> = if is_connected {
-        match halves(search, &piece).filter(|_| depth < MAX_DEPTH) {
-            Some(halves) => halves.into(),
-            None if search.is_over() => return Some(search.shaped(&piece).into_iter().collect()),
-            None => return Some(of_polygons(search, &piece)).filter(|parts| parts.len() <= most),
-        }
-    } else {
+    if components.len() > 1 {
         let of = |atoms| search.scale.piece(atoms, piece.planes.clone(), &piece.forbidden);
-        components.into_iter().map(of).collect()
-    };
-    let best = all_divided(search, sides, most, depth + u32::from(is_connected), known, stage);
-    let is_small = depth == 0 || best.as_ref().is_some_and(|best| best.len() <= PEELED);
-    // Without forbidden points there are only too many vertices.
-    if search.peels && is_connected && is_small && !piece.forbidden.is_empty() {
-        return peeled(search, &piece, best, most);
+        let pieces = components.into_iter().map(of).collect();
+        return all_divided(search, pieces, most, depth, known, stage);
     }
-    best
+    // Without forbidden points there are only too many vertices.
+    let conflicts = (!piece.forbidden.is_empty()).then(|| Conflicts::new(search, &piece));
+    let needed = conflicts.as_ref().map_or(1, Conflicts::needed);
+    // Mergers with other pieces do not save any of these.
+    if needed > most.min(search.enough) {
+        return None;
+    }
+    let Some(halves) = halves(search, &piece, conflicts.as_ref()).filter(|_| depth < MAX_DEPTH) else {
+        if search.is_over() {
+            return Some(search.shaped(&piece).into_iter().collect());
+        }
+        return Some(of_polygons(search, &piece)).filter(|parts| parts.len() <= most);
+    };
+    let best = all_divided(search, halves.into(), most, depth + 1, known, stage)?;
+    let is_peeled = |best: &[Part]| conflicts.is_some() && best.len() <= PEELED && best.len() > needed;
+    if search.peels && is_peeled(&best) { Some(peeled(search, &piece, best, needed)) } else { Some(best) }
 }
 
 /// The parts of several pieces.
@@ -291,12 +296,10 @@ fn all_divided(
 }
 
 /// Both sides of the plane that divides a piece best; `None` if no plane does.
-fn halves(search: &Search, piece: &Piece) -> Option<[Piece; 2]> {
-    let plane = if piece.forbidden.is_empty() {
-        cuts::middle(piece)
-    } else {
-        let near = search.scale.neighbours(&piece.atoms);
-        cuts::best_plane(search, piece, &near)?
+fn halves(search: &Search, piece: &Piece, conflicts: Option<&Conflicts>) -> Option<[Piece; 2]> {
+    let plane = match conflicts {
+        Some(conflicts) => cuts::best_plane(search, piece, &search.scale.neighbours(&piece.atoms), conflicts)?,
+        None => cuts::middle(piece),
     };
     let back = plane.opposite();
     let [below, above] = search.scale.divided(&piece.atoms, &plane);
@@ -310,18 +313,19 @@ fn halves(search: &Search, piece: &Piece) -> Option<[Piece; 2]> {
     Some([of(below, plane), of(above, back)])
 }
 
-/// The parts of a piece by peeling, if they are fewer than `best` and at most `most`.
-fn peeled(search: &Search, piece: &Piece, best: Option<Vec<Part>>, most: usize) -> Option<Vec<Part>> {
+/// The parts of a piece by peeling, if they are fewer than `best`. At least `needed` are needed.
+fn peeled(search: &Search, piece: &Piece, best: Vec<Part>, needed: usize) -> Vec<Part> {
     let mut best = best;
     let directions = cuts::directions(piece).map(Along::One);
     for along in [Along::All].into_iter().chain(directions) {
-        let most = best.as_ref().map_or(most, |best| best.len().saturating_sub(1));
-        if most < 2 {
+        let most = best.len() - 1;
+        // What is not a part takes two at least.
+        if most < needed.max(2) {
             break;
         }
         let Some(pieces) = peel::peel(search, piece, along, most) else { continue };
         let parts: Result<Vec<Part>, _> = pieces.into_par_iter().map(|piece| search.shaped(&piece)).collect();
-        best = parts.ok().or(best);
+        best = parts.unwrap_or(best);
     }
     best
 }
