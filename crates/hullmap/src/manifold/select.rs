@@ -245,10 +245,10 @@ impl Rest {
         self.plane.depth(at)
     }
 
-    /// The triangle on which the body rests with its centre over `center`, which is in this triangle,
-    /// if none of `points` is left out. The deepest point below the plane replaces one of the
-    /// corners, so that the centre stays over the triangle. Each plane is lower below the centre
-    /// than the one before.
+    /// The triangle on which the body rests with its centre over `center`, which is in this
+    /// triangle, if none of `points` is left out. The deepest point below the plane replaces one of
+    /// the corners, so that the centre stays over the triangle. Each plane is lower below the
+    /// centre than the one before.
     ///
     /// # Complexity
     /// O(n) for n points, for each exchanged corner.

@@ -77,7 +77,7 @@ impl BodyPoint {
 /// A point is one of those in the manifolds, unchanged. The deepest of all points is chosen, or
 /// another one that is less deep by at most 1e-4 of half the diagonal of the smaller body's box. If
 /// all normals are within five degrees of the deepest point's, the chosen points span at least 60 %
-/// of the area that all points span, in projection along the normal, and are joined by points between
+/// of the area that all points span, in projection along the normal, together with points between
 /// them without which the body would sink in. Otherwise the points are shared by groups of normals,
 /// each of which has at least its deepest point.
 ///
@@ -352,9 +352,9 @@ impl Places<'_> {
         Some(Rest::over(polygon, spot, center)?.lowered(own, spot, center))
     }
 
-    /// How far a point of a group that is not chosen is below the chosen ones, or below the triangle
-    /// on which the body then rests, and its index. `chosen` are the corners of a convex polygon,
-    /// and other candidates.
+    /// How far a point of a group that is not chosen is below the chosen ones, or below the
+    /// triangle on which the body then rests, and its index. `chosen` are the corners of a convex
+    /// polygon, and other candidates.
     fn left_out(&self, group: &Group, chosen: [&[usize]; 2]) -> (f64, Option<usize>) {
         let rest = self.rest(group, chosen.into_iter().flatten().copied(), chosen[0]);
         if rest.is_none() && group.rest.is_some() {
@@ -432,9 +432,9 @@ impl Places<'_> {
         without.clear();
         without.extend_from_slice(corners);
         self.reduce_to(group, most, without, kept);
-        let at = |index: usize| self.at(group, index);
-        let least = if most < MAX_BODY_POINTS { span(corners, at) } else { group.whole };
-        let is_wide = span(without, at).is_at_least(LEAST_AREA, &least);
+        // With fewer points than that, several groups support the body.
+        let is_wide = most < MAX_BODY_POINTS
+            || span(without, |index| self.at(group, index)).is_at_least(LEAST_AREA, &group.whole);
         if is_wide {
             std::mem::swap(corners, without);
         }
