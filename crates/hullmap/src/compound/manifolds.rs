@@ -79,8 +79,28 @@ pub struct CompoundManifolds {
     /// Lent by the caller, and passed to the cache in use.
     scratch: Option<Box<Scratch>>,
     welds: bool,
-    /// Upper bound of the smaller body's outer radius in the last update.
-    reach: f64,
+    /// The smaller body in the last update.
+    body: SmallerBody,
+}
+
+/// The smaller one of two bodies, whose contact points are chosen.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SmallerBody {
+    /// A point inside, in A's frame.
+    pub(super) center: DVec3,
+    /// Upper bound of its outer radius.
+    pub(super) reach: f64,
+    /// The prediction, a length.
+    pub(super) prediction: f64,
+}
+
+impl SmallerBody {
+    /// Of the balls around two bodies, both in A's frame, the smaller one.
+    fn of(balls: [(DVec3, f64); 2], settings: &ManifoldSettings) -> Self {
+        let [(center_a, radius_a), (center_b, radius_b)] = balls;
+        let (center, reach) = if radius_a < radius_b { (center_a, radius_a) } else { (center_b, radius_b) };
+        Self { center, reach, prediction: settings.prediction.length(reach) }
+    }
 }
 
 /// A pair of parts that touch.
@@ -124,7 +144,7 @@ impl CompoundManifolds {
             others: CompoundCache::new(2 * pairs),
             scratch: None,
             welds: true,
-            reach: 0.0,
+            body: SmallerBody::default(),
         }
     }
 
@@ -196,7 +216,8 @@ impl CompoundManifolds {
         let bodies = BodyPair { b_in_a, in_a, in_b, settings };
         if let Some(part) = b.part(0).filter(|_| b.part_count() == 1) {
             let radius = part.outer_radius();
-            self.reach = radius.min(0.5 * a.nodes().diagonal());
+            let ball = (b_in_a.transform_point(part.interior_point()), radius);
+            self.body = SmallerBody::of([a.nodes().ball(), ball], settings);
             let beside = BesideSheet::new(&part, b_in_a);
             let prediction = settings.prediction.length(radius);
             let mut visit = |index: usize, corners: [DVec3; 3]| {
@@ -213,7 +234,8 @@ impl CompoundManifolds {
             }
         }
         let nodes = [a.nodes(), b.nodes()];
-        self.reach = 0.5 * nodes[0].diagonal().min(nodes[1].diagonal());
+        let [ball_a, (center_b, radius_b)] = nodes.map(|nodes| nodes.ball());
+        self.body = SmallerBody::of([ball_a, (b_in_a.transform_point(center_b), radius_b)], settings);
         let placement = Placement::new(nodes[0], nodes[1], b_in_a);
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
@@ -288,7 +310,8 @@ impl CompoundManifolds {
     ) -> ManifoldCounts {
         let mut frame = self.start();
         let nodes = b.nodes();
-        self.reach = 0.5 * nodes.diagonal();
+        let (center, radius) = nodes.ball();
+        self.body = SmallerBody::of([(DVec3::ZERO, f64::INFINITY), (b_in_a.transform_point(center), radius)], settings);
         let reach = settings.prediction.length(nodes.diagonal());
         let mut descent = Descent::new(a, nodes, b_in_a);
         while let Some(index) = descent.next(-reach) {
@@ -377,8 +400,8 @@ impl CompoundManifolds {
     }
 
     /// Upper bound of the outer radius of the smaller body in the last update.
-    pub(super) fn reach(&self) -> f64 {
-        self.reach
+    pub(super) fn body(&self) -> SmallerBody {
+        self.body
     }
 
     /// Number of pairs of parts that touch.

@@ -45,7 +45,7 @@ const KEPT_AREA: f64 = 0.9;
 /// When the body rocks on to that point, the point is pushed out from that depth, and the body
 /// gains the energy. Of 696 bodies, one gained 12 mJ/kg with the whole, and none more than 5 with
 /// half. With a quarter, eleven more bodies are awake after 10 s.
-const LEFT_OUT: f64 = 0.5;
+pub(crate) const LEFT_OUT: f64 = 0.5;
 
 /// Maximum number of exchanges. Two are usually enough.
 const MAX_EXCHANGES: usize = 8;
@@ -161,9 +161,9 @@ impl Choice {
         }
     }
 
-    /// The triangle of chosen points on which the body rests, and its plane.
-    fn rest(&self, spots: &[Spot], center: DVec2) -> Option<([usize; 3], Plane)> {
-        let mut rest: Option<([usize; 3], Plane)> = None;
+    /// The triangle of chosen points on which the body rests.
+    fn rest(&self, spots: &[Spot], center: DVec2) -> Option<Rest> {
+        let mut rest: Option<Rest> = None;
         let triangles: &[[usize; 3]] = match self.count {
             4 => &[[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]],
             3 => &[[0, 1, 2]],
@@ -173,8 +173,8 @@ impl Choice {
             let corners = slots.map(|slot| self.indices[slot]);
             let Some(plane) = Plane::of_triangle(corners.map(|i| spots[i]), center) else { continue };
             // The body comes to rest on the lowest of the planes below its centre.
-            if rest.is_none_or(|(_, deepest)| plane.depth(center) > deepest.depth(center)) {
-                rest = Some((corners, plane));
+            if rest.is_none_or(|deepest| plane.depth(center) > deepest.plane.depth(center)) {
+                rest = Some(Rest { corners, plane });
             }
         }
         rest
@@ -183,10 +183,10 @@ impl Choice {
     /// How far the deepest point that is not chosen is below the plane on which the body rests with
     /// its centre over `center`, and its index. `None` if the centre is not over the chosen points.
     fn left_out(&self, spots: &[Spot], center: DVec2) -> Option<(f64, Option<usize>)> {
-        let (_, plane) = self.rest(spots, center)?;
+        let rest = self.rest(spots, center)?;
         let mut worst = (0.0, None);
         for (index, spot) in spots.iter().enumerate() {
-            let below = spot.depth - plane.depth(spot.at);
+            let below = spot.depth - rest.depth(spot.at);
             if below > worst.0 && !self.indices().contains(&index) {
                 worst = (below, Some(index));
             }
@@ -201,7 +201,7 @@ impl Choice {
 }
 
 /// A plane through three spots.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Plane {
     through: Spot,
     slope: DVec2,
@@ -221,6 +221,61 @@ impl Plane {
 
     fn depth(&self, at: DVec2) -> f64 {
         self.through.depth + self.slope.dot(at - self.through.at)
+    }
+}
+
+/// The triangle of spots on which a body rests, and its plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest {
+    pub(crate) corners: [usize; 3],
+    plane: Plane,
+}
+
+impl Rest {
+    /// A triangle of corners of a convex polygon, in order, that has `at` in it; `None` if the
+    /// polygon has not. `spot` returns the point of an index.
+    pub(crate) fn over(polygon: &[usize], spot: impl Fn(usize) -> Spot, at: DVec2) -> Option<Self> {
+        let [first, ring @ ..] = polygon else { return None };
+        let mut fan = ring.iter().zip(ring.iter().skip(1)).map(|(second, third)| [*first, *second, *third]);
+        fan.find_map(|corners| Some(Self { corners, plane: Plane::of_triangle(corners.map(&spot), at)? }))
+    }
+
+    /// Depth of the plane at a place.
+    pub(crate) fn depth(&self, at: DVec2) -> f64 {
+        self.plane.depth(at)
+    }
+
+    /// The triangle on which the body rests with its centre over `center`, which is in this
+    /// triangle, if none of `points` is left out. The deepest point below the plane replaces one of
+    /// the corners, so that the centre stays over the triangle. Each plane is lower below the
+    /// centre than the one before.
+    ///
+    /// # Complexity
+    /// O(n) for n points, for each exchanged corner.
+    pub(crate) fn lowered(
+        mut self,
+        points: impl Iterator<Item = usize> + Clone,
+        spot: impl Fn(usize) -> Spot,
+        center: DVec2,
+    ) -> Self {
+        for _ in 0..MAX_PIVOTS {
+            let below = |i: &usize| spot(*i).depth - self.plane.depth(spot(*i).at);
+            let Some(worst) = points.clone().max_by(|i, j| below(i).total_cmp(&below(j))) else { break };
+            if self.corners.contains(&worst) {
+                break;
+            }
+            let exchanged = (0..3).map(|slot| std::array::from_fn(|i| if i == slot { worst } else { self.corners[i] }));
+            let next = exchanged
+                .filter_map(|corners: [usize; 3]| {
+                    Some(Self { corners, plane: Plane::of_triangle(corners.map(&spot), center)? })
+                })
+                .max_by(|p, q| p.plane.depth(center).total_cmp(&q.plane.depth(center)));
+            match next {
+                Some(next) if next.plane.depth(center) > self.plane.depth(center) => self = next,
+                _ => break,
+            }
+        }
+        self
     }
 }
 
@@ -330,27 +385,9 @@ fn supporting(spots: &[Spot], mut choice: Choice, center: DVec2, allowed: f64) -
 
 /// The triangle on which the body rests if nothing is left out, and the fourth point that spans the
 /// largest area with it.
-///
-/// From the triangle on which the body rests on `choice`, the deepest point below its plane
-/// replaces one of the corners, so that the centre stays over the triangle. Each plane is lower
-/// below the centre than the one before.
 fn lowest(spots: &[Spot], choice: Choice, center: DVec2) -> Choice {
-    let Some((mut corners, mut plane)) = choice.rest(spots, center) else { return choice };
-    for _ in 0..MAX_PIVOTS {
-        let below = |i: &usize| spots[*i].depth - plane.depth(spots[*i].at);
-        let Some(worst) = (0..spots.len()).max_by(|i, j| below(i).total_cmp(&below(j))) else { break };
-        if corners.contains(&worst) {
-            break;
-        }
-        let exchanged = (0..3).map(|slot| std::array::from_fn(|i| if i == slot { worst } else { corners[i] }));
-        let next = exchanged
-            .filter_map(|corners: [usize; 3]| Some((corners, Plane::of_triangle(corners.map(|i| spots[i]), center)?)))
-            .max_by(|(_, p), (_, q)| p.depth(center).total_cmp(&q.depth(center)));
-        match next {
-            Some((next, lower)) if lower.depth(center) > plane.depth(center) => (corners, plane) = (next, lower),
-            _ => break,
-        }
-    }
+    let Some(rest) = choice.rest(spots, center) else { return choice };
+    let corners = rest.lowered(0..spots.len(), |i| spots[i], center).corners;
     let mut lowest = Choice::default();
     corners.into_iter().for_each(|i| lowest.push(i));
     let with = |i: &usize| {

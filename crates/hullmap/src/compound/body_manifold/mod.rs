@@ -9,9 +9,17 @@
 //! 2. Share the eight points among the groups in turn.
 //! 3. Of each group, take the deepest point, and the corners of the convex hull of all its points,
 //!    without those that add little area ([`spread`]).
-//! 4. Keep the points of the last frame instead, with the deepest point, if they span at least 90 %
-//!    of the area of the best choice.
-//! 5. Points that were also chosen in the last frame keep the caller's data.
+//! 4. If a point that is left out is too far below the chosen ones ([`envelope`]), or below the
+//!    triangle on which the body then rests ([`select`](crate::manifold::select)), take it instead
+//!    of a corner. Repeat.
+//! 5. Keep the points of the last frame instead, with the deepest point, if they span at least 90 %
+//!    of the area of the best choice and leave out no such point.
+//! 6. Points that were also chosen in the last frame keep the caller's data.
+//!
+//! # Why area is not enough
+//! A plate that lands on a ridge touches it at two points between its corners. The area needs
+//! neither, and the deepest point is only one of them. Step by step, the plate tipped over one of
+//! them and sank in at the other one. A box on its edge rocked on three points for ever.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (manifold reduction:
@@ -24,23 +32,28 @@
 
 #![forbid(unsafe_code)]
 
+mod envelope;
 mod groups;
 mod spread;
 
 use glam::{DVec2, DVec3};
 
-use super::manifolds::CompoundManifolds;
+use super::manifolds::{CompoundManifolds, SmallerBody};
 use crate::manifold::matching::{Likeness, match_points};
-use crate::manifold::select::SAME_PLACE;
+use crate::manifold::select::{Choice, LEFT_OUT, Rest, SAME_PLACE, SLIGHT, Spot};
 use crate::manifold::{ManifoldPoint, SAME_DEPTH};
 use crate::vector::perpendicular;
 pub use groups::MAX_BODY_POINTS;
 use groups::{Member, group, shares};
-use spread::{hull, reduce, span};
+use spread::{Span, hull, reduce, span};
 
 /// The points of the last frame stay while they span at least this share of the area of the best
 /// ones.
 const KEPT_AREA: f64 = 0.9;
+
+/// Points between corners are chosen instead of corners while the others span at least this share
+/// of the area of all points. With [`KEPT_AREA`], at least 60 % of the area are left.
+const LEAST_AREA: f64 = 2.0 / 3.0;
 
 /// A point of a [`BodyManifold`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,8 +77,9 @@ impl BodyPoint {
 /// A point is one of those in the manifolds, unchanged. The deepest of all points is chosen, or
 /// another one that is less deep by at most 1e-4 of half the diagonal of the smaller body's box. If
 /// all normals are within five degrees of the deepest point's, the chosen points span at least 60 %
-/// of the area that all points span, in projection along the normal. Otherwise the points are
-/// shared by groups of normals, each of which has at least its deepest point.
+/// of the area that all points span, in projection along the normal, together with points between
+/// them without which the body would sink in. Otherwise the points are shared by groups of normals,
+/// each of which has at least its deepest point.
 ///
 /// A point that was chosen before keeps its impulse and user data, and its age grows: one of the
 /// same parts and features, or one at the same place. So a body that slides from triangle to
@@ -120,8 +134,8 @@ struct Scratch {
     own: Vec<usize>,
     /// Corners of the hulls of all groups, one after the other.
     hulls: Vec<usize>,
-    /// Corners of a polygon, and of another one.
-    polygons: [Vec<usize>; 2],
+    /// Corners of a polygon, and of two others.
+    polygons: [Vec<usize>; 3],
 }
 
 /// A point that may be chosen.
@@ -145,6 +159,11 @@ struct Group {
     /// Least depth of a point that may stand for the deepest one.
     deep: f64,
     tangents: [DVec3; 2],
+    /// Area that all points span.
+    whole: Span,
+    /// The triangle on which the body rests with all points; `None` if it rests on other groups,
+    /// too.
+    rest: Option<Rest>,
 }
 
 impl Default for BodyManifold {
@@ -164,7 +183,7 @@ impl BodyManifold {
             taken: Vec::with_capacity(points),
             own: Vec::with_capacity(points),
             hulls: Vec::with_capacity(points),
-            polygons: [Vec::with_capacity(points + 1), Vec::with_capacity(points + 1)],
+            polygons: [(); 3].map(|()| Vec::with_capacity(points + 4)),
         };
         Self { points: [BodyPoint::EMPTY; MAX_BODY_POINTS], count: 0, scratch }
     }
@@ -198,11 +217,12 @@ impl BodyManifold {
         if candidates.is_empty() {
             return;
         }
-        find_last(last, SAME_PLACE * manifolds.reach(), taken, candidates);
+        let body = manifolds.body();
+        find_last(last, SAME_PLACE * body.reach, taken, candidates);
         let (mut groups, mut wanted) = ([Group::default(); MAX_BODY_POINTS], [0; MAX_BODY_POINTS]);
         let count = group(members);
         hulls.clear();
-        let places = Places { members, candidates, same_depth: SAME_DEPTH * manifolds.reach() };
+        let places = Places { members, candidates, body };
         for (index, (group, wanted)) in groups.iter_mut().zip(&mut wanted).enumerate().take(count) {
             (*group, *wanted) = places.group(index, own, hulls, &mut polygons[0]);
         }
@@ -271,8 +291,7 @@ fn find_last(last: &[BodyPoint], same_place: f64, taken: &mut Vec<bool>, candida
 struct Places<'p> {
     members: &'p [Member],
     candidates: &'p [Candidate],
-    /// Depths that differ by less than this count as equal.
-    same_depth: f64,
+    body: SmallerBody,
 }
 
 impl Places<'_> {
@@ -288,8 +307,11 @@ impl Places<'_> {
 
     /// Place of a candidate in the plane of a group.
     fn at(&self, group: &Group, index: usize) -> DVec2 {
-        let [x, y] = group.tangents.map(|tangent| tangent.dot(self.point(index).point.point_b));
-        DVec2::new(x, y)
+        group.over(self.point(index).point.point_b)
+    }
+
+    fn spot(&self, group: &Group, index: usize) -> Spot {
+        Spot { at: self.at(group, index), depth: self.point(index).point.depth }
     }
 
     /// The group `index`, whose hull is appended to `hulls`, and the number of points that it has
@@ -307,14 +329,133 @@ impl Places<'_> {
         let deepest = own.iter().copied().reduce(|p, q| if is_deeper(p, q) { q } else { p }).unwrap_or(0);
         let normal = self.point(deepest).normal;
         let across = perpendicular(normal);
-        let deep = self.point(deepest).point.depth - self.same_depth;
+        // Depths that differ by less count as equal.
+        let deep = self.point(deepest).point.depth - SAME_DEPTH * self.body.reach;
         let tangents = [across, normal.cross(across)];
-        let mut group = Group { index, corners: [hulls.len(), 0], deepest, deep, tangents };
+        let mut group = Group { index, corners: [hulls.len(), 0], deepest, deep, tangents, ..Group::default() };
         hull(own, |index| self.at(&group, index), polygon);
-        reduce(polygon, MAX_BODY_POINTS, self.deepest_of(&group, polygon), |index| self.at(&group, index));
+        group.whole = span(polygon, |index| self.at(&group, index));
+        group.rest = self.rest(&group, own.iter().copied(), polygon);
+        let kept = [self.deepest_of(&group, polygon)];
+        reduce(polygon, MAX_BODY_POINTS, &kept, |index| self.at(&group, index));
         group.corners[1] = polygon.len();
         hulls.extend_from_slice(polygon);
-        (group, polygon.len() + usize::from(!polygon.contains(&self.deepest_of(&group, polygon))))
+        let wanted = polygon.len() + usize::from(!polygon.contains(&kept[0]));
+        let needs_others = self.left_out(&group, [polygon, &kept]).0 > self.may_be_left_out();
+        (group, if needs_others { MAX_BODY_POINTS } else { wanted })
+    }
+
+    /// The triangle on which the body rests with some candidates of a group. `polygon` has the
+    /// corners of their convex hull.
+    fn rest(&self, group: &Group, own: impl Iterator<Item = usize> + Clone, polygon: &[usize]) -> Option<Rest> {
+        let (spot, center) = (|index: usize| self.spot(group, index), group.over(self.body.center));
+        Some(Rest::over(polygon, spot, center)?.lowered(own, spot, center))
+    }
+
+    /// How far a point of a group that is not chosen is below the chosen ones, or below the
+    /// triangle on which the body then rests, and its index. `chosen` are the corners of a convex
+    /// polygon, and other candidates.
+    fn left_out(&self, group: &Group, chosen: [&[usize]; 2]) -> (f64, Option<usize>) {
+        let rest = self.rest(group, chosen.into_iter().flatten().copied(), chosen[0]);
+        if rest.is_none() && group.rest.is_some() {
+            return (f64::INFINITY, None);
+        }
+        let slight = self.may_be_left_out();
+        let mut worst = (0.0, None);
+        for index in self.of_group(group.index).filter(|index| !chosen.iter().any(|some| some.contains(index))) {
+            let spot = self.spot(group, index);
+            let of_rest = rest.map_or(0.0, |rest| spot.depth - rest.depth(spot.at));
+            let below = of_rest.max(envelope::below(spot, chosen, |index| self.spot(group, index), slight));
+            if below > worst.0 {
+                worst = (below, Some(index));
+            }
+        }
+        worst
+    }
+
+    /// How far that may be.
+    fn may_be_left_out(&self) -> f64 {
+        LEFT_OUT * (SLIGHT * self.body.prediction).max(SAME_DEPTH * self.body.reach)
+    }
+
+    /// Drops corners of the convex hull of some candidates of a group, so that at most `most` are
+    /// left with the points that are kept, which it returns: the deepest one, and points that would
+    /// be too far below the others, while the corners span enough. `rest` is the triangle on which
+    /// the body rests with all of these candidates, and `without` is scratch.
+    fn reduce(
+        &self,
+        group: &Group,
+        most: usize,
+        corners: &mut Vec<usize>,
+        rest: Option<Rest>,
+        without: &mut Vec<usize>,
+    ) -> Choice {
+        let mut kept = Choice::default();
+        kept.push(self.deepest_of(group, corners));
+        self.reduce_to(group, most, corners, &kept);
+        // The deepest one, and three others.
+        for _ in 1..most.min(4) {
+            let mut more = kept;
+            match self.left_out(group, [corners, kept.indices()]) {
+                (below, Some(worst)) if below > self.may_be_left_out() => more.push(worst),
+                (below, _) if below > self.may_be_left_out() => break,
+                _ => return kept,
+            }
+            if !self.exchange(group, most, corners, &more, without) {
+                break;
+            }
+            kept = more;
+        }
+        // That was not enough, or the body's centre is not over the corners that are left.
+        if let Some(rest) = rest
+            && !self.holds(group, [corners, kept.indices()])
+        {
+            let mut all = Choice::default();
+            kept.indices().iter().take(1).chain(&rest.corners).take(most).for_each(|index| all.push(*index));
+            if self.exchange(group, most, corners, &all, without) {
+                return all;
+            }
+        }
+        kept
+    }
+
+    /// Drops corners so that at most `most` are left with the points `kept`. Returns false, and
+    /// drops none, if the area would be too small. `without` is scratch.
+    fn exchange(
+        &self,
+        group: &Group,
+        most: usize,
+        corners: &mut Vec<usize>,
+        kept: &Choice,
+        without: &mut Vec<usize>,
+    ) -> bool {
+        without.clear();
+        without.extend_from_slice(corners);
+        self.reduce_to(group, most, without, kept);
+        // With fewer points than that, several groups support the body.
+        let is_wide = most < MAX_BODY_POINTS
+            || span(without, |index| self.at(group, index)).is_at_least(LEAST_AREA, &group.whole);
+        if is_wide {
+            std::mem::swap(corners, without);
+        }
+        is_wide
+    }
+
+    /// Whether the body rests on some points of a group, so that no other is too far below the
+    /// triangle on which it does.
+    fn holds(&self, group: &Group, chosen: [&[usize]; 2]) -> bool {
+        let rest = self.rest(group, chosen.into_iter().flatten().copied(), chosen[0]);
+        let below = |index: usize, rest: &Rest| self.point(index).point.depth - rest.depth(self.at(group, index));
+        rest.is_some_and(|rest| self.of_group(group.index).all(|index| below(index, &rest) <= self.may_be_left_out()))
+    }
+
+    /// Drops corners of a convex polygon until at most `most` are left with the points `kept`.
+    fn reduce_to(&self, group: &Group, most: usize, corners: &mut Vec<usize>, kept: &Choice) {
+        let beside = kept.indices().iter().filter(|index| !corners.contains(index)).count();
+        if beside >= most {
+            return corners.clear();
+        }
+        reduce(corners, most - beside, kept.indices(), |index| self.at(group, index));
     }
 
     /// The deepest of a few candidates of a group, or of all if these are less deep.
@@ -331,34 +472,40 @@ impl Places<'_> {
         share: usize,
         own: &mut Vec<usize>,
         hulls: &[usize],
-        [best, kept]: &'c mut [Vec<usize>; 2],
+        [best, last, without]: &'c mut [Vec<usize>; 3],
     ) -> &'c [usize] {
         let at = |index: usize| self.at(group, index);
-        let with_deepest = |corners: &mut Vec<usize>| {
-            let deepest = self.deepest_of(group, corners);
-            let most = if corners.contains(&deepest) { share } else { share.saturating_sub(1) };
-            if most == 0 {
-                corners.clear();
-            }
-            reduce(corners, most, deepest, at);
-        };
         let [start, count] = group.corners;
         best.clear();
         best.extend(hulls.iter().skip(start).take(count));
-        with_deepest(best);
+        let kept = self.reduce(group, share, best, group.rest, without);
         let was_last = |index: &usize| self.candidates.get(*index).is_some_and(|candidate| candidate.last.is_some());
         own.clear();
         own.extend(self.of_group(group.index).filter(was_last));
-        hull(own, at, kept);
-        with_deepest(kept);
-        let is_as_good = !kept.is_empty() && span(kept, at).is_at_least(KEPT_AREA, &span(best, at));
-        let chosen = if is_as_good { kept } else { best };
-        let deepest = self.deepest_of(group, chosen);
-        if let Some(place) = chosen.iter().position(|index| *index == deepest) {
-            chosen.swap(0, place);
-        } else {
-            chosen.insert(0, deepest);
+        hull(own, at, last);
+        let rest = self.rest(group, own.iter().copied(), last);
+        let kept_of_last = self.reduce(group, share, last, rest, without);
+        let left_out = |corners: &[usize], kept: &Choice| self.left_out(group, [corners, kept.indices()]);
+        let is_as_good = !last.is_empty()
+            && span(last, at).is_at_least(KEPT_AREA, &span(best, at))
+            && left_out(last, &kept_of_last).0 <= left_out(best, &kept).0.max(self.may_be_left_out());
+        let (chosen, kept) = if is_as_good { (last, kept_of_last) } else { (best, kept) };
+        for (rank, index) in kept.indices().iter().enumerate() {
+            match chosen.iter().position(|chosen| chosen == index) {
+                Some(place) if rank == 0 => chosen.swap(0, place),
+                Some(_) => {}
+                None if rank == 0 => chosen.insert(0, *index),
+                None => chosen.push(*index),
+            }
         }
         chosen
+    }
+}
+
+impl Group {
+    /// A place in the plane of the group.
+    fn over(&self, place: DVec3) -> DVec2 {
+        let [x, y] = self.tangents.map(|tangent| tangent.dot(place));
+        DVec2::new(x, y)
     }
 }

@@ -64,11 +64,11 @@ pub(super) fn hull(points: &mut [usize], at: impl Fn(usize) -> DVec2, corners: &
 }
 
 /// Drops corners of a convex polygon until at most `most` are left, and those that add almost no
-/// area. `kept`, if it is a corner, is not dropped.
+/// area. Corners that are among `kept` are not dropped.
 ///
 /// # Complexity
 /// O(n²) for n corners.
-pub(super) fn reduce(corners: &mut Vec<usize>, most: usize, kept: usize, at: impl Fn(usize) -> DVec2) {
+pub(super) fn reduce(corners: &mut Vec<usize>, most: usize, kept: &[usize], at: impl Fn(usize) -> DVec2) {
     let all = span(corners, &at);
     let slight = (SLIGHT_EAR * all.area).max(LINE * all.length * all.length);
     while corners.len() > 1 {
@@ -82,14 +82,14 @@ pub(super) fn reduce(corners: &mut Vec<usize>, most: usize, kept: usize, at: imp
         let loss = |rank: usize| {
             let [before, own, after] = around(rank);
             match count {
-                // Of two points, the one stays that is far from the kept one.
-                2 => own.distance(at(kept)),
+                // Of two points, the one stays that is far from a kept one.
+                2 => kept.first().map_or(0.0, |kept| own.distance(at(*kept))),
                 // Of three, the two stay that are farthest apart.
                 3 => -before.distance(after),
                 _ => ear(rank),
             }
         };
-        let may_go = |rank: &usize| corners.get(*rank) != Some(&kept);
+        let may_go = |rank: &usize| corners.get(*rank).is_some_and(|corner| !kept.contains(corner));
         let Some(least) = (0..count).filter(may_go).min_by(|p, q| loss(*p).total_cmp(&loss(*q))) else { break };
         let is_slight = count > 2 && ear(least) <= slight;
         if count <= most.max(1) && !is_slight {
@@ -193,10 +193,10 @@ mod tests {
                 let mut left = corners(&places);
                 let all = span(&left, |i| places[i]);
                 let kept = left[left.len() / 2];
-                reduce(&mut left, 7, usize::MAX, |i| places.get(i).copied().unwrap_or_default());
+                reduce(&mut left, 7, &[], |i| places[i]);
                 worst = f64::min(worst, span(&left, |i| places[i]).area / all.area);
                 let mut with = corners(&places);
-                reduce(&mut with, 8, kept, |i| places[i]);
+                reduce(&mut with, 8, &[kept], |i| places[i]);
                 assert!(with.contains(&kept) && (7..=8).contains(&with.len()), "{count} points");
                 assert!(span(&with, |i| places[i]).is_at_least(0.7, &all), "{count} points");
             }
