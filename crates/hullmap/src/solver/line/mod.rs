@@ -35,7 +35,7 @@ use glam::DVec3;
 
 use self::clearance::clearance;
 use self::clip::Clip;
-use self::portal::{Discovery, End, LineSearch, Pierced, Portal, Sense};
+use self::portal::{End, LineSearch, Pierced, Portal, Sense};
 use super::barycentric::blend;
 use super::bound::Bound;
 use super::minkowski::Minkowski;
@@ -57,11 +57,8 @@ const EXACT_ERRORS: f64 = 64.0;
 /// What to search for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineQuery {
-    /// Direction of the line, of unit length.
     pub(super) direction: DVec3,
-    /// Maximum length along it.
     pub(super) limit: f64,
-    /// Width of the interval that is narrow enough: a length.
     pub(super) tolerance: f64,
     /// Maximum number of steps.
     pub(super) max_iterations: u32,
@@ -129,7 +126,7 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     search: &mut LineSearch<'_, '_, A, B>,
     query: &LineQuery,
 ) -> Entry {
-    let Discovery::Portal(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
+    let Some(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
     let limit = query.max_iterations.min(MAX_STEPS);
     let (origin, middle) = (search.clip.origin, start.pierced());
     let known = search.first_clearance(&start, &middle);
