@@ -96,21 +96,12 @@ impl Default for Cache {
     }
 }
 
+/// Of a cached polytope: the features of its vertices, and the corners and neighbours of its faces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CachedPolytope<'c> {
-    points: &'c [[u32; 2]],
-    corners: &'c [[u8; 3]],
-    neighbours: &'c [[u8; 3]],
-}
-
-impl CachedPolytope<'_> {
-    pub(super) fn points(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
-        self.points.iter().copied()
-    }
-
-    pub(super) fn faces(&self) -> impl ExactSizeIterator<Item = ([u16; 3], [u16; 3])> {
-        self.corners.iter().zip(self.neighbours).map(|(c, n)| (c.map(u16::from), n.map(u16::from)))
-    }
+    pub(super) points: &'c [[u32; 2]],
+    pub(super) corners: &'c [[u8; 3]],
+    pub(super) neighbours: &'c [[u8; 3]],
 }
 
 impl Cache {
@@ -303,11 +294,11 @@ mod tests {
         assert!(cache.polytope().is_none());
         let points = [1, 2, 3, 4].map(|i| [i, 10 + i]);
         let (corners, neighbours) = ([[0, 1, 2], [0, 3, 1]], [[1, 2, 3], [3, 2, 0]]);
-        cache.keep_polytope(&points, (&corners, &neighbours));
+        cache.keep_polytope(&points, (&corners.map(|c| c.map(u16::from)), &neighbours.map(|n| n.map(u16::from))));
         let kept = cache.polytope().unwrap();
-        assert!(kept.points().eq(points));
-        assert!(kept.faces().eq(corners.into_iter().zip(neighbours)));
-        cache.keep_polytope(&[[0; 2]; MAX_POINTS + 1], (&corners, &neighbours));
+        assert_eq!(kept.points, points);
+        assert!(kept.corners.iter().zip(kept.neighbours).eq(corners.iter().zip(&neighbours)));
+        cache.keep_polytope(&[[0; 2]; MAX_POINTS + 1], (&[], &[]));
         assert!(cache.polytope().is_none());
     }
 

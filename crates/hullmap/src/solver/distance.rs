@@ -160,8 +160,6 @@ fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_,
     let center = m.center_point();
     Distance {
         status: Status::Overlapping,
-        distance: 0.0,
-        lower: 0.0,
         upper: 0.0,
         normal: unit(-center.w).unwrap_or(DVec3::X),
         point_a: center.a,

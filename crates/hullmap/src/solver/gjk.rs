@@ -119,7 +119,14 @@ impl Simplex {
     pub(super) fn witnesses(&self, length: f64, noise: f64) -> (DVec3, DVec3, DVec3) {
         let ([i, j, k, l], count) = self.packed();
         let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
-        let mut weights = self.packed_weights([i, j, k, l], w, count);
+        // Places beyond the count repeat the first one, which must count once.
+        let mut weights = match self.weights {
+            Some(own) => {
+                let weight = |at: usize, place: usize| if at < count { own[place] } else { 0.0 };
+                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
+            }
+            None => on_simplex(w, count).0.weights,
+        };
         let mut between = blend(&weights, w);
         for _ in 0..MAX_CORRECTIONS {
             if between.length() <= length + noise {
@@ -147,19 +154,6 @@ impl Simplex {
         }
         let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
         (point_a, point_a - between, between)
-    }
-
-    /// Weights of the vertices in the closest point, in the order of [`packed`](Self::packed).
-    #[inline(always)]
-    fn packed_weights(&self, [i, j, k, l]: [usize; PLACES], w: [DVec3; PLACES], count: usize) -> [f64; PLACES] {
-        match self.weights {
-            Some(weights) => {
-                // Slots beyond the count repeat the first one, which must count once.
-                let weight = |at: usize, place: usize| if at < count { weights[place] } else { 0.0 };
-                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
-            }
-            None => on_simplex(w, count).0.weights,
-        }
     }
 
     /// The closest point of the whole simplex, the places of the vertices that span it, and the

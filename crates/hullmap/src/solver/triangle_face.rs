@@ -79,7 +79,6 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     cache.forget_axis();
     let contact = Contact {
-        hit: true,
         status: Status::Exact,
         depth,
         depth_lower: depth - m.noise(),
@@ -87,7 +86,6 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         normal,
         point_a: foot,
         point_b: lowest,
-        iterations: 0,
         support_calls: m.support_calls(),
         ..Contact::default()
     };

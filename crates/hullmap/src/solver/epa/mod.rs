@@ -111,7 +111,7 @@ impl EpaSearch {
         cache: &Cache,
         workspace: &mut Workspace,
     ) -> Option<Self> {
-        let is_medium = cache.polytope()?.points().len() + SPARE > SIZES[0];
+        let is_medium = cache.polytope()?.points.len() + SPARE > SIZES[0];
         let encloses = if is_medium {
             restore(m, cleared(&mut workspace.medium, m.noise()), cache)
         } else {
@@ -199,8 +199,8 @@ fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const
     cache: &Cache,
 ) -> bool {
     cache.polytope().is_some_and(|kept| {
-        let points = kept.points().map(|features| m.recall(features));
-        polytope.restore(points, kept.faces()) && polytope.encloses()
+        let points = kept.points.iter().map(|features| m.recall(*features));
+        polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses()
     })
 }
 

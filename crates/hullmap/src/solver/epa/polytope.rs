@@ -168,19 +168,20 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     pub(in crate::solver) fn restore(
         &mut self,
         points: impl Iterator<Item = Option<Point>>,
-        faces: impl ExactSizeIterator<Item = ([u16; 3], [u16; 3])>,
+        corners: &[[u8; 3]],
+        neighbours: &[[u8; 3]],
     ) -> bool {
         self.point_count = 0;
         for point in points {
             let (Some(point), true) = (point, self.point_count < V) else { return false };
             self.push(point);
         }
-        if faces.len() > F {
+        if corners.len() > F {
             return false;
         }
-        self.face_count = faces.len();
-        for (face, (corners, neighbours)) in faces.enumerate() {
-            (self.corners[face], self.neighbours[face]) = (corners, neighbours);
+        self.face_count = corners.len();
+        for (face, (corners, neighbours)) in corners.iter().zip(neighbours).enumerate() {
+            (self.corners[face], self.neighbours[face]) = (corners.map(u16::from), neighbours.map(u16::from));
         }
         self.update_planes(self.face_count)
     }

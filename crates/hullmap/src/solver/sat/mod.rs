@@ -162,7 +162,6 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     cache.set_axis(best.normal);
     let found = Contact {
-        hit: true,
         status,
         depth: best.upper,
         depth_lower: lower - m.noise(),
