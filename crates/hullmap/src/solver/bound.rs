@@ -33,7 +33,6 @@ const OTHER_SIDE: f64 = 8.0;
 pub(super) struct Bound {
     /// Support value along `normal`, without allowance for rounding error.
     pub(super) upper: f64,
-    /// Of unit length, from A to B.
     pub(super) normal: DVec3,
     pub(super) point_a: DVec3,
     pub(super) point_b: DVec3,
@@ -44,7 +43,6 @@ impl Bound {
         Self { upper: f64::INFINITY, normal: DVec3::ZERO, point_a: DVec3::ZERO, point_b: DVec3::ZERO }
     }
 
-    /// A bound whose witness points belong to the point of `face` closest to the origin.
     pub(super) fn on_face(upper: f64, normal: DVec3, face: [&Point; 3]) -> Self {
         let [p, q, r] = face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
@@ -99,8 +97,8 @@ impl Bound {
     }
 
     /// Searches for the point of the difference that is closest to the foot, by a distance query of
-    /// A and of B moved by the depth, which touch. `face` has points near the foot to start from, if
-    /// there are any. Returns the number of steps.
+    /// A and of B moved by the depth, which touch. It starts from the points of `face`, if there are
+    /// any. Returns the number of steps.
     #[cold]
     #[inline(never)]
     pub(super) fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

@@ -29,8 +29,8 @@ use glam::DVec3;
 /// zero tolerance about 200.
 const MAX_STEPS: u32 = 1000;
 
-/// Maximum number of corrections of the weights. Each one squares their relative error, which is
-/// about 1e-5 in the thinnest sliver that still counts as a triangle.
+/// Maximum number of corrections of the weights. Each squares their relative error, which is about
+/// 1e-5 in the thinnest triangle.
 const MAX_CORRECTIONS: usize = 3;
 
 /// A simplex of up to four vertices, in fixed places.
@@ -41,7 +41,6 @@ const MAX_CORRECTIONS: usize = 3;
 pub(super) struct Simplex {
     /// Coordinates of the points of the Minkowski difference: all x, all y, all z.
     w: [[f64; PLACES]; 3],
-    /// The points of A, in A's frame.
     a: [DVec3; PLACES],
     features: [[u32; 2]; PLACES],
     /// The places in use, one bit each.
@@ -81,7 +80,6 @@ impl Simplex {
         (0..PLACES).filter(move |place| used >> place & 1 == 1)
     }
 
-    /// The features of the vertices.
     pub(super) fn features(&self) -> impl Iterator<Item = [u32; 2]> {
         self.places().map(|place| self.features[place])
     }
@@ -211,9 +209,7 @@ pub(super) enum End {
     Inside,
     /// The closest point is the origin within rounding error: on the simplex, or barely inside.
     AtOrigin,
-    /// The iteration limit was reached.
     Limit,
-    /// Rounding error stopped all progress.
     Stalled,
 }
 
@@ -261,9 +257,7 @@ pub(super) struct GjkSearch {
     normal: DVec3,
     /// The vertex added last, with its place. A single vertex counts as such.
     newest: Option<(usize, DVec3)>,
-    /// The point of the simplex closest to the origin.
     y: DVec3,
-    /// Number of the current step.
     iterations: u32,
     limit: u32,
 }
@@ -287,8 +281,7 @@ impl GjkSearch {
         }
     }
 
-    /// Continues up to the next support query: from the start, or with the support point in the
-    /// direction that was stated last.
+    /// Continues up to the next support query, with the last support point, if any.
     #[inline(always)]
     pub(super) fn advance(&mut self, simplex: &mut Simplex, point: Option<Point>) -> Step<Closest> {
         // Steps 2 and 3. NaN is no bound, and no progress below. Any normal is better than none.

@@ -59,13 +59,11 @@ const FLATNESS: f64 = 1e-11;
 /// A triangle that the ray from the centre v0 through the origin pierces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Portal {
-    /// v1, v2, v3, counter-clockwise as seen from outside: (v2 − v1) × (v3 − v1) points away from
-    /// v0.
+    /// Counter-clockwise as seen from outside: (v2 − v1) × (v3 − v1) points away from v0.
     pub(super) vertices: [Point; 3],
 }
 
 impl Portal {
-    /// The triangle of these features. `None` if a shape does not know one of them.
     pub(super) fn recall<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
         features: [[u32; 2]; 3],
@@ -116,7 +114,8 @@ impl Portal {
         is_below && height > 0.0 && is_within(v1, v3) && is_within(v3, v2) && is_within(v2, v1)
     }
 
-    /// The postcondition of portal discovery: the ray from `v0` pierces the portal, which faces away.
+    /// Whether portal discovery could end here: the ray from `v0` pierces the portal, which faces
+    /// away.
     #[inline]
     pub(super) fn is_pierced(&self, v0: DVec3) -> bool {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
@@ -157,16 +156,19 @@ pub(super) enum Found {
     Nothing,
 }
 
+/// Which vertex the next support point is.
 #[derive(Clone, Copy, Debug)]
 enum Phase {
-    /// v1, towards the origin.
     First,
-    /// v2, perpendicular to the plane of v0, v1 and the origin.
     Second,
-    /// v3, perpendicular to the plane of v0, v1 and v2; in this step of portal discovery.
-    Third { step: u32 },
-    /// v4, along the normal of the portal; in this step of portal refinement.
-    Fourth { step: u32 },
+    /// In this step of portal discovery.
+    Third {
+        step: u32,
+    },
+    /// In this step of portal refinement.
+    Fourth {
+        step: u32,
+    },
 }
 
 /// A search that waits for a support point.
@@ -176,7 +178,6 @@ pub(crate) struct MprSearch {
     rounding: f64,
     /// Lengths below this are rounding error of a tetrahedron's height.
     flat: f64,
-    /// v1, v2 and v3, as far as they are known.
     portal: Portal,
     dir: DVec3,
     phase: Phase,
@@ -206,7 +207,6 @@ impl MprSearch {
         }
     }
 
-    /// The portal, or the last points queried if there is none.
     pub(super) fn portal(&self) -> &Portal {
         &self.portal
     }
@@ -229,7 +229,6 @@ impl MprSearch {
         }
     }
 
-    /// Continues with the support point `w` in the stated direction.
     #[inline(always)]
     pub(super) fn continue_with(&mut self, w: Point) -> Step<Found> {
         let n = self.dir;

@@ -74,7 +74,7 @@ impl<S: SupportMap + ?Sized> SupportMap for Core<'_, S> {
 
 /// Maximum number of searches for the distance of the cores.
 ///
-/// Each narrows the difference to the radii, and thus tells the tolerance that the next one needs.
+/// Each narrows the difference to the radii, from which the tolerance of the next one follows.
 const MAX_SEARCHES: usize = 3;
 
 /// Distance of the cores, accurate enough that its difference to `radius` is within the tolerance;

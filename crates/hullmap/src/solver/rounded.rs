@@ -43,7 +43,6 @@ const EXACT_ERRORS: f64 = 64.0;
 /// Share of the tolerance that a step, a trial and the error of a distance may take.
 const SHARE: f64 = 0.125;
 
-/// The two cores with their motion.
 struct Cores<'q, A: ?Sized, B: ?Sized> {
     a: Core<'q, A>,
     b: Core<'q, B>,
@@ -61,7 +60,6 @@ struct Sample {
     gap: Distance,
     /// Lower bound of the gap between the shapes; negative where they may overlap.
     lower: f64,
-    /// Upper bound of that gap, with its sign.
     upper: f64,
     along: f64,
     error: f64,

@@ -121,9 +121,8 @@ impl EpaSearch {
         encloses.then_some(Self { terms, state, is_medium, again: true, keeps: false })
     }
 
-    /// Continues up to the next support query: from the start, or with the support point in the
-    /// direction that was stated last. The answer is `None` if the expansion started from the
-    /// polytope of the cache and has stalled.
+    /// Continues up to the next support query, with the last support point, if any. The answer is
+    /// `None` if the expansion started from the polytope of the cache and has stalled.
     #[inline(always)]
     pub(in crate::solver) fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,

@@ -32,11 +32,9 @@ use crate::support::simd::{Dispatch, Pass, Simd};
 use glam::DVec3;
 use std::hint::select_unpredictable;
 
-/// A vertex sees a face if it is above the face's plane, or at most this far below it, in units of
-/// the noise.
-///
-/// So the vertex sees all of several coplanar faces. They are replaced together, and no sliver
-/// arises between the vertex and an edge in line with it.
+/// A vertex sees a face if it is above the face's plane, or at most this many noises below it. So
+/// it sees all of several coplanar faces, and no sliver arises between it and an edge in line with
+/// it.
 pub(in crate::solver) const COPLANAR_NOISES: f64 = 2.0;
 
 /// Planes whose offsets differ by at most this much, relative, may be the same plane. The planes of
@@ -47,9 +45,7 @@ const COPLANAR_RELATIVE: f64 = 1e-9;
 const PARALLEL_DISTANCE: f64 = 1e-4;
 
 /// The sign of a volume is certain if the volume exceeds this factor times the product of its three
-/// lengths.
-///
-/// Two edges, a cross product and a dot product have a relative rounding error of 10 · 2⁻⁵³.
+/// lengths: two edges, a cross product and a dot product have a relative error of 10 · 2⁻⁵³.
 const CERTAIN: f64 = 8.0 * f64::EPSILON;
 
 const LANES: usize = 4;
@@ -67,7 +63,6 @@ pub(in crate::solver) struct InsertError;
 #[derive(Clone, Copy, Debug)]
 struct HorizonEdge {
     from: u16,
-    /// The face beyond, which stays.
     beyond: u16,
     beyond_edge: u16,
 }
@@ -160,11 +155,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.update_planes(4)
     }
 
-    /// Becomes a cached surface under a new pose: `points` with the corners and neighbours of
-    /// `faces`.
-    ///
-    /// A place whose corners are all the same vertex is free. Returns false if the surface does not
-    /// fit, a point is unknown, or a face has no area.
+    /// Becomes a cached surface under a new pose. A place whose corners are all the same vertex is
+    /// free. Returns false if the surface does not fit, a point is unknown, or a face has no area.
     pub(in crate::solver) fn restore(
         &mut self,
         points: impl Iterator<Item = Option<Point>>,
@@ -186,8 +178,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.update_planes(self.face_count)
     }
 
-    /// Computes the planes and offsets of the first `count` faces. Returns false if one has no
-    /// area.
+    /// Computes the first `count` planes and offsets. Returns false if a face has no area.
     fn update_planes(&mut self, count: usize) -> bool {
         let mut update = Update { polytope: self, count, all_solid: false };
         let dispatch = update.polytope.dispatch;
@@ -232,8 +223,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face][0] == self.corners[face][1]
     }
 
-    /// Removes the surface. Then the polytope is as [`empty`](Self::empty) returns it. `noise` is
-    /// the error bound of offsets, a length.
+    /// Makes the polytope as [`empty`](Self::empty) returns it.
     pub(in crate::solver) fn clear(&mut self, noise: f64) {
         self.offsets.fill(f64::INFINITY);
         self.corners.fill([0; 3]);
@@ -266,10 +256,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         big.nearest = self.nearest;
     }
 
-    /// Whether the surface certainly wound around the origin when it was started or restored.
-    ///
-    /// It does if every face has the same orientation as seen from the origin: then the solid
-    /// angles add up to at least one whole sphere.
+    /// Whether the surface certainly wound around the origin when it was started or restored: every
+    /// face has the same orientation as seen from the origin.
     pub(in crate::solver) fn encloses(&self) -> bool {
         self.encloses
     }
@@ -294,8 +282,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         DVec3::new(self.w[0][index], self.w[1][index], self.w[2][index])
     }
 
-    /// Adds a vertex without faces. The polytope must not be full.
     #[inline(always)]
+    /// Adds a vertex without faces.
     fn push(&mut self, point: Point) {
         let index = self.point_count;
         (self.w[0][index], self.w[1][index], self.w[2][index]) = (point.w.x, point.w.y, point.w.z);
@@ -320,7 +308,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
 
-    /// The minimum offset of the faces whose unit normals are not `normal`.
     pub(in crate::solver) fn offset_beside(&self, normal: DVec3) -> f64 {
         let mut lowest = f64::INFINITY;
         for face in 0..self.face_count {
@@ -397,7 +384,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.join_last_vertex(point.w.x, point.w.y, point.w.z, face)
     }
 
-    /// Joins the last vertex to the surface. Its position comes as three numbers, in registers.
     #[inline(never)]
     fn join_last_vertex(&mut self, x: f64, y: f64, z: f64, face: usize) -> Result<(), InsertError> {
         let w = DVec3::new(x, y, z);
@@ -409,10 +395,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.build_fan(w, horizon, nearest)
     }
 
-    /// Steps 1 and 2: removes all faces that `w` sees, starting with `face`, and finds their
-    /// border.
-    ///
-    /// Returns the number of removed faces and the number of edges of the horizon.
+    /// Steps 1 and 2. Returns the number of removed faces and the number of edges of the horizon.
     #[inline(always)]
     fn walk_horizon(&mut self, w: DVec3, face: usize) -> Result<(usize, usize), InsertError> {
         let (mut open, mut removed, mut horizon) = (3, 1, 0);
@@ -463,8 +446,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         Ok((removed, horizon))
     }
 
-    /// Step 3: puts the places of the new faces into `self.removed`. They are those of the removed
-    /// faces, and up to two new ones. Frees the places that are left over.
+    /// Step 3: puts the places of the new faces into `self.removed`, and frees places that are left
+    /// over.
     #[inline(always)]
     fn assign_places(&mut self, removed: usize, horizon: usize) -> Result<(), InsertError> {
         let new = horizon.saturating_sub(removed);
@@ -481,8 +464,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         Ok(())
     }
 
-    /// Step 4: builds the fan from the horizon to the last vertex, which is at `w`. `nearest` is
-    /// the nearest of the faces that stay.
+    /// Step 4. The last vertex is at `w`, and `nearest` is the nearest of the faces that stay.
     #[inline(always)]
     fn build_fan(&mut self, w: DVec3, horizon: usize, mut nearest: usize) -> Result<(), InsertError> {
         let apex = (self.point_count - 1) as u16;
@@ -531,7 +513,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 }
 
-/// The pass of [`Polytope::update_planes`].
 struct Update<'p, const V: usize, const F: usize> {
     polytope: &'p mut Polytope<V, F>,
     count: usize,

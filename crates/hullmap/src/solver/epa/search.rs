@@ -27,15 +27,12 @@ pub(in crate::solver) enum End {
     Touching,
     /// The origin is inside; the bounds are not narrowed further.
     Inside,
-    /// The bounds are close enough.
     Converged,
-    /// A limit was reached.
     Limit,
     /// Rounding errors stopped all progress.
     Stalled,
 }
 
-/// The result of the search.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) struct Expansion {
     pub(in crate::solver) end: End,
@@ -54,7 +51,6 @@ pub(in crate::solver) struct Expansion {
 const SQRT_3: f64 = 1.733;
 const _: () = assert!(SQRT_3 * SQRT_3 > 3.0);
 
-/// The constants of one search.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) struct Terms {
     decides_only: bool,
@@ -109,7 +105,6 @@ pub(super) struct Nearest {
     /// Normal of the plane, of any length: the direction of the support query.
     pub(super) direction: DVec3,
     length: f64,
-    /// Signed distance of the plane from the origin.
     offset: f64,
 }
 
@@ -133,12 +128,10 @@ pub(super) struct State {
     pub(super) corners: Option<[u16; 3]>,
     /// The surface certainly winds around the origin.
     pub(super) encloses: bool,
-    /// The face whose plane is tested next.
     pub(super) nearest: Nearest,
 }
 
 impl State {
-    /// The state before the first step, with an upper bound known from elsewhere.
     pub(super) fn new(bound: Bound, encloses: bool) -> Self {
         let (lower, others) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         let out = Expansion { end: End::Limit, lower, bound, iterations: 0, features: Point::CENTER, others };
@@ -229,7 +222,6 @@ impl State {
         false
     }
 
-    /// Whether the bounds are as close as required.
     #[inline(always)]
     fn is_close(&self, terms: &Terms) -> bool {
         // A missing bound is infinite, and infinity is within a tolerance of infinity.

@@ -22,8 +22,8 @@ const MAX_VERTICES: usize = 24;
 const FLAT_ERRORS: f64 = 4.0;
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
-    /// Lower bound of the clearance, at most a little more than `enough`. Not positive if the line may
-    /// miss the set.
+    /// Lower bound of the clearance, at most a little more than `enough`. Not positive if the line
+    /// may miss the set.
     pub(super) fn clearance(&mut self, portal: &Portal, enough: f64) -> f64 {
         let mut polygon = [DVec3::ZERO; MAX_VERTICES];
         for (to, corner) in polygon.iter_mut().zip(&portal.corners) {

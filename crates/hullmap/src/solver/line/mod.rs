@@ -171,8 +171,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
         }
     }
 
-    /// Step 4: error of the parameter at which the line pierces the entry, as small as the tolerance
-    /// requires. `known` is a clearance.
+    /// Step 4: error of the parameter at which the line pierces the entry, as small as the
+    /// tolerance requires. `known` is a clearance.
     fn least_error(&mut self, query: &LineQuery, known: f64, (entry, pierced): (&Portal, &Pierced)) -> f64 {
         let mut error = self.error(pierced.residual, known);
         if error > ERROR_SHARE * query.tolerance {
@@ -192,8 +192,6 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
     fn safer(&mut self, [last, first]: [(Portal, Pierced); 2]) -> (Portal, Pierced) {
         // The line leaves the set before this plane, if it hits it at all.
         self.probe(DVec3::Z);
-        // If the set is flat as seen along the line, refinement may have lost the part that the line
-        // grazes.
         let end = self.clip.upper;
         let off = |found: &Pierced| found.residual + (found.at - end).max(0.0);
         if off(&last.1) > off(&first.1) + self.clip.noise { first } else { last }

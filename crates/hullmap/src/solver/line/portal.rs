@@ -68,7 +68,6 @@ pub(super) fn across_sq(a: DVec3) -> f64 {
     a.x * a.x + a.y * a.y
 }
 
-/// Three points of the set that the line passes between, counter-clockwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Portal {
     pub(super) corners: [Corner; 3],
@@ -79,7 +78,6 @@ pub(super) struct Portal {
 pub(super) struct Pierced {
     pub(super) weights: [f64; 3],
     pub(super) at: f64,
-    /// Distance of the line from the point of these weights.
     pub(super) residual: f64,
 }
 
@@ -150,7 +148,6 @@ pub(super) struct LineSearch<'m, 's, A: ?Sized, B: ?Sized> {
     pub(super) m: &'m mut Minkowski<'s, A, B>,
     pub(super) clip: Clip,
     across: [DVec3; 2],
-    /// Number of steps so far.
     pub(super) steps: u32,
 }
 
