@@ -97,8 +97,8 @@ impl Bound {
     }
 
     /// Searches for the point of the difference that is closest to the foot, by a distance query of
-    /// A and of B moved by the depth, which touch. It starts from the points of `face`, if there are
-    /// any. Returns the number of steps.
+    /// A and of B moved by the depth, which touch. It starts from `face`, if there is one. Returns
+    /// the number of steps.
     #[cold]
     #[inline(never)]
     pub(super) fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
