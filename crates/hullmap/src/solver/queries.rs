@@ -236,6 +236,7 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let lower = radius + core.depth_lower - rounding - separation;
         let upper = radius + core.depth_upper + rounding;
         Contact {
+            hit: true,
             status: interval_status(core.status, [lower, upper], tolerance, touching_length),
             depth: radius + core.depth,
             depth_lower: lower.max(0.0),
