@@ -109,8 +109,6 @@ pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Contact {
         hit: false,
         status: Status::Separated,
-        depth: 0.0,
-        depth_lower: 0.0,
         depth_upper: 0.0,
         normal: axis,
         point_a: center.a,

@@ -6,15 +6,9 @@
 //! # Reference
 //! Kenwright, Algorithm 1 line 10 and `MapPointOrigin` of Listing 2.
 //!
-//! # Steps, for a triangle
-//! 1. Project the origin onto the plane of the triangle. If the projection is inside, the areas of
-//!    the three parts are the weights.
-//! 2. Otherwise, or if the triangle has no area, take the closest of the three edges.
-//!
 //! # Deviations
-//! - Weights are clamped: they are never negative, and their sum is 1. The paper's weights are
-//!   wrong if the origin projects outside the portal (libccd#71), and it divides by zero if the
-//!   portal has no area.
+//! - Weights are clamped: never negative, with sum 1. The paper's are wrong if the origin projects
+//!   outside the portal (libccd#71), and it divides by zero if the portal has no area.
 //! - Edges are compared by their distances and not by Voronoi regions. So there is no chain of sign
 //!   tests that rounding error could make contradictory.
 
@@ -22,8 +16,7 @@ use glam::DVec3;
 
 /// Minimum sine of the angle between two edges of a triangle. Thinner triangles count as segments.
 ///
-/// Coordinates are accurate to about 1e-15 of the size of the query, so the normal of a thinner
-/// sliver would have at most five correct digits.
+/// The normal of a thinner sliver would have at most five correct digits.
 const MIN_SINE: f64 = 1e-10;
 
 /// The point of a segment, triangle or tetrahedron closest to the origin.
@@ -31,7 +24,6 @@ const MIN_SINE: f64 = 1e-10;
 pub(crate) struct Nearest<const N: usize> {
     /// Weights of the vertices: not negative, with sum 1.
     pub(crate) weights: [f64; N],
-    /// The closest point.
     pub(crate) point: DVec3,
 }
 
@@ -82,31 +74,22 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     if let Some(inside) = inside_triangle(p, q, r) {
         return inside;
     }
-    let mut best = on_two_edges(p, q, r);
-    let on_pq = on_segment(p, q);
-    if on_pq.point.length_squared() < best.point.length_squared() {
-        best = Nearest { weights: [on_pq.weights[0], on_pq.weights[1], 0.0], point: on_pq.point };
+    let (on_pq, on_qr, on_rp) = (on_segment(p, q), on_segment(q, r), on_segment(r, p));
+    let mut best = Nearest { weights: [0.0, on_qr.weights[0], on_qr.weights[1]], point: on_qr.point };
+    let on_rp = Nearest { weights: [on_rp.weights[1], 0.0, on_rp.weights[0]], point: on_rp.point };
+    let on_pq = Nearest { weights: [on_pq.weights[0], on_pq.weights[1], 0.0], point: on_pq.point };
+    for other in [on_rp, on_pq] {
+        if other.point.length_squared() < best.point.length_squared() {
+            best = other;
+        }
     }
     best
 }
 
-/// The closest point on the two edges of a triangle that meet in `r`.
-#[inline]
-fn on_two_edges(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
-    let (on_qr, on_rp) = (on_segment(q, r), on_segment(r, p));
-    if on_rp.point.length_squared() < on_qr.point.length_squared() {
-        Nearest { weights: [on_rp.weights[1], 0.0, on_rp.weights[0]], point: on_rp.point }
-    } else {
-        Nearest { weights: [0.0, on_qr.weights[0], on_qr.weights[1]], point: on_qr.point }
-    }
-}
-
 /// The closest point of the simplex of the first `count` points of `v`, and the clearance of the
-/// origin.
-///
-/// The clearance is 0 unless the origin is inside a tetrahedron. Then it is the minimum over the
-/// faces of the origin's distance from the face times the sine of an angle of the face. If it
-/// exceeds the rounding error, the origin is certainly inside. Weights beyond `count` are 0.
+/// origin: 0 unless the origin is inside a tetrahedron, else the minimum over the faces of its
+/// distance from the face times the sine of an angle of the face. If that exceeds the rounding
+/// error, the origin is certainly inside.
 pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
     let [p, q, r, _] = v;
     match count {
@@ -117,27 +100,22 @@ pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
     }
 }
 
-/// The same point with four weights.
 fn padded<const N: usize>(nearest: Nearest<N>) -> Nearest<4> {
     let mut weights = [0.0; 4];
     weights[..N].copy_from_slice(&nearest.weights);
     Nearest { weights, point: nearest.point }
 }
 
-/// A closest point, and the vertices that span it.
-///
-/// The weights are computed once, at the end of a search, by [`on_simplex`].
+/// A closest point, and the vertices that span it: one bit for each, in the order of the arguments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SubSimplex {
     pub(crate) point: DVec3,
-    /// One bit for each vertex, in the order of the arguments.
     pub(crate) mask: u8,
 }
 
-/// The closest point on the segment from `p` to the newest vertex `s`, provided that it needs `s`.
-///
-/// It does if `s` is a support point that was added because it is closer than the rest of the
-/// simplex. The `…_to` functions rely on that and do half the work of [`on_simplex`].
+/// The closest point on the segment from `p` to the newest vertex `s`, provided that it needs `s`,
+/// as it does if `s` was added because it is closer than the rest of the simplex. So the `…_to`
+/// functions do half the work of [`on_simplex`].
 #[inline(always)]
 pub(crate) fn on_segment_to(p: DVec3, s: DVec3) -> SubSimplex {
     let (point, t) = along(s, p - s);
@@ -156,8 +134,7 @@ pub(crate) fn on_triangle_to(p: DVec3, q: DVec3, s: DVec3) -> SubSimplex {
 #[inline(always)]
 pub(crate) fn on_tetrahedron_to(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> Option<SubSimplex> {
     let (sp, sq, sr) = (p - s, q - s, r - s);
-    // Normals of the faces that meet in s, either all outward or all inward; the sign of the volume
-    // decides.
+    // All outward or all inward: the sign of the volume decides.
     let (across_r, across_p, across_q) = (sp.cross(sq), sq.cross(sr), sr.cross(sp));
     let volume = across_r.dot(sr);
     let mut best = None::<SubSimplex>;
@@ -195,9 +172,8 @@ fn along(s: DVec3, edge: DVec3) -> (DVec3, f64) {
     (s + edge * t, t)
 }
 
-/// The closest point on the triangle of `s`, `s + e` and `s + f` with the normal `n` = e × f,
-/// provided that it needs `s`. The bits of the mask stand for `s + e`, `s + f` and `s`, in this
-/// order.
+/// The closest point on the triangle of `s + e`, `s + f` and `s` with the normal `n` = e × f,
+/// provided that it needs `s`.
 #[inline(always)]
 fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> SubSimplex {
     let n_sq = n.length_squared();
@@ -221,12 +197,8 @@ fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> SubSimplex {
     }
 }
 
-/// The closest point on the solid tetrahedron `v`, and the clearance of the origin (see
-/// [`on_simplex`]).
-///
-/// If the origin is inside, it is the closest point. A flat tetrahedron counts as its four faces.
+/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces.
 pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
-    /// The three corners of a face, and the corner across from it.
     const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
     let mut clearance = f64::INFINITY;
     let mut weights = [0.0; 4];
@@ -265,7 +237,6 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
 ///
 /// The blend of the points should be perpendicular to the simplex. The step moves the weights by
 /// the component within the simplex, so the remaining error is about the square of the first.
-/// Slivers need it: the thinner the sliver, the more digits its weights lose.
 pub(crate) fn corrected_weights(weights: &[f64; 4], points: [DVec3; 4], count: usize) -> [f64; 4] {
     let off = -blend(weights, points);
     let [e, f, g] = [1, 2, 3].map(|i| points[i] - points[0]);
@@ -283,8 +254,7 @@ pub(crate) fn corrected_weights(weights: &[f64; 4], points: [DVec3; 4], count: u
         _ => [0.0; 3],
     };
     let [p, q, r, s] = *weights;
-    // NaN, from a simplex without volume, becomes 0. The caller detects that the result is no
-    // better.
+    // NaN, from a simplex without volume, becomes 0.
     let moved = [p - (by[0] + by[1] + by[2]), q + by[0], r + by[1], s + by[2]].map(|weight| weight.max(0.0));
     let sum: f64 = moved.iter().sum();
     moved.map(|weight| weight / sum)

@@ -12,8 +12,7 @@ use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 
 /// Witness points may be this many rounding errors farther from the foot than the interval is wide:
-/// one each for the support point and the closest point. The search for them ends at as many
-/// noises.
+/// one each for the support point and the closest point.
 pub(super) const FOOT_ROUNDINGS: f64 = 2.0;
 
 /// Two normals are the same if they differ by less than this.
@@ -32,24 +31,18 @@ const OTHER_SIDE: f64 = 8.0;
 /// The minimum support value so far, with its normal and its witness points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
-    /// Support value of the Minkowski difference along `normal`, without allowance for rounding
-    /// error.
+    /// Support value along `normal`, without allowance for rounding error.
     pub(super) upper: f64,
-    /// Of unit length, from A to B.
     pub(super) normal: DVec3,
-    /// Witness point of A, in A's frame.
     pub(super) point_a: DVec3,
-    /// Witness point of B, in A's frame.
     pub(super) point_b: DVec3,
 }
 
 impl Bound {
-    /// The infinite bound, before any plane was tried.
     pub(super) fn none() -> Self {
         Self { upper: f64::INFINITY, normal: DVec3::ZERO, point_a: DVec3::ZERO, point_b: DVec3::ZERO }
     }
 
-    /// A bound whose witness points belong to the point of `face` closest to the origin.
     pub(super) fn on_face(upper: f64, normal: DVec3, face: [&Point; 3]) -> Self {
         let [p, q, r] = face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
@@ -60,8 +53,7 @@ impl Bound {
     /// Uses the `support` point along the normal as witness points if they are less deep than
     /// `least`. It is as deep as the bound, but the two need not be opposite each other.
     pub(super) fn deepen(&mut self, least: f64, support: impl FnOnce(DVec3) -> Point) {
-        // The difference along the normal counts, not the distance: convex radii are added along
-        // the normal.
+        // Not the distance: convex radii are added along the normal.
         if self.upper < f64::INFINITY && (self.point_a - self.point_b).dot(self.normal) < least {
             let point = support(self.normal);
             (self.point_a, self.point_b) = (point.a, point.b());
@@ -71,9 +63,8 @@ impl Bound {
     /// A common point of two overlapping shapes, one on each. For slivers the two may be apart; GJK
     /// then starts from elsewhere. Also returns the number of steps.
     ///
-    /// GJK may stall short of the origin, on a simplex that is too thin. It then looks for a point
-    /// of the difference that is farther on the other side. The error of that point counts less in
-    /// the point of the segment between both that is closest to the origin.
+    /// GJK may stall short of the origin, on a simplex that is too thin. The error of a point that
+    /// is farther on the other side counts less in the point between both at the origin.
     pub(super) fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &mut Minkowski<'_, A, B>,
         [point_a, point_b]: [DVec3; 2],
@@ -82,7 +73,8 @@ impl Bound {
         // The origin is its own foot.
         let mut found = Self { upper: 0.0, normal, point_a, point_b };
         let enough = FOOT_ROUNDINGS * m.noise();
-        let mut steps = found.settle(m, &[], enough);
+        // NaN takes the search.
+        let mut steps = if found.off() <= enough { 0 } else { found.search(m, &[], enough) };
         for _ in 0..MAX_SIDES {
             let near = found.point_a - found.point_b;
             let length = near.length();
@@ -104,24 +96,9 @@ impl Bound {
         (self.point_a - self.point_b).distance(self.normal * self.upper)
     }
 
-    /// Searches for the point of the difference that is closest to the foot, unless the witness
-    /// points already belong to a point within `enough` of it. Returns the number of steps.
-    ///
-    /// If the difference contains a ball of radius r around the origin, it has a point within
-    /// `upper` − r of the foot. `face` has points near the foot to start from, if there are any.
-    #[inline(always)]
-    pub(super) fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        m: &mut Minkowski<'_, A, B>,
-        face: &[Point],
-        enough: f64,
-    ) -> u32 {
-        // NaN takes the search.
-        if self.off() <= enough { 0 } else { self.search(m, face, enough) }
-    }
-
-    /// [`settle`](Self::settle) without the early exit: a distance query of A and of B moved by the
-    /// depth, which touch.
+    /// Searches for the point of the difference that is closest to the foot, by a distance query of
+    /// A and of B moved by the depth, which touch. It starts from `face`, if there is one. Returns
+    /// the number of steps.
     #[cold]
     #[inline(never)]
     pub(super) fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

@@ -8,17 +8,13 @@
 //! - The last polytope. EPA continues from it.
 //!
 //! # Reference
-//! Kenwright, section 4.1 (the next frame first tests the face that failed), section 4.6 (after a
-//! miss the search for the closest features continues in the next frame) and section 4.7 (the last
-//! solution is the next starting point).
+//! Kenwright, sections 4.1, 4.6 and 4.7: the last solution is the next starting point.
 //!
 //! # Deviations
 //! - The cache holds features, not points. Under a new pose a feature is a point of the new
 //!   Minkowski difference; an old point is not. So a stale cache, or the cache of another pair,
 //!   costs steps but cannot make an answer wrong. For shapes whose features are not points
 //!   ([`SupportMap::point`](crate::SupportMap::point)) only the axis is kept.
-//! - Under the new pose the surface of the cached polytope need not be convex. The solver tests
-//!   what matters: whether it still winds around the origin.
 
 use super::minkowski::Point;
 use super::scratch::{Lent, Scratch};
@@ -59,12 +55,10 @@ pub struct Cache {
     /// The last separating axis, from A to B, or the last normal of a small hull.
     axis: Option<DVec3>,
     portal: Option<[[u32; 2]; 3]>,
-    /// The first `simplex_count` entries are in use.
     simplex: [[u32; 2]; 3],
     simplex_count: u8,
     /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
-    /// 0 if no polytope is cached.
     point_count: u8,
     face_count: u8,
     scratch: Lent,
@@ -102,24 +96,12 @@ impl Default for Cache {
     }
 }
 
-/// View of the polytope in a [`Cache`].
+/// Of a cached polytope: the features of its vertices, and the corners and neighbours of its faces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CachedPolytope<'c> {
-    points: &'c [[u32; 2]],
-    corners: &'c [[u8; 3]],
-    neighbours: &'c [[u8; 3]],
-}
-
-impl CachedPolytope<'_> {
-    /// The features of the vertices.
-    pub(super) fn points(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
-        self.points.iter().copied()
-    }
-
-    /// Corners and neighbours of each face.
-    pub(super) fn faces(&self) -> impl ExactSizeIterator<Item = ([u16; 3], [u16; 3])> {
-        self.corners.iter().zip(self.neighbours).map(|(c, n)| (c.map(u16::from), n.map(u16::from)))
-    }
+    pub(super) points: &'c [[u32; 2]],
+    pub(super) corners: &'c [[u8; 3]],
+    pub(super) neighbours: &'c [[u8; 3]],
 }
 
 impl Cache {
@@ -212,14 +194,20 @@ impl Cache {
         self.axis.filter(|_| self.starts_from_axis)
     }
 
-    /// Whether the cache holds nothing that a contact could start from, apart from the axis of
-    /// [`from_axis`](Self::from_axis).
+    /// Whether a contact could start from nothing, or from the axis of [`Self::from_axis`] alone.
     pub(super) fn is_new(&self) -> bool {
         (self.axis.is_none() || self.starts_from_axis) && self.point_count == 0
     }
 
     pub(crate) fn set_axis(&mut self, axis: DVec3) {
         self.axis = Some(axis);
+    }
+
+    /// Stores what a miss found: the axis, for the next miss, and the points seen, for a distance
+    /// query.
+    pub(super) fn set_separation(&mut self, axis: DVec3, seen: &[Point; 3]) {
+        self.axis = unit(axis).or(self.axis);
+        self.set_simplex(seen.iter().map(|v| v.features));
     }
 
     pub(crate) fn forget_axis(&mut self) {
@@ -269,10 +257,7 @@ impl Cache {
         self.point_count = 0;
     }
 
-    /// Stores a polytope: the features of its vertices, then the corners and neighbours of its
-    /// faces.
-    ///
-    /// A polytope that is too large empties the place instead.
+    /// Stores a polytope, or none if it is too large.
     pub(super) fn keep_polytope(&mut self, points: &[[u32; 2]], (corners, neighbours): (&[[u16; 3]], &[[u16; 3]])) {
         self.point_count = 0;
         if points.len() > MAX_POINTS || corners.len() > MAX_FACES {
@@ -309,11 +294,11 @@ mod tests {
         assert!(cache.polytope().is_none());
         let points = [1, 2, 3, 4].map(|i| [i, 10 + i]);
         let (corners, neighbours) = ([[0, 1, 2], [0, 3, 1]], [[1, 2, 3], [3, 2, 0]]);
-        cache.keep_polytope(&points, (&corners, &neighbours));
+        cache.keep_polytope(&points, (&corners.map(|c| c.map(u16::from)), &neighbours.map(|n| n.map(u16::from))));
         let kept = cache.polytope().unwrap();
-        assert!(kept.points().eq(points));
-        assert!(kept.faces().eq(corners.into_iter().zip(neighbours)));
-        cache.keep_polytope(&[[0; 2]; MAX_POINTS + 1], (&corners, &neighbours));
+        assert_eq!(kept.points, points);
+        assert!(kept.corners.iter().zip(kept.neighbours).eq(corners.iter().zip(&neighbours)));
+        cache.keep_polytope(&[[0; 2]; MAX_POINTS + 1], (&[], &[]));
         assert!(cache.polytope().is_none());
     }
 

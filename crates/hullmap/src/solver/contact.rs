@@ -1,8 +1,5 @@
 //! Contact of two shapes: penetration depth as an interval, normal and witness points.
 //!
-//! It combines SAT (the separating axis test), MPR (portal discovery and refinement) and EPA (the
-//! expanding polytope).
-//!
 //! # Reference
 //! Kenwright, Algorithm 1 and Listing 2.
 //!
@@ -23,21 +20,20 @@
 //! - Step 6. The paper takes the depth along the normal of the portal that the centre ray pierces,
 //!   which is up to 3.8 times too large. With `max_iterations` 0 it is returned as an upper bound.
 //! - Otherwise portal refinement stops at the first portal with the origin behind it. A portal
-//!   refined to the surface is a poor start for EPA: it took 3 to 20 more support calls (8 to 8,192
-//!   points).
+//!   refined to the surface is a poor start for EPA.
 //! - A depth of zero has a normal, and a status of its own.
 
 use super::answer::{Contact, separated_contact};
 use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
-use super::epa::{self, Expansion, Goal, Progress, Workspace};
-use super::intersection::{axis_of_balls, portal_tetrahedron, store_separation};
-use super::minkowski::{Minkowski, Point};
+use super::epa::{self, Expansion};
+use super::minkowski::{Minkowski, Point, Step};
 use super::mpr::{self, Found, Until};
 use super::sat;
+use super::scratch::Workspace;
 use super::settings::Settings;
 use super::status::Status;
-use super::steps::{Step, SteppedQuery, at_once};
+use super::steps::{SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -97,7 +93,6 @@ pub(crate) enum ContactQuery {
     Expansion(epa::EpaSearch, u32),
 }
 
-/// In the order of the steps above.
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for ContactQuery {
     type Settings = Settings;
     type Answer = Contact;
@@ -107,47 +102,34 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for Cont
         Self::Axis(DVec3::ZERO)
     }
 
-    /// Step 1, up to the last separating axis.
     #[inline(always)]
-    fn start(
+    fn advance(
         &mut self,
+        point: Option<Point>,
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
         workspace: &mut Workspace,
     ) -> Step<Contact> {
-        if let Some(axis) = axis_of_balls(m) {
-            return Step::Answer(separated_contact(m, cache, axis, 0));
-        }
-        match cache.axis() {
-            Some(axis) => {
-                *self = Self::Axis(axis);
-                Step::Ask(axis)
+        let Some(point) = point else {
+            // Step 1, up to the last separating axis.
+            if let Some(axis) = m.axis_of_balls() {
+                return Step::Answer(separated_contact(m, cache, axis, 0));
             }
-            None => self.after_axis(m, settings, cache, workspace),
-        }
-    }
-
-    #[inline(always)]
-    fn continue_with(
-        &mut self,
-        point: Point,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Step<Contact> {
+            if let Some(axis) = cache.axis() {
+                *self = Self::Axis(axis);
+                return Step::Ask(axis);
+            }
+            return self.after_axis(m, settings, cache, workspace);
+        };
         match self {
             Self::Axis(axis) if m.separates(*axis, &point) => Step::Answer(separated_contact(m, cache, *axis, 0)),
             Self::Axis(_) => self.after_axis(m, settings, cache, workspace),
             Self::Portal(search) => match search.continue_with(point) {
-                None => Step::Ask(search.direction()),
-                Some(found) => self.after_portal(found, m, settings, cache, workspace),
+                Step::Ask(dir) => Step::Ask(dir),
+                Step::Answer(found) => self.after_portal(found, m, settings, cache, workspace),
             },
-            Self::Expansion(search, _) => {
-                let progress = search.continue_with(point, m, cache, workspace);
-                self.after_expansion(progress, m, settings, cache)
-            }
+            Self::Expansion(..) => self.expand(Some(point), m, settings, cache, workspace),
         }
     }
 }
@@ -176,13 +158,17 @@ impl ContactQuery {
         {
             return Step::Answer(Contact { support_calls: m.support_calls(), ..found });
         }
-        match epa::EpaSearch::start_again(m, terms(m, settings), cache, workspace) {
-            Some(search) => self.start_expansion(search, 0, m, settings, cache, workspace),
+        let terms = epa::Terms::new(m, Some(tolerance), settings.max_iterations);
+        match epa::EpaSearch::start_again(m, terms, cache, workspace) {
+            Some(search) => {
+                *self = Self::Expansion(search, 0);
+                self.expand(None, m, settings, cache, workspace)
+            }
             None => self.start_portal(m, Until::Decided),
         }
     }
 
-    /// Steps 4 and 5.
+    /// Steps 4 and 5, up to the first support query.
     #[inline(always)]
     fn start_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
@@ -209,60 +195,43 @@ impl ContactQuery {
         let (portal, bound, iterations) = (search.portal(), search.bound(), search.iterations());
         let start = match found {
             Found::Separated { axis } => {
-                store_separation(cache, axis, &portal.vertices);
+                cache.set_separation(axis, &portal.vertices);
                 return Step::Answer(separated_contact(m, cache, axis, iterations));
             }
-            Found::Portal(_) => Some(portal_tetrahedron(m, portal)),
+            Found::Portal { .. } => Some(portal.tetrahedron(m)),
             Found::Nothing => None,
         };
-        match epa::EpaSearch::start(m, start, terms(m, settings), bound, cache, workspace) {
-            Ok(search) => self.start_expansion(search, iterations, m, settings, cache, workspace),
+        let terms = epa::Terms::new(m, Some(settings.relative_tolerance()), settings.max_iterations);
+        match epa::EpaSearch::start(m, start, terms, bound, cache, workspace) {
+            Ok(search) => {
+                *self = Self::Expansion(search, iterations);
+                self.expand(None, m, settings, cache, workspace)
+            }
             Err(flat) => Step::Answer(contact_from_expansion(m, cache, &flat, settings, iterations)),
         }
     }
 
+    /// Steps 6 and 7, from the start of EPA, or with the next support point.
     #[inline(always)]
-    fn start_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
-        search: epa::EpaSearch,
-        iterations: u32,
+        point: Option<Point>,
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
         workspace: &mut Workspace,
     ) -> Step<Contact> {
-        *self = Self::Expansion(search, iterations);
-        let Self::Expansion(search, _) = self else { return Step::Answer(Contact::default()) };
-        let progress = search.aim(m, cache, workspace);
-        self.after_expansion(progress, m, settings, cache)
-    }
-
-    /// Steps 6 and 7, with the progress of EPA.
-    #[inline(always)]
-    fn after_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        progress: Progress,
-        m: &Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-    ) -> Step<Contact> {
-        match progress {
-            Progress::Ask(dir) => Step::Ask(dir),
-            Progress::Ended(Some(expanded)) => {
-                let before = if let Self::Expansion(_, iterations) = self { *iterations } else { 0 };
-                Step::Answer(contact_from_expansion(m, cache, &expanded, settings, before + expanded.iterations))
+        let Self::Expansion(search, before) = self else { return Step::Answer(Contact::default()) };
+        match search.advance(point, m, cache, workspace) {
+            Step::Ask(dir) => Step::Ask(dir),
+            Step::Answer(Some(expanded)) => {
+                let iterations = *before + expanded.iterations;
+                Step::Answer(contact_from_expansion(m, cache, &expanded, settings, iterations))
             }
             // The polytope of the cache is of no use.
-            Progress::Ended(None) => self.start_portal(m, Until::Decided),
+            Step::Answer(None) => self.start_portal(m, Until::Decided),
         }
     }
-}
-
-/// EPA to the depth.
-#[inline(always)]
-fn terms<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, settings: &Settings) -> epa::Terms {
-    let tolerance = settings.relative_tolerance();
-    epa::Terms::new(m, Goal::Depth { tolerance }, settings.max_iterations)
 }
 
 /// The contact that follows from the outcome of EPA.
@@ -309,7 +278,6 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     let depth_lower = if status == Status::Within { depth_lower.min(upper - width).max(0.0) } else { depth_lower };
     Contact {
-        hit: true,
         status,
         depth: if status == Status::Touching { 0.0 } else { upper.max(depth_lower) },
         depth_lower,
@@ -343,7 +311,6 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     // The support point of a hull that is nearly a ball may be beside the line of centres.
     let is_settled = vertex.w.distance(normal * upper) <= upper - lower + FOOT_ROUNDINGS * rounding;
     (is_settled && upper - lower <= tolerance * upper + rounding).then_some(Contact {
-        hit: true,
         status: if upper - lower <= rounding { Status::Exact } else { Status::Within },
         depth: upper,
         depth_lower: lower - rounding,

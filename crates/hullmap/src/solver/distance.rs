@@ -15,10 +15,10 @@ use super::bound::Bound;
 use super::cache::Cache;
 use super::gjk::{self, Closest, Simplex};
 use super::intersection::decide_by_expansion;
-use super::minkowski::{Minkowski, Point};
+use super::minkowski::{Minkowski, Point, Step};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
-use super::steps::{Step, SteppedQuery, at_once};
+use super::steps::{SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -109,65 +109,47 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for Dist
         Self { simplex: Simplex::empty(), search: None }
     }
 
-    /// Steps 1 and 2.
     #[inline(always)]
-    fn start(
+    fn advance(
         &mut self,
+        mut point: Option<Point>,
         m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
         (): &mut (),
     ) -> Step<Distance> {
-        if m.inner_balls_overlap() {
-            return Step::Answer(overlapping_balls(m, cache));
-        }
-        recall_simplex(m, cache, &mut self.simplex);
-        if self.simplex.is_empty() {
-            match cache.start() {
-                Some(axis) => return Step::Ask(axis),
-                None => _ = self.simplex.push(m.center_point()),
+        let Self { simplex, search } = self;
+        if point.is_none() {
+            if m.inner_balls_overlap() {
+                cache.forget_axis();
+                let common = m.point_in_both_balls();
+                return Step::Answer(Distance { point_a: common, point_b: common, ..overlapping(m) });
             }
-        }
-        self.aim(m, settings, cache)
-    }
-
-    #[inline(always)]
-    fn continue_with(
-        &mut self,
-        point: Point,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        (): &mut (),
-    ) -> Step<Distance> {
-        match &mut self.search {
-            None => _ = self.simplex.push(point),
-            Some(search) => {
-                if let Some(found) = search.continue_with(&mut self.simplex, point) {
-                    return Step::Answer(conclude(m, &self.simplex, &found, settings, cache));
+            for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+                if !simplex.contains(vertex.w) {
+                    simplex.push(vertex);
+                }
+            }
+            if simplex.is_empty() {
+                match cache.start() {
+                    Some(axis) => return Step::Ask(axis),
+                    None => _ = simplex.push(m.center_point()),
                 }
             }
         }
-        self.aim(m, settings, cache)
-    }
-}
-
-impl DistanceQuery {
-    /// Step 3, up to the next support query, and step 4.
-    #[inline(always)]
-    fn aim<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-    ) -> Step<Distance> {
-        let search = self.search.get_or_insert_with(|| {
-            let (rounding, tolerance) = (m.rounding_error(), settings.relative_tolerance());
-            gjk::GjkSearch::new(&self.simplex, rounding, rounding, tolerance, settings.max_iterations)
-        });
-        match search.aim(&mut self.simplex) {
-            Ok(dir) => Step::Ask(dir),
-            Err(found) => Step::Answer(conclude(m, &self.simplex, &found, settings, cache)),
+        let search = match search {
+            Some(search) => search,
+            none => {
+                if let Some(first) = point.take() {
+                    simplex.push(first);
+                }
+                let (rounding, tolerance) = (m.rounding_error(), settings.relative_tolerance());
+                none.insert(gjk::GjkSearch::new(simplex, rounding, rounding, tolerance, settings.max_iterations))
+            }
+        };
+        match search.advance(simplex, point) {
+            Step::Ask(dir) => Step::Ask(dir),
+            Step::Answer(found) => Step::Answer(conclude(m, simplex, &found, settings, cache)),
         }
     }
 }
@@ -178,8 +160,6 @@ fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_,
     let center = m.center_point();
     Distance {
         status: Status::Overlapping,
-        distance: 0.0,
-        lower: 0.0,
         upper: 0.0,
         normal: unit(-center.w).unwrap_or(DVec3::X),
         point_a: center.a,
@@ -188,17 +168,6 @@ fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_,
     }
 }
 
-/// The answer for shapes whose inner balls overlap.
-#[inline(always)]
-fn overlapping_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    cache: &mut Cache,
-) -> Distance {
-    cache.forget_axis();
-    Distance { point_a: m.point_in_both_balls(), point_b: m.point_in_both_balls(), ..overlapping(m) }
-}
-
-/// The answer that follows from what the search found. EPA settles a distance of zero.
 #[inline(always)]
 fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
@@ -207,7 +176,7 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Distance {
-    let rounding = m.rounding_error();
+    let (rounding, tolerance, center) = (m.rounding_error(), settings.relative_tolerance(), m.center_point().w);
     let mut out = overlapping(m);
     cache.set_simplex(simplex.features());
     out.features = Point::first_features(simplex.features());
@@ -230,52 +199,24 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     // The distance of the returned witness points, not of the search's last plane: rounding error
     // in the search cannot make it wrong.
     out.distance = between.length();
-    set_interval(m, settings.relative_tolerance(), found, &mut out);
-    if found.upper <= 2.0 * rounding && !separated {
-        settle_at_origin(m, &mut out, cache);
-    }
-    out.support_calls = m.support_calls();
-    out
-}
-
-/// Warm start: fills `simplex` with the last frame's cached vertices under the new pose.
-#[inline(always)]
-fn recall_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    cache: &Cache,
-    simplex: &mut Simplex,
-) {
-    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
-        if !simplex.contains(vertex.w) {
-            simplex.push(vertex);
-        }
-    }
-}
-
-/// Sets interval and status of `out.distance`, from the bounds of the search and of the outer
-/// balls.
-#[inline(always)]
-fn set_interval<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    tolerance: f64,
-    found: &Closest,
-    out: &mut Distance,
-) {
-    let (rounding, center) = (m.rounding_error(), m.center_point());
-    let by_balls = center.w.length() - m.outer_radius();
-    let lower = found.lower.max(by_balls);
+    let by_balls = center.length() - m.outer_radius();
     if by_balls > found.lower {
         // The planes that prove it are perpendicular to the line of centres.
-        out.normal = unit(-center.w).unwrap_or(out.normal);
+        out.normal = unit(-center).unwrap_or(out.normal);
     }
-    out.lower = (lower - rounding).max(0.0);
-    out.upper = out.distance + m.noise();
+    let lower = found.lower.max(by_balls);
+    (out.lower, out.upper) = ((lower - rounding).max(0.0), out.distance + m.noise());
     out.status = match found.end {
         gjk::End::Converged if out.distance - lower <= rounding => Status::Exact,
         gjk::End::Converged if out.distance - lower <= tolerance * out.distance + 2.0 * rounding => Status::Within,
         gjk::End::Limit => Status::IterationLimit,
         _ => Status::Stalled,
     };
+    if found.upper <= 2.0 * rounding && !separated {
+        settle_at_origin(m, &mut out, cache);
+    }
+    out.support_calls = m.support_calls();
+    out
 }
 
 /// The origin is on the simplex, within rounding error. Decides by EPA whether it is inside the

@@ -15,15 +15,13 @@
 //!   at any time, whatever rounding error does to a single step.
 //! - Step 1 first considers only the faces of the simplex with the newest vertex. If they come no
 //!   closer, it considers the whole simplex.
-//! - Repeated vertices and steps that come no closer end the search with a status.
-//! - The normal in the answer belongs to the plane of the best lower bound and not to the last
-//!   step, since that plane is the proof.
+//! - The normal in the answer belongs to the plane of the best lower bound, which is the proof.
 //! - The weights of a sliver reproduce the closest point badly. They are corrected if that shows.
 
 use super::barycentric::{
     SubSimplex, blend, corrected_weights, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle_to,
 };
-use super::minkowski::{Minkowski, Point};
+use super::minkowski::{Minkowski, Point, Step};
 use crate::support::SupportMap;
 use glam::DVec3;
 
@@ -31,38 +29,34 @@ use glam::DVec3;
 /// zero tolerance about 200.
 const MAX_STEPS: u32 = 1000;
 
-/// Maximum number of corrections of the weights. Each one squares their relative error, which is
-/// about 1e-5 in the thinnest sliver that still counts as a triangle.
+/// Maximum number of corrections of the weights. Each squares their relative error, which is about
+/// 1e-5 in the thinnest triangle.
 const MAX_CORRECTIONS: usize = 3;
 
 /// A simplex of up to four vertices, in fixed places.
 ///
-/// Vertices never move between places: reading data back in other pieces than it was just written
-/// in would stall the processor.
+/// Vertices never move: reading data back in other pieces than it was just written in would stall
+/// the processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     /// Coordinates of the points of the Minkowski difference: all x, all y, all z.
     w: [[f64; PLACES]; 3],
-    /// The points of A, in A's frame.
     a: [DVec3; PLACES],
     features: [[u32; 2]; PLACES],
     /// The places in use, one bit each.
     used: u8,
-    /// Weights of the vertices in the closest point, if the search computed them. It usually does
-    /// not need them.
+    /// Weights of the vertices in the closest point, if the search has needed them.
     weights: Option<[f64; PLACES]>,
 }
 
 const PLACES: usize = 4;
 
 impl Simplex {
-    /// A simplex without vertices.
     #[inline(always)]
     pub(super) fn empty() -> Self {
         Self { w: [[0.0; PLACES]; 3], a: [DVec3::ZERO; PLACES], features: [[0; 2]; PLACES], used: 0, weights: None }
     }
 
-    /// A simplex of one vertex.
     pub(super) fn new(vertex: Point) -> Self {
         let mut simplex = Self::empty();
         simplex.push(vertex);
@@ -81,34 +75,25 @@ impl Simplex {
         place
     }
 
-    /// The places in use.
     fn places(&self) -> impl Iterator<Item = usize> {
         let used = self.used;
         (0..PLACES).filter(move |place| used >> place & 1 == 1)
     }
 
-    /// The features of the vertices.
     pub(super) fn features(&self) -> impl Iterator<Item = [u32; 2]> {
         self.places().map(|place| self.features[place])
     }
 
-    /// The vertex in a place.
     #[inline(always)]
     fn corner(&self, place: usize) -> DVec3 {
         let place = place % PLACES;
         DVec3::new(self.w[0][place], self.w[1][place], self.w[2][place])
     }
 
-    /// The place of the only vertex; `None` if there are more.
-    fn only_slot(&self) -> Option<usize> {
-        self.used.is_power_of_two().then_some(self.used.trailing_zeros() as usize)
-    }
-
     pub(super) fn is_empty(&self) -> bool {
         self.used == 0
     }
 
-    /// Whether a vertex of the simplex equals `w`.
     pub(super) fn contains(&self, w: DVec3) -> bool {
         self.places().any(|place| self.corner(place) == w)
     }
@@ -132,7 +117,14 @@ impl Simplex {
     pub(super) fn witnesses(&self, length: f64, noise: f64) -> (DVec3, DVec3, DVec3) {
         let ([i, j, k, l], count) = self.packed();
         let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
-        let mut weights = self.packed_weights([i, j, k, l], w, count);
+        // Places beyond the count repeat the first one, which must count once.
+        let mut weights = match self.weights {
+            Some(own) => {
+                let weight = |at: usize, place: usize| if at < count { own[place] } else { 0.0 };
+                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
+            }
+            None => on_simplex(w, count).0.weights,
+        };
         let mut between = blend(&weights, w);
         for _ in 0..MAX_CORRECTIONS {
             if between.length() <= length + noise {
@@ -160,19 +152,6 @@ impl Simplex {
         }
         let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
         (point_a, point_a - between, between)
-    }
-
-    /// Weights of the vertices in the closest point, in the order of [`packed`](Self::packed).
-    #[inline(always)]
-    fn packed_weights(&self, [i, j, k, l]: [usize; PLACES], w: [DVec3; PLACES], count: usize) -> [f64; PLACES] {
-        match self.weights {
-            Some(weights) => {
-                // Slots beyond the count repeat the first one, which must count once.
-                let weight = |at: usize, place: usize| if at < count { weights[place] } else { 0.0 };
-                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
-            }
-            None => on_simplex(w, count).0.weights,
-        }
     }
 
     /// The closest point of the whole simplex, the places of the vertices that span it, and the
@@ -230,9 +209,7 @@ pub(super) enum End {
     Inside,
     /// The closest point is the origin within rounding error: on the simplex, or barely inside.
     AtOrigin,
-    /// The iteration limit was reached.
     Limit,
-    /// Rounding error stopped all progress.
     Stalled,
 }
 
@@ -259,22 +236,17 @@ pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     max_iterations: u32,
 ) -> Closest {
     let mut search = GjkSearch::new(simplex, m.rounding_error(), enough, tolerance, max_iterations);
+    let mut point = None;
     loop {
-        let dir = match search.aim(simplex) {
-            Ok(dir) => dir,
-            Err(found) => return found,
-        };
-        if let Some(found) = search.continue_with(simplex, m.point(dir)) {
-            return found;
+        match search.advance(simplex, point) {
+            Step::Ask(dir) => point = Some(m.point(dir)),
+            Step::Answer(found) => return found,
         }
     }
 }
 
-/// GJK as a state machine: it states a direction, and continues with the support point in that
-/// direction.
-///
-/// A batch keeps several searches in flight: while the memory that one of them needs is on its way,
-/// the others compute.
+/// GJK as a state machine. A batch keeps several in flight: while the memory that one of them needs
+/// is on its way, the others compute.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GjkSearch {
     tolerance: f64,
@@ -285,9 +257,7 @@ pub(super) struct GjkSearch {
     normal: DVec3,
     /// The vertex added last, with its place. A single vertex counts as such.
     newest: Option<(usize, DVec3)>,
-    /// The point of the simplex closest to the origin.
     y: DVec3,
-    /// Number of the current step.
     iterations: u32,
     limit: u32,
 }
@@ -295,6 +265,7 @@ pub(super) struct GjkSearch {
 impl GjkSearch {
     #[inline(always)]
     pub(super) fn new(simplex: &Simplex, rounding: f64, enough: f64, tolerance: f64, max_iterations: u32) -> Self {
+        let place = simplex.used.trailing_zeros() as usize;
         Self {
             tolerance,
             rounding,
@@ -302,7 +273,7 @@ impl GjkSearch {
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
             normal: DVec3::ZERO,
-            newest: simplex.only_slot().map(|place| (place, simplex.corner(place))),
+            newest: simplex.used.is_power_of_two().then(|| (place, simplex.corner(place))),
             y: DVec3::ZERO,
             iterations: 0,
             // At least one step, since there is no bound without one.
@@ -310,25 +281,42 @@ impl GjkSearch {
         }
     }
 
-    /// Step 1. Returns the direction of the next support query, or the end of the search.
+    /// Continues up to the next support query, with the last support point, if any.
     #[inline(always)]
-    pub(super) fn aim(&mut self, simplex: &mut Simplex) -> Result<DVec3, Closest> {
+    pub(super) fn advance(&mut self, simplex: &mut Simplex, point: Option<Point>) -> Step<Closest> {
+        // Steps 2 and 3. NaN is no bound, and no progress below. Any normal is better than none.
+        if let Some(vertex) = point {
+            let (y, length) = (self.y, self.upper);
+            let scale = 1.0 / length;
+            let height = vertex.w.dot(y) * scale;
+            if height > self.lower || self.normal == DVec3::ZERO {
+                self.normal = y * -scale;
+            }
+            self.lower = self.lower.max(height);
+            if length - self.lower <= self.tolerance * length + self.rounding {
+                return self.end(End::Converged);
+            }
+            if self.iterations == self.limit {
+                return self.end(End::Limit);
+            }
+            // A vertex that the simplex has already comes no closer, which ends this step.
+            self.newest = Some((simplex.push(vertex), vertex.w));
+        }
+        // Step 1.
         self.iterations += 1;
         let fast = self.newest.and_then(|(place, w)| simplex.closest_point_with(place, w));
         let (mut y, mut kept) = fast.unwrap_or_default();
         let mut length = y.length();
         simplex.weights = None;
-        // NaN counts as no progress, here and below.
         if fast.is_none() || !(length < self.upper) {
             let clearance;
             (y, kept, clearance) = simplex.closest_point();
             length = y.length();
             if clearance > 0.0 {
                 simplex.used = kept;
-                // A clearance within rounding error does not prove that the origin is inside.
-                let end = if clearance > self.rounding { End::Inside } else { End::AtOrigin };
                 self.upper = 0.0;
-                return Err(self.end(end));
+                // A clearance within rounding error does not prove that the origin is inside.
+                return self.end(if clearance > self.rounding { End::Inside } else { End::AtOrigin });
             }
             let nearer = length < self.upper;
             if !nearer {
@@ -337,44 +325,21 @@ impl GjkSearch {
                     simplex.used &= !(1 << place);
                     simplex.weights = None;
                 }
-                return Err(self.end(End::Stalled));
+                return self.end(End::Stalled);
             }
         }
         simplex.used = kept;
         self.upper = length;
         if length <= self.enough {
-            return Err(self.end(End::AtOrigin));
+            return self.end(End::AtOrigin);
         }
         self.y = y;
-        Ok(-y)
-    }
-
-    /// Steps 2 and 3, with the support point in the direction of [`aim`](Self::aim). Returns the
-    /// end of the search, if it ends.
-    #[inline(always)]
-    pub(super) fn continue_with(&mut self, simplex: &mut Simplex, vertex: Point) -> Option<Closest> {
-        let (y, length) = (self.y, self.upper);
-        let scale = 1.0 / length;
-        let height = vertex.w.dot(y) * scale;
-        // NaN is no bound. Any normal is better than no normal.
-        if height > self.lower || self.normal == DVec3::ZERO {
-            self.normal = y * -scale;
-        }
-        self.lower = self.lower.max(height);
-        if length - self.lower <= self.tolerance * length + self.rounding {
-            return Some(self.end(End::Converged));
-        }
-        if self.iterations == self.limit {
-            return Some(self.end(End::Limit));
-        }
-        // A vertex that the simplex has already comes no closer, which ends the next step.
-        self.newest = Some((simplex.push(vertex), vertex.w));
-        None
+        Step::Ask(-y)
     }
 
     #[inline(always)]
-    fn end(&self, end: End) -> Closest {
+    fn end(&self, end: End) -> Step<Closest> {
         let Self { lower, upper, normal, iterations, .. } = *self;
-        Closest { end, lower, upper, normal, iterations }
+        Step::Answer(Closest { end, lower, upper, normal, iterations })
     }
 }

@@ -16,17 +16,15 @@
 use super::bound::Bound;
 use super::cache::Cache;
 use super::epa::{self, Expansion};
-use super::minkowski::{Minkowski, Point};
-use super::mpr::{self, Found, Portal, Side, Until, is_clearly_negative};
+use super::minkowski::{Minkowski, Point, Step};
+use super::mpr::{self, Found, Portal, Until, is_clearly_negative};
 use super::status::Overlap;
-use super::steps::{Step, SteppedQuery, at_once};
+use super::steps::{SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
-use crate::vector::unit;
 use glam::DVec3;
 
-/// Maximum number of EPA steps for a decision. Only touching pairs need EPA, usually about a dozen
-/// steps.
+/// Maximum number of EPA steps for a decision. Touching pairs need about a dozen.
 const MAX_DECISION_STEPS: u32 = 250;
 
 /// Answer of [`intersects`](crate::intersects()).
@@ -100,41 +98,36 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for Inte
         Self::Axis(DVec3::ZERO)
     }
 
-    /// Step 1, and the axis of step 2.
     #[inline(always)]
-    fn start(&mut self, m: &mut Minkowski<'_, A, B>, (): &(), cache: &mut Cache, (): &mut ()) -> Step<Intersection> {
-        if m.inner_balls_overlap() {
-            cache.forget_axis();
-            return answer(m, Overlap::Overlapping, 0);
-        }
-        if let Some(axis) = axis_of_balls(m) {
-            cache.set_axis(axis);
-            return answer(m, Overlap::Separated, 0);
-        }
-        match cache.axis() {
-            Some(axis) => {
-                *self = Self::Axis(axis);
-                Step::Ask(axis)
-            }
-            None => self.after_axis(m, cache),
-        }
-    }
-
-    #[inline(always)]
-    fn continue_with(
+    fn advance(
         &mut self,
-        point: Point,
+        point: Option<Point>,
         m: &mut Minkowski<'_, A, B>,
         (): &(),
         cache: &mut Cache,
         (): &mut (),
     ) -> Step<Intersection> {
+        let Some(point) = point else {
+            if m.inner_balls_overlap() {
+                cache.forget_axis();
+                return answer(m, Overlap::Overlapping, 0);
+            }
+            if let Some(axis) = m.axis_of_balls() {
+                cache.set_axis(axis);
+                return answer(m, Overlap::Separated, 0);
+            }
+            if let Some(axis) = cache.axis() {
+                *self = Self::Axis(axis);
+                return Step::Ask(axis);
+            }
+            return self.after_axis(m, cache);
+        };
         match self {
             Self::Axis(axis) if m.separates(*axis, &point) => answer(m, Overlap::Separated, 0),
             Self::Axis(_) => self.after_axis(m, cache),
             Self::Portal(search) => match search.continue_with(point) {
-                None => Step::Ask(search.direction()),
-                Some(found) => {
+                Step::Ask(dir) => Step::Ask(dir),
+                Step::Answer(found) => {
                     let (status, iterations) = conclude(m, cache, found, search.portal(), search.iterations());
                     answer(m, status, iterations)
                 }
@@ -170,14 +163,6 @@ fn answer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Step::Answer(Intersection { status, iterations, support_calls: m.support_calls() })
 }
 
-/// The line of centres, if the outer balls are separated: a separating axis of unit length.
-#[inline(always)]
-pub(super) fn axis_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>) -> Option<DVec3> {
-    if m.outer_balls_separated() { unit(-m.center_point().w) } else { None }
-}
-
-/// The answer that follows from what the search found, after `iterations` steps. EPA settles what
-/// the search leaves open.
 fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &mut Cache,
@@ -187,15 +172,17 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> (Overlap, u32) {
     let start = match found {
         Found::Separated { axis } => {
-            store_separation(cache, axis, &portal.vertices);
+            cache.set_separation(axis, &portal.vertices);
             return (Overlap::Separated, iterations);
         }
-        Found::Portal(Side::Overlapping) if is_certainly_inside(m, portal) => {
+        Found::Portal { is_behind: true }
+            if portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error()) =>
+        {
             cache.forget_axis();
             cache.set_portal(&portal.vertices);
             return (Overlap::Overlapping, iterations);
         }
-        Found::Portal(_) => Some(portal_tetrahedron(m, portal)),
+        Found::Portal { .. } => Some(portal.tetrahedron(m)),
         Found::Nothing => None,
     };
     let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start, cache);
@@ -206,63 +193,16 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (status, iterations + steps)
 }
 
-/// Stores what a miss found: the axis, for the next miss, and the points seen, for a distance
-/// query.
-pub(super) fn store_separation(cache: &mut Cache, axis: DVec3, seen: &[Point; 3]) {
-    if let Some(axis) = unit(axis) {
-        cache.set_axis(axis);
-    }
-    cache.set_simplex(seen.iter().map(|v| v.features));
-}
-
 /// Whether the origin is certainly in the tetrahedron of the centre and of the portal of these
 /// features. No support call.
 fn cached_portal_encloses<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     features: [[u32; 2]; 3],
 ) -> bool {
-    let [Some(v1), Some(v2), Some(v3)] = features.map(|features| m.recall(features)) else { return false };
-    let portal = Portal { vertices: [v1, v2, v3] };
-    portal.normal().is_some_and(|n| is_clearly_negative(-n.dot(v1.w), n, m.rounding_error()))
+    let Some(portal) = Portal::recall(m, features) else { return false };
+    portal.normal().is_some_and(|n| is_clearly_negative(-n.dot(portal.vertices[0].w), n, m.rounding_error()))
         && portal.is_pierced(m.center_point().w)
-        && is_certainly_inside(m, &portal)
-}
-
-/// Whether a ball of radius `depth` around the origin certainly is in the tetrahedron of the centre
-/// and of the triangle of these features, or beside it by less than the room that the inner ball
-/// leaves. No support call.
-pub(super) fn simplex_encloses<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    features: &[[u32; 2]],
-    depth: f64,
-) -> bool {
-    let &[first, second, third] = features else { return false };
-    let [Some(v1), Some(v2), Some(v3)] = [first, second, third].map(|features| m.recall(features)) else {
-        return false;
-    };
-    let v0 = m.center_point().w;
-    let mut portal = Portal { vertices: [v1, v2, v3] };
-    if !portal.faces_away(v0) {
-        portal.vertices.swap(1, 2);
-    }
-    portal.holds_origin(v0, m.inner_radius(), m.rounding_error() + depth)
-}
-
-/// Whether the origin, which is behind the portal, is certainly inside and not on the surface.
-fn is_certainly_inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    portal: &Portal,
-) -> bool {
-    portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error())
-}
-
-/// The tetrahedron of the centre and the portal.
-pub(super) fn portal_tetrahedron<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    portal: &Portal,
-) -> [Point; 4] {
-    let [v1, v2, v3] = portal.vertices;
-    [m.center_point(), v1, v2, v3]
+        && portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error())
 }
 
 /// Decides by EPA whether the origin is inside.

@@ -7,12 +7,6 @@
 //! # Reference
 //! Kenwright, sections 4.2 and 4.4, equation 2 and Listing 1.
 //!
-//! # Steps of a support query
-//! 1. rotate the negated direction into B's frame (one matrix product; the matrix is computed once
-//!    per query);
-//! 2. query the support points a and b of the two shapes;
-//! 3. rotate the offset of b from B's interior point into A's frame, and subtract.
-//!
 //! # Deviations
 //! - Points are differences of *offsets from the interior points*: w = v0 + (a − c_A) − R (b −
 //!   c_B). So shapes far from the origins of their frames keep their digits. The digits that v0
@@ -25,24 +19,20 @@
 use crate::facets::view::Facets;
 use crate::pose::Pose;
 use crate::support::{Lookup, SupportMap};
+use crate::vector::unit;
 use glam::{DMat3, DQuat, DVec3};
 use std::hint::black_box;
 
 /// Coefficients of the bound on the error of a support value or of a plane's offset, in units of
 /// `f64::EPSILON` times a length of the query.
 ///
-/// docs/intervals.md derives 4.5, 23.5, 1.5, 65.75 and 4.25. The excess covers terms of second
-/// order.
+/// docs/intervals.md derives them. The excess covers terms of second order.
 mod rounding_units {
-    /// For the length of A's interior point.
     pub(super) const CENTER_A: f64 = 5.0;
-    /// For the length of B's interior point, which is rotated.
     pub(super) const CENTER_B: f64 = 25.0;
-    /// For the length of the translation.
     pub(super) const TRANSLATION: f64 = 2.0;
-    /// For the sum of the outer radii. The rotation of the direction costs most of it.
+    /// The rotation of the direction costs most of it.
     pub(super) const RADII: f64 = 68.0;
-    /// For the length of the centre v0.
     pub(super) const CENTER: f64 = 5.0;
 }
 
@@ -63,21 +53,16 @@ pub struct Vertex {
     pub feature_b: u32,
 }
 
-/// A point of the Minkowski difference in compact form.
-///
-/// It has half the size of a [`Vertex`], since polytopes hold many of them.
+/// A [`Vertex`] in half the size, since polytopes hold many of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
-    /// The point a − b, in A's frame.
     pub(crate) w: DVec3,
-    /// The point of A, in A's frame.
     pub(crate) a: DVec3,
     /// The features of A and B; [`Point::CENTER`] for the centre.
     pub(crate) features: [u32; 2],
 }
 
 impl Point {
-    /// The features of the centre v0.
     pub(crate) const CENTER: [u32; 2] = [u32::MAX; 2];
 
     /// The features of the first of these points. If all of them have the same feature of B, and
@@ -88,7 +73,6 @@ impl Point {
         if is_b && !is_a { [Self::CENTER[0], b] } else { [a, b] }
     }
 
-    /// Initial value of arrays of points. It is all zeros, which is the cheapest to write.
     pub(crate) const EMPTY: Self = Self { w: DVec3::ZERO, a: DVec3::ZERO, features: [0; 2] };
 
     /// The point of B, in A's frame.
@@ -97,10 +81,18 @@ impl Point {
     }
 }
 
+/// What a search in the difference needs next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Step<T> {
+    /// The support point in this direction.
+    Ask(DVec3),
+    /// Nothing: this is the answer.
+    Answer(T),
+}
+
 /// A support query that is interrupted wherever it waits for memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interrupted {
-    /// The direction, in A's frame.
     dir: DVec3,
     /// The negated direction, in B's frame.
     dir_in_b: DVec3,
@@ -109,7 +101,6 @@ pub(crate) struct Interrupted {
 }
 
 impl Interrupted {
-    /// Whether the answer can be computed.
     #[inline]
     pub(crate) fn is_ready(&self) -> bool {
         self.on_a.is_ready() && self.on_b.is_ready()
@@ -139,7 +130,6 @@ pub struct Minkowski<'s, A: ?Sized, B: ?Sized> {
     a: &'s A,
     b: &'s B,
     rotation: DMat3,
-    /// Rotates from A's frame to B's frame.
     unrotation: DMat3,
     center_a: DVec3,
     /// B's interior point, in B's frame.
@@ -190,10 +180,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     }
 
     /// Result of `query` if B is moved by `by`, in A's frame, which is no longer than the shapes
-    /// together.
-    ///
-    /// The points that it finds count, and not whether they are the farthest. So the rounding error
-    /// is the noise alone.
+    /// together. The rounding error is the noise alone: the points that it finds count, and not
+    /// whether they are the farthest.
     pub(super) fn moved<T>(&mut self, by: DVec3, query: impl FnOnce(&mut Self) -> T) -> T {
         let (center_b, rounding_error) = (self.center_b, self.rounding_error);
         self.center_b += by;
@@ -250,7 +238,6 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.point_of(on_a.point, b_local, [on_a.feature, feature])
     }
 
-    /// Starts a support query in direction `dir`.
     #[inline(always)]
     pub(crate) fn start(&self, dir: DVec3) -> Interrupted {
         let dir_in_b = self.unrotation * -dir;
@@ -273,9 +260,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.point_of(on_a.point, on_b.point, [on_a.feature, on_b.feature])
     }
 
-    /// The point of these features under this pose, without a support query.
-    ///
-    /// `None` if a shape does not know the feature or its position.
+    /// The point of these features under this pose, without a support query. `None` if a shape does
+    /// not know it.
     #[inline(always)]
     pub(crate) fn recall(&self, features: [u32; 2]) -> Option<Point> {
         if features == Point::CENTER {
@@ -353,6 +339,12 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.center_point().w.length_squared() > radius * radius
     }
 
+    /// The line of centres, if the outer balls are separated: a separating axis of unit length.
+    #[inline(always)]
+    pub(super) fn axis_of_balls(&self) -> Option<DVec3> {
+        if self.outer_balls_separated() { unit(-self.center_point().w) } else { None }
+    }
+
     /// The facets of A and of B, each in its own frame; `None` if one has none.
     #[inline(always)]
     pub(super) fn facets(&self) -> Option<[Facets<'s>; 2]> {
@@ -366,7 +358,6 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         point.w.dot(axis) < -self.rounding_error
     }
 
-    /// Rotates from B's frame to A's.
     pub(super) fn rotation(&self) -> DMat3 {
         self.rotation
     }
@@ -399,7 +390,6 @@ fn l1_norm(v: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::support::SupportPoint;
-    use crate::vector::unit;
     use glam::DQuat;
 
     /// A sphere of radius `r` around `c`.

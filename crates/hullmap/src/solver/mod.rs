@@ -18,7 +18,7 @@
 //! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
-//! | `scratch` | memory for the largest polytopes, for threads with a small stack |
+//! | `scratch` | memory for polytopes, also for threads with a small stack |
 //! | `steps` | how a query is driven: to its end, or in turns with others |
 //!
 //! All arithmetic is in f64. There is no allocation, no random number and no angle. So the same

@@ -29,7 +29,6 @@ pub struct VectorError {
     pub found: DVec3,
 }
 
-/// Returns `found` if it is finite and within [`MAX_TRANSLATION`].
 pub(crate) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorError> {
     // NaN takes the failing branch.
     let is_within = found.to_array().into_iter().all(|c| c.abs() <= MAX_TRANSLATION);
@@ -121,8 +120,6 @@ impl Motion {
     }
 
     /// The velocity times a power of two, and that power. No square of the product underflows.
-    ///
-    /// The product has no rounding error. Divided by the power, a time has the unit of the product.
     pub(crate) fn scaled(&self) -> (DVec3, f64) {
         let scale = if self.velocity.abs().max_element() < TINY_SPEED { SCALE } else { 1.0 };
         (self.velocity * scale, scale)
@@ -141,14 +138,12 @@ impl Motion {
     }
 }
 
-/// Speeds below this are multiplied by [`SCALE`] first: their squares would underflow, and the
-/// lengths of subnormal velocities would have few digits.
+/// Speeds below this are multiplied by [`SCALE`] first: their squares would underflow.
 const TINY_SPEED: f64 = power_of_two(-400);
 
 /// The smallest subnormal number times this has a square that is normal.
 const SCALE: f64 = power_of_two(600);
 
-/// 2 to the power of `exponent`, from −1022 to 1023.
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }
@@ -156,7 +151,6 @@ const fn power_of_two(exponent: i64) -> f64 {
 /// The straight path of a motion: lengths along a unit direction stand for times.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path {
-    /// Of unit length.
     pub(crate) direction: DVec3,
     /// Length per unit of time, times `scale`.
     speed: f64,

@@ -1,11 +1,9 @@
 //! Public queries: contact, distance and intersection of any two shapes. Rounded shapes are solved
 //! by their cores.
 //!
-//! A sphere is a rounded point, a capsule a rounded segment, and a
-//! [`Rounded`](crate::shapes::Rounded) hull a hull with a convex radius. On the curved surface
-//! itself EPA would cut off one facet per step. On the cores the search ends after as many steps as
-//! the cores have facets nearby. Shapes without a convex radius go straight to `core_contact`,
-//! `core_distance` and `core_intersects`.
+//! On the curved surface itself EPA would cut off one facet per step. On the cores the search ends
+//! after as many steps as the cores have facets nearby. Shapes without a convex radius go straight
+//! to `core_contact`, `core_distance` and `core_intersects`.
 //!
 //! # Reference
 //! van den Bergen, "Collision Detection in Interactive 3D Environments", 4.3.3 and 4.5. Let C be
@@ -21,19 +19,18 @@
 //!
 //! # Deviations
 //! - The depth follows from the distance for all pairs whose cores are separated, not only for
-//!   shallow contacts. So the normal is that of the closest points and not of a nearest facet. That
-//!   is exact for shapes that touch at one point.
+//!   shallow contacts. So the normal is that of the closest points and not of a nearest facet.
 
 #![forbid(unsafe_code)]
 
 use super::answer::Contact;
-use super::bound::Bound;
-use super::bound::FOOT_ROUNDINGS;
+use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
 use super::contact::core_contact;
 use super::distance::{Distance, core_distance};
-use super::intersection::{Intersection, core_intersects, simplex_encloses};
+use super::intersection::{Intersection, core_intersects};
 use super::minkowski::Minkowski;
+use super::mpr::Portal;
 use super::settings::Settings;
 use super::status::{Overlap, Status};
 use crate::pose::Pose;
@@ -52,7 +49,6 @@ const TOUCHING_ROUNDINGS: f64 = 64.0;
 /// The same for the support errors of the shapes: they widen an interval at both ends, twice each.
 const TOUCHING_SHORTFALLS: f64 = 8.0;
 
-/// The core of a shape as a shape of its own.
 pub(super) struct Core<'s, S: ?Sized>(pub(super) &'s S);
 
 impl<S: SupportMap + ?Sized> SupportMap for Core<'_, S> {
@@ -76,31 +72,23 @@ impl<S: SupportMap + ?Sized> SupportMap for Core<'_, S> {
     }
 }
 
-/// State of the two cores.
-enum CorePair {
-    /// Certainly separated, by `gap.distance`.
-    Separated(Distance),
-    /// They share a point, or no separation is proved.
-    Overlapping(Distance),
-}
-
 /// Maximum number of searches for the distance of the cores.
 ///
-/// Each search narrows the difference to the radii, and thus determines the tolerance that the next
-/// one needs.
+/// Each narrows the difference to the radii, from which the tolerance of the next one follows.
 const MAX_SEARCHES: usize = 3;
 
-/// Distance of the cores, accurate enough that its difference to `radius` is within the tolerance.
+/// Distance of the cores, accurate enough that its difference to `radius` is within the tolerance;
+/// and whether it proves them separated.
 fn solve_cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     radius: f64,
     settings: &Settings,
     cache: &mut Cache,
-) -> CorePair {
+) -> (Distance, bool) {
     let (a, b) = (Core(a), Core(b));
     let mut gap = core_distance(&a, &b, b_in_a, settings, cache);
     if matches!(gap.status, Status::Overlapping | Status::Touching) {
-        return CorePair::Overlapping(gap);
+        return (gap, false);
     }
     for _ in 1..MAX_SEARCHES {
         let remaining = (gap.distance - radius).abs();
@@ -115,7 +103,7 @@ fn solve_cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         gap.iterations += iterations;
         gap.support_calls += support_calls;
     }
-    if gap.lower > 0.0 { CorePair::Separated(gap) } else { CorePair::Overlapping(gap) }
+    (gap, gap.lower > 0.0)
 }
 
 /// Rounding error of the sum `radius` of the radii and of its difference to `distance`: a length.
@@ -125,8 +113,7 @@ pub(super) fn rounding(radius: f64, distance: f64) -> f64 {
 
 /// Length up to which an interval or a penetration counts as touching.
 ///
-/// It is proportional to the reach of the shapes, since the rounding error of the cores' intervals
-/// is.
+/// Proportional to the reach of the shapes, as the rounding error of the cores' intervals is.
 fn touching_length<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose) -> f64 {
     let [center_a, center_b] = [a.interior_point(), b.interior_point()].map(|p| p.length());
     let reach = a.outer_radius() + b.outer_radius() + center_a + center_b + b_in_a.translation().length();
@@ -135,9 +122,8 @@ fn touching_length<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B,
 
 /// Unit direction from the witness point of core A to the one of core B.
 ///
-/// Witness points moved along it have exactly the reported distance. `gap.normal`, which proves the
-/// lower bound, may differ slightly from it; it serves where the witness points are too close for a
-/// direction.
+/// Witness points moved along it have exactly the reported distance. `gap.normal`, which may differ
+/// slightly from it, serves where they are too close for a direction.
 pub(super) fn outward(gap: &Distance, touching_length: f64) -> DVec3 {
     unit(gap.point_b - gap.point_a)
         .filter(|_| gap.point_a.distance(gap.point_b) > touching_length)
@@ -207,76 +193,63 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if !(radius > 0.0) {
         return core_contact(a, b, b_in_a, settings, cache);
     }
-    let tolerance = settings.relative_tolerance();
-    match solve_cores((a, b, b_in_a), radius, settings, cache) {
-        CorePair::Separated(gap) => {
-            let (rounding, touching_length) = (rounding(radius, gap.upper), touching_length(a, b, b_in_a));
-            let (lower, upper) = (radius - gap.upper - rounding, radius - gap.lower + rounding);
-            let mut found = Contact {
-                hit: true,
-                status: Status::Touching,
-                depth: 0.0,
-                depth_lower: 0.0,
-                depth_upper: upper,
-                normal: gap.normal,
-                point_a: gap.point_a,
-                point_b: gap.point_b,
-                iterations: gap.iterations,
-                support_calls: gap.support_calls,
-                ..Contact::default()
-            };
-            let mut out = outward(&gap, touching_length);
-            if upper < 0.0 {
-                (found.hit, found.status, found.depth_upper) = (false, Status::Separated, 0.0);
-            } else if lower > 0.0 {
-                (found.depth, found.depth_lower) = (radius - gap.distance, lower);
-                found.status = interval_status(gap.status, [lower, upper], tolerance, touching_length);
-                if gap.distance < found.depth {
-                    // The direction of points so near to each other is less certain than the
-                    // normal.
-                    out = gap.normal;
-                }
-            } else if upper > touching_length {
-                // Neither certainly penetrating nor certainly touching.
-                found.depth = (radius - gap.distance).max(0.0);
-                found.status = interval_status(gap.status, [0.0, upper], tolerance, touching_length);
-            } else if !(-lower <= touching_length) {
-                // No plane separates the shapes, and no points are near enough to touch.
-                found.status = Status::Stalled;
+    let (gap, is_separated) = solve_cores((a, b, b_in_a), radius, settings, cache);
+    let (tolerance, touching_length) = (settings.relative_tolerance(), touching_length(a, b, b_in_a));
+    let mut found = if is_separated {
+        let rounding = rounding(radius, gap.upper);
+        let (lower, upper) = (radius - gap.upper - rounding, radius - gap.lower + rounding);
+        let mut found = Contact {
+            status: Status::Touching,
+            depth_upper: upper,
+            normal: gap.normal,
+            iterations: gap.iterations,
+            support_calls: gap.support_calls,
+            ..Contact::default()
+        };
+        let mut out = outward(&gap, touching_length);
+        if upper < 0.0 {
+            (found.hit, found.status, found.depth_upper) = (false, Status::Separated, 0.0);
+        } else if lower > 0.0 {
+            (found.depth, found.depth_lower) = (radius - gap.distance, lower);
+            found.status = interval_status(gap.status, [lower, upper], tolerance, touching_length);
+            if gap.distance < found.depth {
+                // The direction of points so near to each other is less certain than the normal.
+                out = gap.normal;
             }
-            found.point_a += out * radii[0];
-            found.point_b -= out * radii[1];
-            // The depth falls from the other normals to that of the closest points.
-            found = found.with_others(upper + gap.lower, a.outer_radius() + b.outer_radius());
-            settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
-            found
+        } else if upper > touching_length {
+            // Neither certainly penetrating nor certainly touching.
+            found.depth = (radius - gap.distance).max(0.0);
+            found.status = interval_status(gap.status, [0.0, upper], tolerance, touching_length);
+        } else if !(-lower <= touching_length) {
+            // No plane separates the shapes, and no points are near enough to touch.
+            found.status = Status::Stalled;
         }
-        CorePair::Overlapping(gap) => {
-            let core = core_contact(&Core(a), &Core(b), b_in_a, settings, cache);
-            let rounding = rounding(radius, core.depth_upper);
-            // Cores that do not certainly penetrate may be separated, by at most the distance of
-            // their witness points.
-            let separation = if core.depth_lower > 0.0 { 0.0 } else { gap.upper };
-            let lower = radius + core.depth_lower - rounding - separation;
-            let upper = radius + core.depth_upper + rounding;
-            let touching_length = touching_length(a, b, b_in_a);
-            let mut found = Contact {
-                hit: true,
-                status: interval_status(core.status, [lower, upper], tolerance, touching_length),
-                depth: radius + core.depth,
-                depth_lower: lower.max(0.0),
-                depth_upper: upper,
-                normal: core.normal,
-                point_a: core.point_a + core.normal * radii[0],
-                point_b: core.point_b - core.normal * radii[1],
-                iterations: gap.iterations + core.iterations,
-                support_calls: gap.support_calls + core.support_calls,
-                ..core
-            };
-            settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
-            found
+        (found.point_a, found.point_b) = (gap.point_a + out * radii[0], gap.point_b - out * radii[1]);
+        // The depth falls from the other normals to that of the closest points.
+        found.with_others(upper + gap.lower, a.outer_radius() + b.outer_radius())
+    } else {
+        let core = core_contact(&Core(a), &Core(b), b_in_a, settings, cache);
+        let rounding = rounding(radius, core.depth_upper);
+        // Cores that do not certainly penetrate may be separated, by at most the distance of their
+        // witness points.
+        let separation = if core.depth_lower > 0.0 { 0.0 } else { gap.upper };
+        let lower = radius + core.depth_lower - rounding - separation;
+        let upper = radius + core.depth_upper + rounding;
+        Contact {
+            hit: true,
+            status: interval_status(core.status, [lower, upper], tolerance, touching_length),
+            depth: radius + core.depth,
+            depth_lower: lower.max(0.0),
+            depth_upper: upper,
+            point_a: core.point_a + core.normal * radii[0],
+            point_b: core.point_b - core.normal * radii[1],
+            iterations: gap.iterations + core.iterations,
+            support_calls: gap.support_calls + core.support_calls,
+            ..core
         }
-    }
+    };
+    settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
+    found
 }
 
 /// Settles a contact of rounded shapes whose witness points are not opposite each other along the
@@ -371,12 +344,11 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if !(radius > 0.0) {
         return core_distance(a, b, b_in_a, settings, cache);
     }
-    let (CorePair::Separated(gap) | CorePair::Overlapping(gap)) =
-        &mut solve_cores((a, b, b_in_a), radius, settings, cache);
-    let mut found = *gap;
+    let (gap, _) = solve_cores((a, b, b_in_a), radius, settings, cache);
+    let mut found = gap;
     let (rounding, touching_length) = (rounding(radius, gap.upper), touching_length(a, b, b_in_a));
     let (lower, upper) = (gap.lower - radius - rounding, gap.upper - radius + rounding);
-    [found.point_a, found.point_b] = rounded_points(gap, radii);
+    [found.point_a, found.point_b] = rounded_points(&gap, radii);
     (found.lower, found.upper) = (lower.max(0.0), upper.max(0.0));
     found.distance = (gap.distance - radius).max(0.0);
     if upper < 0.0 || gap.status == Status::Overlapping {
@@ -476,8 +448,15 @@ pub(crate) fn overlap_by_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>
     depth: f64,
     cache: &Cache,
 ) -> bool {
+    let &[first, second, third] = cache.simplex() else { return false };
     if a.convex_radius() + b.convex_radius() > 0.0 {
         return false;
     }
-    simplex_encloses(&Minkowski::new(a, b, b_in_a), cache.simplex(), depth)
+    let m = Minkowski::new(a, b, b_in_a);
+    let Some(mut portal) = Portal::recall(&m, [first, second, third]) else { return false };
+    let v0 = m.center_point().w;
+    if !portal.faces_away(v0) {
+        portal.vertices.swap(1, 2);
+    }
+    portal.holds_origin(v0, m.inner_radius(), m.rounding_error() + depth)
 }

@@ -6,8 +6,7 @@
 //!
 //! # Reference
 //! van den Bergen, "Ray casting against general convex objects with application to continuous
-//! collision detection", 2004: the ray is clipped by the plane at the closest point. For a rounded
-//! shape that is Newton's method. docs/intervals.md proves the interval.
+//! collision detection", 2004. docs/intervals.md proves the interval.
 //!
 //! # Steps
 //! 1. Compute the distance of the cores at t (GJK, from the simplex of the last step). Its plane
@@ -44,7 +43,6 @@ const EXACT_ERRORS: f64 = 64.0;
 /// Share of the tolerance that a step, a trial and the error of a distance may take.
 const SHARE: f64 = 0.125;
 
-/// The two cores with their motion.
 struct Cores<'q, A: ?Sized, B: ?Sized> {
     a: Core<'q, A>,
     b: Core<'q, B>,
@@ -58,23 +56,17 @@ struct Cores<'q, A: ?Sized, B: ?Sized> {
     support_calls: u32,
 }
 
-/// The cores at one length of the path.
 struct Sample {
     gap: Distance,
     /// Lower bound of the gap between the shapes; negative where they may overlap.
     lower: f64,
-    /// Upper bound of that gap, with its sign.
     upper: f64,
-    /// Component of the normal along the motion.
     along: f64,
-    /// Rounding error in both bounds.
     error: f64,
-    /// Length of the path.
     length: f64,
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
-    /// The cores after a motion by `length`.
     fn sample(&mut self, length: f64, cache: &mut Cache) -> Sample {
         let moved = self.b_in_a.moved(self.direction * length);
         let gap = core_distance(&self.a, &self.b, moved, &self.settings, cache);
@@ -189,11 +181,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
     }
 }
 
-/// Progress of the search.
 struct Progress {
     /// The shapes are certainly separated up to this length.
     lower: f64,
-    /// Normal of the plane that proves it.
     normal: DVec3,
     /// The last sample at this length or before.
     sample: Sample,

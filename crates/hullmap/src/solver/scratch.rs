@@ -1,6 +1,72 @@
-//! Scratch: memory for large polytopes, for threads with a small stack.
+//! Memory for the polytopes of EPA: the workspace of a query, and [`Scratch`] for threads with a
+//! small stack.
 
-use super::epa::workspace::Large;
+use super::epa::polytope::Polytope;
+
+/// Maximum number of vertices of each polytope size. The first is enough for small hulls and
+/// touching pairs, the second for nearly all queries, the third for sphere-like hulls; the last
+/// limits the cost of a query.
+pub(super) const SIZES: [usize; 4] = [24, 64, 256, 1024];
+
+pub(super) type Small = Polytope<{ SIZES[0] }, { 2 * SIZES[0] }>;
+pub(super) type Medium = Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>;
+pub(super) type Big = Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>;
+pub(super) type Biggest = Polytope<{ SIZES[3] }, { 2 * SIZES[3] }>;
+
+/// The polytopes of the first two sizes: 16 KB, of which only what a query needs is written.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    pub(super) small: Option<Small>,
+    pub(super) medium: Option<Medium>,
+}
+
+impl Workspace {
+    #[inline(always)]
+    pub(super) fn small(&mut self) -> &mut Small {
+        existing(&mut self.small)
+    }
+
+    #[inline(always)]
+    pub(super) fn medium(&mut self) -> &mut Medium {
+        existing(&mut self.medium)
+    }
+
+    #[inline(never)]
+    pub(super) fn enlarge(&mut self) {
+        let medium = self.medium.get_or_insert_with(|| Polytope::empty(0.0));
+        if let Some(small) = &self.small {
+            small.overwrite(medium);
+        }
+    }
+}
+
+/// The polytope in `place`. There is one: a search starts with [`cleared`].
+#[inline(always)]
+fn existing<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
+    match place {
+        Some(polytope) => polytope,
+        none => insert_empty(none),
+    }
+}
+
+/// Not inlined: the polytope would be on the stack of each caller before it is moved.
+#[cold]
+#[inline(never)]
+fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
+    place.insert(Polytope::empty(0.0))
+}
+
+/// The polytope in `place`, without a surface. `noise` is the error bound of offsets, a length.
+#[inline(always)]
+pub(super) fn cleared<const V: usize, const F: usize>(
+    place: &mut Option<Polytope<V, F>>,
+    noise: f64,
+) -> &mut Polytope<V, F> {
+    if let Some(polytope) = place {
+        polytope.clear(noise);
+    }
+    place.get_or_insert_with(|| Polytope::empty(noise))
+}
 
 /// Memory for the large polytopes of deep contacts. With it, every query runs on a stack of
 /// [`STACK_SIZE`](Self::STACK_SIZE).
@@ -32,7 +98,8 @@ use super::epa::workspace::Large;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    pub(super) large: Large,
+    pub(super) big: Big,
+    pub(super) biggest: Biggest,
 }
 
 impl Scratch {
@@ -46,7 +113,7 @@ impl Scratch {
     /// Allocates scratch memory: about 230 KB. The largest part of it is on the stack for a moment,
     /// so call it on a thread with an ordinary stack.
     pub fn boxed() -> Box<Self> {
-        Box::new(Self { large: Large::empty() })
+        Box::new(Self { big: Polytope::empty(0.0), biggest: Polytope::empty(0.0) })
     }
 }
 

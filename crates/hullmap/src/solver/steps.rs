@@ -5,48 +5,25 @@
 //! end ([`at_once`]). A batch drives several in turns, each until its next wait for memory
 //! ([`Suspended`]). The bits are the same.
 
-use glam::DVec3;
-
 use super::cache::Cache;
-use super::minkowski::{Interrupted, Minkowski, Point};
+use super::minkowski::{Interrupted, Minkowski, Point, Step};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 
-/// Next step of a query.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Step<T> {
-    /// The support point in this direction.
-    Ask(DVec3),
-    /// Nothing: this is the answer.
-    Answer(T),
-}
-
 /// A query of two shapes without convex radii, in steps.
 pub(crate) trait SteppedQuery<A: ?Sized, B: ?Sized>: Sized {
-    /// What the query needs next.
     type Settings;
-    /// What it returns.
     type Answer;
     /// Memory that it uses until it has ended.
     type Workspace: Default;
 
-    /// The query before its first step.
     fn new() -> Self;
 
-    /// The first step.
-    fn start(
+    /// The next step: the first one, or with the support point in the direction requested by the
+    /// last one. The other arguments are the same for all steps.
+    fn advance(
         &mut self,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Self::Settings,
-        cache: &mut Cache,
-        workspace: &mut Self::Workspace,
-    ) -> Step<Self::Answer>;
-
-    /// The next step, with the support point in the direction requested by the last one. The other
-    /// arguments are the same as of [`start`](Self::start).
-    fn continue_with(
-        &mut self,
-        point: Point,
+        point: Option<Point>,
         m: &mut Minkowski<'_, A, B>,
         settings: &Self::Settings,
         cache: &mut Cache,
@@ -62,11 +39,11 @@ pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Stepped
     cache: &mut Cache,
 ) -> Q::Answer {
     let (mut query, mut workspace) = (Q::new(), Q::Workspace::default());
-    let mut step = query.start(m, settings, cache, &mut workspace);
+    let mut step = query.advance(None, m, settings, cache, &mut workspace);
     loop {
         match step {
             Step::Answer(answer) => return answer,
-            Step::Ask(dir) => step = query.continue_with(m.point(dir), m, settings, cache, &mut workspace),
+            Step::Ask(dir) => step = query.advance(Some(m.point(dir)), m, settings, cache, &mut workspace),
         }
     }
 }
@@ -76,7 +53,6 @@ pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Stepped
 pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized, Q> {
     m: Minkowski<'s, A, B>,
     query: Q,
-    /// The support query that comes next.
     next: Interrupted,
 }
 
@@ -93,7 +69,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery<A, B>> 
         workspace: &mut Q::Workspace,
     ) -> Result<Self, Q::Answer> {
         let (mut m, mut query) = (Minkowski::new(a, b, b_in_a), Q::new());
-        match query.start(&mut m, settings, cache, workspace) {
+        match query.advance(None, &mut m, settings, cache, workspace) {
             Step::Answer(answer) => Err(answer),
             Step::Ask(dir) => {
                 let next = m.start(dir);
@@ -116,7 +92,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery<A, B>> 
             return None;
         }
         let point = self.m.finish(&self.next);
-        match self.query.continue_with(point, &mut self.m, settings, cache, workspace) {
+        match self.query.advance(Some(point), &mut self.m, settings, cache, workspace) {
             Step::Answer(answer) => Some(answer),
             Step::Ask(dir) => {
                 self.next = self.m.start(dir);

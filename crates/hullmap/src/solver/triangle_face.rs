@@ -21,7 +21,6 @@ use glam::DVec3;
 
 use super::answer::{Contact, separated_contact};
 use super::cache::Cache;
-use super::intersection::store_separation;
 use super::minkowski::Minkowski;
 use super::status::Status;
 use crate::pose::Pose;
@@ -70,7 +69,7 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         })
     };
     if depth < -margin && is_inside(normal, 0.0) {
-        store_separation(cache, normal, &[point; 3]);
+        cache.set_separation(normal, &[point; 3]);
         let contact = separated_contact(&m, cache, normal, 0);
         return Some(FaceContact { contact: Contact { point_a: foot, point_b: lowest, ..contact }, depth });
     }
@@ -80,7 +79,6 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     cache.forget_axis();
     let contact = Contact {
-        hit: true,
         status: Status::Exact,
         depth,
         depth_lower: depth - m.noise(),
@@ -88,7 +86,6 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         normal,
         point_a: foot,
         point_b: lowest,
-        iterations: 0,
         support_calls: m.support_calls(),
         ..Contact::default()
     };

@@ -16,8 +16,7 @@
 //!    above.
 //! 4. Stop if the bounds are close. Else insert w into the polytope and repeat from step 2.
 //!
-//! `search` has steps 2 to 4, `polytope` the surface, `flat` the cases without volume, and
-//! `workspace` the memory.
+//! `search` has steps 2 to 4, `polytope` the surface, and `flat` the cases without volume.
 //!
 //! # Deviations
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start. While it is
@@ -26,34 +25,26 @@
 //! - d is a bound only once the surface certainly winds around the origin. Until then nothing is
 //!   claimed.
 //! - The smallest h(n) of all faces tried is kept with its face, so the upper bound never grows.
-//! - The face of the smallest h(n) may be inside the difference, or the origin's foot may be
-//!   outside the face, as in the middle of a flat or curved side with many vertices. Then GJK finds
-//!   the witness points ([`Bound::settle`]).
+//! - The origin's foot may be outside the face of the smallest h(n), as in the middle of a flat or
+//!   curved side with many vertices. Then GJK finds the witness points ([`Bound::search`]).
 //! - The ball around the interior points bounds the depth from below too, so round shapes end at
 //!   once.
 //! - Polytopes come in four sizes: most queries never touch the large arrays.
 
 mod flat;
-mod polytope;
+pub(in crate::solver) mod polytope;
 mod search;
-mod seed;
-pub(in crate::solver) mod workspace;
 
 pub(in crate::solver) use self::flat::{BESIDE_ROUNDINGS, FLAT_ROUNDINGS};
-pub(in crate::solver) use self::search::{End, Expansion, Goal, TOUCHING_ROUNDINGS, Terms};
-pub(crate) use self::workspace::Workspace;
+pub(in crate::solver) use self::search::{End, Expansion, TOUCHING_ROUNDINGS, Terms};
 
-use glam::DVec3;
-
-use self::flat::{expand_flat, settle, widest_normal};
+use self::flat::{expand_flat, seed, settle};
 use self::polytope::Polytope;
-use self::search::{Aim, KEEP, Next, State, aim, continue_with, run};
-use self::seed::{Flat, seed};
-use self::workspace::{Big, Biggest, Large, Medium, SIZES, Small, cleared};
+use self::search::{KEEP, Next, State};
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
 use crate::solver::cache::Cache;
-use crate::solver::minkowski::{Minkowski, Point};
-use crate::solver::scratch::Scratch;
+use crate::solver::minkowski::{Minkowski, Point, Step};
+use crate::solver::scratch::{Big, Biggest, Medium, SIZES, Scratch, Workspace, cleared};
 use crate::support::SupportMap;
 
 /// Number of expansions that need no polytope of the last size, from any start.
@@ -74,7 +65,6 @@ const SPARE: usize = 6;
 pub(crate) struct EpaSearch {
     terms: Terms,
     state: State,
-    aim: Aim,
     is_medium: bool,
     /// It has started from the polytope of the cache.
     again: bool,
@@ -82,19 +72,7 @@ pub(crate) struct EpaSearch {
     keeps: bool,
 }
 
-/// Progress of an expansion.
-pub(in crate::solver) enum Progress {
-    /// It needs the support point in this direction.
-    Ask(DVec3),
-    /// It has ended. `None` if it started from the polytope of the cache and has stalled.
-    Ended(Option<Expansion>),
-}
-
 impl EpaSearch {
-    fn new(terms: Terms, state: State) -> Self {
-        Self { terms, state, aim: Aim::NOTHING, is_medium: false, again: false, keeps: terms.keeps_polytope() }
-    }
-
     /// Expands from `tetrahedron` if it has volume, else from one found here. `bound` is an upper
     /// bound known already. If the goal is a depth, keeps the polytope in `cache`.
     ///
@@ -109,20 +87,19 @@ impl EpaSearch {
         cache: &mut Cache,
         workspace: &mut Workspace,
     ) -> Result<Self, Expansion> {
-        let mut state = State::new(bound);
         let small = cleared(&mut workspace.small, m.noise());
         let thin = THIN_ROUNDINGS * m.rounding_error();
         if !tetrahedron.is_some_and(|tetrahedron| small.start(tetrahedron, thin))
-            && let Err(Flat { normal }) = start_elsewhere(m, small)
+            && let Err(normal) = seed(m, small)
         {
-            let expansion = expand_flat(m, normal, state.out);
+            let expansion = expand_flat(m, normal, State::new(bound, false).out);
             return Err(settle(m, expansion));
         }
-        state.encloses = small.encloses();
         if terms.keeps_polytope() {
             cache.forget_polytope();
         }
-        Ok(Self::new(terms, state))
+        let state = State::new(bound, small.encloses());
+        Ok(Self { terms, state, is_medium: false, again: false, keeps: terms.keeps_polytope() })
     }
 
     /// Expands from the polytope in `cache`. `None` if there is none that encloses the origin under
@@ -134,102 +111,58 @@ impl EpaSearch {
         cache: &Cache,
         workspace: &mut Workspace,
     ) -> Option<Self> {
-        let points = cache.polytope()?.points().len();
-        let is_medium = points + SPARE > SIZES[0];
-        let state = if is_medium {
-            restore(m, cleared(&mut workspace.medium, m.noise()), cache)?
+        let is_medium = cache.polytope()?.points.len() + SPARE > SIZES[0];
+        let encloses = if is_medium {
+            restore(m, cleared(&mut workspace.medium, m.noise()), cache)
         } else {
-            restore(m, cleared(&mut workspace.small, m.noise()), cache)?
+            restore(m, cleared(&mut workspace.small, m.noise()), cache)
         };
-        Some(Self { is_medium, again: true, keeps: false, ..Self::new(terms, state) })
+        let state = State::new(Bound::none(), true);
+        encloses.then_some(Self { terms, state, is_medium, again: true, keeps: false })
     }
 
-    /// Continues up to the next support query.
+    /// Continues up to the next support query, with the last support point, if any. The answer is
+    /// `None` if the expansion started from the polytope of the cache and has stalled.
     #[inline(always)]
-    pub(in crate::solver) fn aim<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    pub(in crate::solver) fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
+        point: Option<Point>,
         m: &mut Minkowski<'_, A, B>,
         cache: &mut Cache,
         workspace: &mut Workspace,
-    ) -> Progress {
-        let Self { terms, state, is_medium, keeps, .. } = self;
-        if !*is_medium {
-            match aim(workspace.small(), state, terms, keeps.then_some(&mut *cache)) {
-                Next::Ask(aim) => return self.ask(aim),
-                Next::Ended => return self.end(m, cache, workspace),
-                Next::Full => {
-                    workspace.enlarge();
-                    (*is_medium, *keeps) = (true, terms.keeps_polytope());
-                }
-            }
+    ) -> Step<Option<Expansion>> {
+        let Self { terms, state, is_medium, again, keeps } = self;
+        let has_ended = match point {
+            Some(point) if *is_medium => state.expand(workspace.medium(), terms, point),
+            Some(point) => state.expand(workspace.small(), terms, point),
+            None => false,
+        };
+        let mut next = match () {
+            () if has_ended => Next::Ended,
+            () if *is_medium => state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache)),
+            () => state.aim(workspace.small(), terms, keeps.then_some(&mut *cache)),
+        };
+        if matches!(next, Next::Full) && !*is_medium {
+            workspace.enlarge();
+            (*is_medium, *keeps) = (true, terms.keeps_polytope());
+            next = state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache));
         }
-        match aim(workspace.medium(), state, terms, keeps.then_some(&mut *cache)) {
-            Next::Ask(aim) => self.ask(aim),
-            Next::Ended => self.end(m, cache, workspace),
+        let expansion = match next {
+            Next::Ask => return Step::Ask(state.nearest.direction),
+            Next::Ended if *is_medium => finish(m, workspace.medium(), state, terms, Some(&mut *cache)),
+            Next::Ended => finish(m, workspace.small(), state, terms, Some(&mut *cache)),
             // Polytopes of the last two sizes are not kept, and they are rare: they are expanded at
             // once.
-            Next::Full => {
-                let expansion = match cache.scratch() {
-                    Some(scratch) => expand_in_scratch(m, workspace.medium(), state, terms, scratch),
-                    None => expand_on_stack(m, workspace.medium(), state, terms),
-                };
-                self.settle(m, expansion, cache)
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn ask(&mut self, aim: Aim) -> Progress {
-        self.aim = aim;
-        Progress::Ask(aim.direction())
-    }
-
-    /// Continues with the support point in the direction that was stated last, up to the next
-    /// support query.
-    #[inline(always)]
-    pub(in crate::solver) fn continue_with<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        point: Point,
-        m: &mut Minkowski<'_, A, B>,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Progress {
-        let Self { terms, state, aim, .. } = self;
-        let has_ended = if self.is_medium {
-            continue_with(workspace.medium(), state, terms, aim, point)
-        } else {
-            continue_with(workspace.small(), state, terms, aim, point)
+            Next::Full => match cache.scratch() {
+                Some(scratch) => expand_in_scratch(m, workspace.medium(), state, terms, scratch),
+                None => expand_on_stack(m, workspace.medium(), state, terms),
+            },
         };
-        if has_ended { self.end(m, cache, workspace) } else { self.aim(m, cache, workspace) }
-    }
-
-    fn end<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        m: &mut Minkowski<'_, A, B>,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Progress {
-        let Self { terms, state, .. } = self;
-        let kept_in = terms.keeps_polytope().then_some(&mut *cache);
-        let expansion = if self.is_medium {
-            finish(m, workspace.medium(), state, terms, kept_in)
-        } else {
-            finish(m, workspace.small(), state, terms, kept_in)
-        };
-        self.settle(m, expansion, cache)
-    }
-
-    fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &self,
-        m: &mut Minkowski<'_, A, B>,
-        expansion: Expansion,
-        cache: &mut Cache,
-    ) -> Progress {
-        if self.again && self.state.out.iterations > WORN_OUT {
+        if *again && state.out.iterations > WORN_OUT {
             cache.forget_polytope();
         }
-        let is_useless = self.again && expansion.end == End::Stalled;
-        Progress::Ended((!is_useless).then(|| settle(m, expansion)))
+        let is_useless = *again && expansion.end == End::Stalled;
+        Step::Answer((!is_useless).then(|| settle(m, expansion)))
     }
 }
 
@@ -241,57 +174,42 @@ pub(in crate::solver) fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     max_expansions: u32,
     cache: &mut Cache,
 ) -> Expansion {
-    let (mut workspace, terms) = (Workspace::default(), Terms::new(m, Goal::Decide, max_expansions));
+    let (mut workspace, terms) = (Workspace::default(), Terms::new(m, None, max_expansions));
     let mut search = match EpaSearch::start(m, tetrahedron, terms, Bound::none(), cache, &mut workspace) {
         Ok(search) => search,
         Err(expansion) => return expansion,
     };
-    let mut progress = search.aim(m, cache, &mut workspace);
+    let mut point = None;
     loop {
-        match progress {
-            Progress::Ask(dir) => progress = search.continue_with(m.point(dir), m, cache, &mut workspace),
-            Progress::Ended(Some(expansion)) => return expansion,
-            // Only an expansion from the cache's polytope ends this way.
-            Progress::Ended(None) => return State::new(Bound::none()).out,
+        match search.advance(point, m, cache, &mut workspace) {
+            Step::Ask(dir) => point = Some(m.point(dir)),
+            // Only an expansion from the cache's polytope has no result.
+            Step::Answer(expansion) => return expansion.unwrap_or(search.state.out),
         }
     }
 }
 
-/// Restores the polytope in `cache` under the new pose. `None` if it does not certainly enclose the
+/// Restores the polytope in `cache` under the new pose. Returns whether it certainly encloses the
 /// origin.
 #[inline]
 fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
     m: &Minkowski<'_, A, B>,
     polytope: &mut Polytope<V, F>,
     cache: &Cache,
-) -> Option<State> {
-    let kept = cache.polytope()?;
-    let points = kept.points().map(|features| m.recall(features));
-    let encloses = polytope.restore(points, kept.faces()) && polytope.encloses();
-    encloses.then(|| State { encloses: true, ..State::new(Bound::none()) })
+) -> bool {
+    cache.polytope().is_some_and(|kept| {
+        let points = kept.points.iter().map(|features| m.recall(*features));
+        polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses()
+    })
 }
 
-/// Starts from a tetrahedron of [`seed`].
-#[cold]
-#[inline(never)]
-fn start_elsewhere<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    polytope: &mut Small,
-) -> Result<(), Flat> {
-    let tetrahedron = seed(m)?;
-    // Otherwise its height is noise in the normal of a thin triangle.
-    let is_solid = polytope.start(tetrahedron, 0.0);
-    if is_solid { Ok(()) } else { Err(Flat { normal: widest_normal(tetrahedron) }) }
-}
-
-/// Continues in caller-owned memory.
 #[inline(never)]
 fn expand_in_scratch<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     medium: &Medium,
     state: &mut State,
     terms: &Terms,
-    Scratch { large: Large { big, biggest } }: &mut Scratch,
+    Scratch { big, biggest }: &mut Scratch,
 ) -> Expansion {
     match expand_in(m, medium, big, state, terms) {
         Ok(expansion) => expansion,
@@ -299,7 +217,6 @@ fn expand_in_scratch<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 }
 
-/// Continues on the stack.
 #[inline(never)]
 fn expand_on_stack<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
@@ -342,10 +259,19 @@ fn expand_in<
     terms: &Terms,
 ) -> Result<Expansion, &'p Polytope<W, G>> {
     polytope.overwrite(larger);
-    if run(m, larger, state, terms) { Ok(finish(m, larger, state, terms, None)) } else { Err(larger) }
+    loop {
+        match state.aim(larger, terms, None) {
+            Next::Ask if state.expand(larger, terms, m.point(state.nearest.direction)) => break,
+            Next::Ask => {}
+            Next::Ended => break,
+            Next::Full => return Err(larger),
+        }
+    }
+    Ok(finish(m, larger, state, terms, None))
 }
 
-/// Computes the witness points of the bound and keeps the polytope if it is fit to be kept.
+/// Computes the witness points of the bound. If the goal is a depth, keeps the polytope in `cache`,
+/// provided that it is fit to be kept.
 ///
 /// The steps of the search for witness points count in the result, and not in `state`.
 fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
@@ -368,12 +294,15 @@ fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const 
     if expansion.end == End::Converged {
         let width = (upper - expansion.lower).min(terms.allowance(upper)).max(0.0);
         let enough = width + FOOT_ROUNDINGS * m.noise();
-        expansion.iterations += expansion.bound.settle(m, face.as_ref().map_or(&[], |face| face), enough);
+        // NaN takes the search.
+        if !(expansion.bound.off() <= enough) {
+            expansion.iterations += expansion.bound.search(m, face.as_ref().map_or(&[], |face| face), enough);
+        }
     }
-    if let Some(cache) = cache {
+    if let Some(cache) = cache.filter(|_| terms.keeps_polytope()) {
         if !state.encloses || state.out.end == End::Stalled {
             cache.forget_polytope();
-        } else if polytope.point_count() <= KEEP {
+        } else if polytope.point_count <= KEEP {
             cache.keep_polytope(polytope.features(), polytope.faces());
         }
     }

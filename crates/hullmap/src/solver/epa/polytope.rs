@@ -5,16 +5,14 @@
 //! sees by a fan to that vertex.
 //!
 //! # Steps of [`Polytope::insert_vertex`]
-//! 1. Walk from the face below the vertex to the neighbours that see the vertex too
-//!    (`walk_horizon`). The walk goes around each face in order, so it meets the edges of the
-//!    border in order as well.
+//! 1. Walk from the face below the vertex to the neighbours that see the vertex too. The walk goes
+//!    around each face in order, so it meets the edges of the border in order as well.
 //! 2. The border is the horizon. Each of its edges must start where the previous one ends.
-//! 3. Reuse the places of the visible faces for the new faces (`assign_places`).
+//! 3. Reuse the places of the visible faces for the new faces.
 //! 4. Compute the planes of the new faces, one per edge of the horizon and four at a time, and link
-//!    the neighbours (`build_fan`).
+//!    the neighbours.
 //!
-//! The size is fixed and nothing is on the heap: `V` vertices and `F` ≥ 2 V faces, since a closed
-//! surface of V vertices has 2 V − 4 faces.
+//! `V` vertices need `F` ≥ 2 V faces, since a closed surface of V vertices has 2 V − 4 faces.
 //!
 //! # Invariants under rounding error
 //! - The surface is closed: each edge belongs to two faces that traverse it in opposite directions.
@@ -34,11 +32,9 @@ use crate::support::simd::{Dispatch, Pass, Simd};
 use glam::DVec3;
 use std::hint::select_unpredictable;
 
-/// A vertex sees a face if it is above the face's plane, or at most this far below it, in units of
-/// the noise.
-///
-/// So the vertex sees all of several coplanar faces. They are replaced together, and no sliver
-/// arises between the vertex and an edge in line with it.
+/// A vertex sees a face if it is above the face's plane, or at most this many noises below it. So
+/// it sees all of several coplanar faces, and no sliver arises between it and an edge in line with
+/// it.
 pub(in crate::solver) const COPLANAR_NOISES: f64 = 2.0;
 
 /// Planes whose offsets differ by at most this much, relative, may be the same plane. The planes of
@@ -49,51 +45,40 @@ const COPLANAR_RELATIVE: f64 = 1e-9;
 const PARALLEL_DISTANCE: f64 = 1e-4;
 
 /// The sign of a volume is certain if the volume exceeds this factor times the product of its three
-/// lengths.
-///
-/// Two edges, a cross product and a dot product have a relative rounding error of 10 · 2⁻⁵³.
+/// lengths: two edges, a cross product and a dot product have a relative error of 10 · 2⁻⁵³.
 const CERTAIN: f64 = 8.0 * f64::EPSILON;
 
-/// Number of planes computed at a time.
 const LANES: usize = 4;
 
-/// Number of offsets compared at a time.
 const OFFSET_LANES: usize = 8;
 
 /// Up to this many face places, all are compared, whether in use or not. A loop of varying length
 /// costs more.
 const FULL_SCAN_PLACES: usize = 128;
 
-/// A vertex could not be inserted: due to rounding error its horizon is not a loop, or a new face
-/// has no area.
+/// Due to rounding error the horizon of a vertex is not a loop, or a new face has no area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solver) struct InsertError;
 
-/// An edge of the horizon: the border between the faces that a new vertex sees and those it does
-/// not see.
 #[derive(Clone, Copy, Debug)]
 struct HorizonEdge {
-    /// The vertex where the edge starts.
     from: u16,
-    /// The face beyond, which stays.
     beyond: u16,
-    /// The edge of the face beyond.
     beyond_edge: u16,
 }
 
 /// A closed surface of triangles.
 ///
-/// Points and planes are stored by coordinate, and are written and read one number at a time. They
-/// are read soon after they were written. If numbers that were written one by one were read back as
-/// a vector, the processor would stall.
+/// Points and planes are stored by coordinate, and are written and read one number at a time: if
+/// they were read back as vectors, the processor would stall.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     /// Coordinates of the vertices: all x, all y, all z.
     w: [[f64; V]; 3],
-    /// The points of A, in A's frame.
     a: [DVec3; V],
     features: [[u32; 2]; V],
-    point_count: usize,
+    /// Also counts vertices that are inside the surface by now.
+    pub(super) point_count: usize,
     /// Squares of the faces' offsets, with the signs of the offsets. So faces that are never
     /// selected cost no square root. Infinite for free places.
     offsets: [f64; F],
@@ -101,13 +86,12 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     /// the face.
     planes: [[f64; F]; 4],
     /// Corners of the faces, counter-clockwise as seen from outside.
-    corners: [[u16; 3]; F],
+    pub(super) corners: [[u16; 3]; F],
     /// The faces across the edges from corner i to corner i + 1.
     neighbours: [[u16; 3]; F],
     face_count: usize,
     /// The face with the minimum offset; of several, the one with the lowest index.
-    nearest: usize,
-    /// See [`encloses`](Self::encloses).
+    pub(super) nearest: usize,
     encloses: bool,
     dispatch: Dispatch,
     /// Heights below this count as zero: a length.
@@ -117,7 +101,6 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     open_edges: [(u16, u16); F],
     /// Scratch: the faces that the new vertex sees, then the places of the new faces.
     removed: [u16; F],
-    /// Scratch: the edges of the horizon, in order.
     horizon: [HorizonEdge; V],
 }
 
@@ -172,33 +155,30 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.update_planes(4)
     }
 
-    /// Becomes a cached surface under a new pose: `points` with the corners and neighbours of
-    /// `faces`.
-    ///
-    /// A place whose corners are all the same vertex is free. Returns false if the surface does not
-    /// fit, a point is unknown, or a face has no area.
+    /// Becomes a cached surface under a new pose. A place whose corners are all the same vertex is
+    /// free. Returns false if the surface does not fit, a point is unknown, or a face has no area.
     pub(in crate::solver) fn restore(
         &mut self,
         points: impl Iterator<Item = Option<Point>>,
-        faces: impl ExactSizeIterator<Item = ([u16; 3], [u16; 3])>,
+        corners: &[[u8; 3]],
+        neighbours: &[[u8; 3]],
     ) -> bool {
         self.point_count = 0;
         for point in points {
             let (Some(point), true) = (point, self.point_count < V) else { return false };
             self.push(point);
         }
-        if faces.len() > F {
+        if corners.len() > F {
             return false;
         }
-        self.face_count = faces.len();
-        for (face, (corners, neighbours)) in faces.enumerate() {
-            (self.corners[face], self.neighbours[face]) = (corners, neighbours);
+        self.face_count = corners.len();
+        for (face, (corners, neighbours)) in corners.iter().zip(neighbours).enumerate() {
+            (self.corners[face], self.neighbours[face]) = (corners.map(u16::from), neighbours.map(u16::from));
         }
         self.update_planes(self.face_count)
     }
 
-    /// Computes the planes and offsets of the first `count` faces. Returns false if one has no
-    /// area.
+    /// Computes the first `count` planes and offsets. Returns false if a face has no area.
     fn update_planes(&mut self, count: usize) -> bool {
         let mut update = Update { polytope: self, count, all_solid: false };
         let dispatch = update.polytope.dispatch;
@@ -206,7 +186,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         update.all_solid
     }
 
-    /// [`update_planes`](Self::update_planes), compiled once per instruction set.
     #[inline(always)]
     fn update(&mut self, count: usize) -> bool {
         let mut all_solid = true;
@@ -240,13 +219,11 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         all_solid
     }
 
-    /// Whether the place holds no face.
     fn is_free(&self, face: usize) -> bool {
         self.corners[face][0] == self.corners[face][1]
     }
 
-    /// Removes the surface. Then the polytope is as [`empty`](Self::empty) returns it. `noise` is
-    /// the error bound of offsets, a length.
+    /// Makes the polytope as [`empty`](Self::empty) returns it.
     pub(in crate::solver) fn clear(&mut self, noise: f64) {
         self.offsets.fill(f64::INFINITY);
         self.corners.fill([0; 3]);
@@ -255,17 +232,12 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 
     /// Overwrites `big`, which has more room, with this surface.
+    #[inline(always)]
     pub(in crate::solver) fn overwrite<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         // Field by field: an empty polytope would take the stack that this saves.
         big.offsets.fill(f64::INFINITY);
         big.corners.fill([0; 3]);
         big.encloses = false;
-        self.copy_into(big);
-    }
-
-    /// Copies the surface into a polytope without one, which has more room.
-    #[inline(always)]
-    pub(in crate::solver) fn copy_into<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         big.slack = self.slack;
         for axis in 0..3 {
             big.w[axis][..self.point_count].copy_from_slice(&self.w[axis][..self.point_count]);
@@ -284,10 +256,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         big.nearest = self.nearest;
     }
 
-    /// Whether the surface certainly wound around the origin when it was started or restored.
-    ///
-    /// It does if every face has the same orientation as seen from the origin: then the solid
-    /// angles add up to at least one whole sphere.
+    /// Whether the surface certainly wound around the origin when it was started or restored: every
+    /// face has the same orientation as seen from the origin.
     pub(in crate::solver) fn encloses(&self) -> bool {
         self.encloses
     }
@@ -299,13 +269,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.encloses
     }
 
-    /// The face with the minimum offset; of several, the one with the lowest index.
-    #[inline]
-    pub(in crate::solver) fn nearest_face(&self) -> usize {
-        self.nearest
-    }
-
-    /// Searches for the face with the minimum offset.
     #[inline(always)]
     fn find_nearest(&self) -> usize {
         // A small polytope always compares the same number of chunks, so there is no branch to
@@ -314,14 +277,13 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.dispatch.argmin(self.offsets[..used].as_chunks::<OFFSET_LANES>().0)
     }
 
-    /// The position of the vertex `index`.
     #[inline(always)]
     fn position(&self, index: usize) -> DVec3 {
         DVec3::new(self.w[0][index], self.w[1][index], self.w[2][index])
     }
 
-    /// Adds a vertex without faces. The polytope must not be full.
     #[inline(always)]
+    /// Adds a vertex without faces.
     fn push(&mut self, point: Point) {
         let index = self.point_count;
         (self.w[0][index], self.w[1][index], self.w[2][index]) = (point.w.x, point.w.y, point.w.z);
@@ -330,7 +292,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.point_count += 1;
     }
 
-    /// Sets the normal of a face and the dot product above which a point sees it.
     #[inline(always)]
     fn set_plane(&mut self, face: usize, [x, y, z, seen_from]: [f64; 4]) {
         self.planes[0][face] = x;
@@ -347,7 +308,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
 
-    /// The minimum offset of the faces whose unit normals are not `normal`.
     pub(in crate::solver) fn offset_beside(&self, normal: DVec3) -> f64 {
         let mut lowest = f64::INFINITY;
         for face in 0..self.face_count {
@@ -361,23 +321,11 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         lowest.abs().sqrt().copysign(lowest)
     }
 
-    /// The vertex indices of the corners of a face.
-    pub(in crate::solver) fn corners(&self, face: usize) -> [u16; 3] {
-        self.corners[face]
-    }
-
-    /// The vertex `index`.
     pub(in crate::solver) fn point(&self, index: u16) -> Point {
         let index = usize::from(index);
         Point { w: self.position(index), a: self.a[index], features: self.features[index] }
     }
 
-    /// Number of vertices, including those that are inside the surface by now.
-    pub(in crate::solver) fn point_count(&self) -> usize {
-        self.point_count
-    }
-
-    /// The features of the vertices.
     pub(in crate::solver) fn features(&self) -> &[[u32; 2]] {
         &self.features[..self.point_count]
     }
@@ -387,7 +335,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         (&self.corners[..self.face_count], &self.neighbours[..self.face_count])
     }
 
-    /// The positions of the corners of a face.
     fn face_points(&self, face: usize) -> [DVec3; 3] {
         self.corners[face].map(|i| self.position(usize::from(i)))
     }
@@ -421,7 +368,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         best
     }
 
-    /// True if there is no room for another vertex.
     pub(in crate::solver) fn is_full(&self) -> bool {
         self.point_count == V
     }
@@ -431,15 +377,13 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// The polytope must not be full.
     ///
     /// # Errors
-    /// Due to rounding error the horizon is not a loop, or a new face has no area. The surface is
-    /// torn then and must not be used any more.
+    /// The surface is torn and must not be used any more.
     #[inline(always)]
     pub(in crate::solver) fn insert_vertex(&mut self, point: Point, face: usize) -> Result<(), InsertError> {
         self.push(point);
         self.join_last_vertex(point.w.x, point.w.y, point.w.z, face)
     }
 
-    /// Joins the last vertex to the surface. Its position comes as three numbers, in registers.
     #[inline(never)]
     fn join_last_vertex(&mut self, x: f64, y: f64, z: f64, face: usize) -> Result<(), InsertError> {
         let w = DVec3::new(x, y, z);
@@ -451,10 +395,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.build_fan(w, horizon, nearest)
     }
 
-    /// Steps 1 and 2: removes all faces that `w` sees, starting with `face`, and finds their
-    /// border.
-    ///
-    /// Returns the number of removed faces and the number of edges of the horizon.
+    /// Steps 1 and 2. Returns the number of removed faces and the number of edges of the horizon.
     #[inline(always)]
     fn walk_horizon(&mut self, w: DVec3, face: usize) -> Result<(usize, usize), InsertError> {
         let (mut open, mut removed, mut horizon) = (3, 1, 0);
@@ -505,8 +446,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         Ok((removed, horizon))
     }
 
-    /// Step 3: puts the places of the new faces into `self.removed`. They are those of the removed
-    /// faces, and up to two new ones. Frees the places that are left over.
+    /// Step 3: puts the places of the new faces into `self.removed`, and frees places that are left
+    /// over.
     #[inline(always)]
     fn assign_places(&mut self, removed: usize, horizon: usize) -> Result<(), InsertError> {
         let new = horizon.saturating_sub(removed);
@@ -523,8 +464,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         Ok(())
     }
 
-    /// Step 4: builds the fan from the horizon to the last vertex, which is at `w`. `nearest` is
-    /// the nearest of the faces that stay.
+    /// Step 4. The last vertex is at `w`, and `nearest` is the nearest of the faces that stay.
     #[inline(always)]
     fn build_fan(&mut self, w: DVec3, horizon: usize, mut nearest: usize) -> Result<(), InsertError> {
         let apex = (self.point_count - 1) as u16;
@@ -573,7 +513,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 }
 
-/// The pass of [`Polytope::update_planes`].
 struct Update<'p, const V: usize, const F: usize> {
     polytope: &'p mut Polytope<V, F>,
     count: usize,
@@ -599,8 +538,7 @@ fn after(edge: usize) -> usize {
 /// squares of the offsets (not finite for a triangle without area), and whether the volume of each
 /// triangle with the origin is certainly positive.
 ///
-/// The loop over lanes has a form that the compiler vectorises. If a closure took a whole array,
-/// the compiler would not, and the planes would take three times as long.
+/// The loop over lanes has a form that the compiler vectorises: no closure takes a whole array.
 #[inline(always)]
 fn planes(
     p: [[f64; LANES]; 3],
@@ -739,7 +677,7 @@ mod tests {
                     assert!((n.dot(p) - offset).abs() < 1e-12);
                 }
             }
-            assert_eq!(polytope.nearest_face(), expected);
+            assert_eq!(polytope.nearest, expected);
         }
     }
 }

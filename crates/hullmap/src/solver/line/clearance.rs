@@ -21,43 +21,41 @@ const MAX_VERTICES: usize = 24;
 /// Support points this many errors beyond an edge or less are on it.
 const FLAT_ERRORS: f64 = 4.0;
 
-/// Lower bound of the clearance, at most a little more than `enough`. Not positive if the line may
-/// miss the set.
-pub(super) fn clearance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    portal: &Portal,
-    enough: f64,
-) -> f64 {
-    let mut polygon = [DVec3::ZERO; MAX_VERTICES];
-    for (to, corner) in polygon.iter_mut().zip(&portal.corners) {
-        *to = corner.at;
-    }
-    let mut count = portal.corners.len();
-    loop {
-        let (mut nearest, mut depth) = (0, f64::INFINITY);
-        for edge in 0..count {
-            let distance = edge_distance(polygon[edge], polygon[(edge + 1) % count]);
-            // An edge without length bounds nothing.
-            if distance < depth && polygon[edge] != polygon[(edge + 1) % count] {
-                (nearest, depth) = (edge, distance);
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
+    /// Lower bound of the clearance, at most a little more than `enough`. Not positive if the line
+    /// may miss the set.
+    pub(super) fn clearance(&mut self, portal: &Portal, enough: f64) -> f64 {
+        let mut polygon = [DVec3::ZERO; MAX_VERTICES];
+        for (to, corner) in polygon.iter_mut().zip(&portal.corners) {
+            *to = corner.at;
+        }
+        let mut count = portal.corners.len();
+        loop {
+            let (mut nearest, mut depth) = (0, f64::INFINITY);
+            for edge in 0..count {
+                let distance = edge_distance(polygon[edge], polygon[(edge + 1) % count]);
+                // An edge without length bounds nothing.
+                if distance < depth && polygon[edge] != polygon[(edge + 1) % count] {
+                    (nearest, depth) = (edge, distance);
+                }
             }
+            let certain = depth - self.clip.noise;
+            if certain >= enough || count == MAX_VERTICES || depth == f64::INFINITY {
+                return if depth == f64::INFINITY { 0.0 } else { certain };
+            }
+            let (a, b) = (polygon[nearest], polygon[(nearest + 1) % count]);
+            let n = DVec3::new(b.y - a.y, a.x - b.x, 0.0);
+            let new = self.probe(n).at;
+            // NaN counts as no gain.
+            let is_farther = n.dot(new - a) > FLAT_ERRORS * self.clip.error * n.length();
+            if self.clip.is_empty() || !is_farther {
+                return certain;
+            }
+            polygon.copy_within(nearest + 1..count, nearest + 2);
+            polygon[nearest + 1] = new;
+            count += 1;
+            remove_dents(&mut polygon, &mut count, nearest + 1);
         }
-        let certain = depth - search.clip.noise;
-        if certain >= enough || count == MAX_VERTICES || depth == f64::INFINITY {
-            return if depth == f64::INFINITY { 0.0 } else { certain };
-        }
-        let (a, b) = (polygon[nearest], polygon[(nearest + 1) % count]);
-        let n = DVec3::new(b.y - a.y, a.x - b.x, 0.0);
-        let new = search.probe(n).at;
-        // NaN counts as no gain.
-        let is_farther = n.dot(new - a) > FLAT_ERRORS * search.clip.error * n.length();
-        if search.clip.is_empty() || !is_farther {
-            return certain;
-        }
-        polygon.copy_within(nearest + 1..count, nearest + 2);
-        polygon[nearest + 1] = new;
-        count += 1;
-        remove_dents(&mut polygon, &mut count, nearest + 1);
     }
 }
 

@@ -1,13 +1,7 @@
 //! Clipping of a line by support planes: the part of the line that may be in the shape.
 //!
-//! Every support plane of a convex set cuts off a part of the line that is certainly outside. What
-//! remains is an interval of the line's parameter. If it is empty, the line misses the set.
-//!
 //! # Reference
 //! Cyrus, Beck 1978 (clipping a line by a convex polytope). docs/intervals.md proves the bounds.
-//!
-//! # Deviations
-//! - Planes come one by one from support queries. Each is moved outward by its rounding error.
 
 use glam::DVec3;
 
@@ -23,15 +17,11 @@ const LINE_ROUNDINGS: f64 = 8.0;
 /// Parameters are lengths along the line from its *foot*, the point nearest to the set's centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clip {
-    /// Of unit length.
     pub(super) direction: DVec3,
     /// The point of the line nearest to the centre of the set.
     pub(super) foot: DVec3,
-    /// Parameter of the line's origin.
     pub(super) origin: f64,
-    /// Start of what is left: a certain lower bound.
     pub(super) lower: f64,
-    /// End of what is left: a certain upper bound.
     pub(super) upper: f64,
     /// Maximum over the planes that the line enters through, also behind its origin.
     pub(super) entry: f64,
@@ -89,8 +79,7 @@ impl Clip {
         self.lower > self.upper
     }
 
-    /// Cuts off what is beyond the support plane with normal `n`, of any length, through its
-    /// support point `w`.
+    /// Cuts off what is beyond the support plane with normal `n`, of any length, through `w`.
     #[inline(always)]
     pub(super) fn cut(&mut self, n: DVec3, w: DVec3) {
         let length = n.length();
@@ -117,7 +106,7 @@ impl Clip {
         }
     }
 
-    /// Two directions across the line; with the line's direction they form an orthonormal frame.
+    /// Two directions across the line.
     pub(super) fn across(&self) -> [DVec3; 2] {
         let (x, y) = self.direction.any_orthonormal_pair();
         [x, y]

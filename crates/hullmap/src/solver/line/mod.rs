@@ -16,7 +16,7 @@
 //! 3. Refine the triangle along the line to the surface. Each step adds a support plane, which
 //!    bounds the entry from below. If the triangle moves to the origin's other side, the origin is
 //!    inside.
-//! 4. [`clearance`]: how far the line is inside C, seen along the line. It turns the pierced
+//! 4. `clearance`: how far the line is inside C, seen along the line. It turns the pierced
 //!    triangle, whose corners have rounding errors, into a certain upper bound.
 //!
 //! # Deviations
@@ -33,9 +33,8 @@ mod portal;
 
 use glam::DVec3;
 
-use self::clearance::clearance;
 use self::clip::Clip;
-use self::portal::{Discovery, End, LineSearch, Pierced, Portal, Sense};
+use self::portal::{End, LineSearch, Pierced, Portal, Sense};
 use super::barycentric::blend;
 use super::bound::Bound;
 use super::minkowski::Minkowski;
@@ -57,11 +56,8 @@ const EXACT_ERRORS: f64 = 64.0;
 /// What to search for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineQuery {
-    /// Direction of the line, of unit length.
     pub(super) direction: DVec3,
-    /// Maximum length along it.
     pub(super) limit: f64,
-    /// Width of the interval that is narrow enough: a length.
     pub(super) tolerance: f64,
     /// Maximum number of steps.
     pub(super) max_iterations: u32,
@@ -116,7 +112,7 @@ pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return Entry::miss(clip.last, 0);
     }
     let mut search = LineSearch::new(m, clip);
-    let mut entry = find(&mut search, query);
+    let mut entry = search.find(query);
     // The last plane proves a miss, whatever the search found before it.
     if search.clip.is_empty() {
         entry = Entry::miss(search.clip.last, search.steps);
@@ -124,127 +120,138 @@ pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Entry { iterations: search.steps, ..entry }
 }
 
-/// Steps 2 to 4. The result is meaningless if the clip is empty.
-fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    query: &LineQuery,
-) -> Entry {
-    let Discovery::Portal(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
-    let limit = query.max_iterations.min(MAX_STEPS);
-    let (origin, middle) = (search.clip.origin, start.pierced());
-    let known = search.first_clearance(&start, &middle);
-    let error = search.error(middle.residual, known);
-    // The line pierces the first triangle somewhere in the set: certainly ahead of the origin,
-    // certainly behind it, or neither.
-    let is_ahead = middle.at - error >= origin;
-    let is_behind = middle.at + error <= origin;
-    let mut is_past = is_ahead;
-    // The portal that is farthest along the line.
-    let mut exit = start;
-    if !is_ahead && middle.at < origin || is_behind {
-        match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
-            End::Missed => return Entry::miss(search.clip.last, 0),
-            End::Passed if is_behind => return inside(search, [&start, &exit]),
-            _ if is_behind => return leaving(search, &exit),
-            end => is_past = end == End::Passed,
-        }
-    }
-    let mut entry = start;
-    let end = search.refine(&mut entry, Sense::Entry, known, (query.tolerance, limit));
-    match end {
-        End::Missed => Entry::miss(search.clip.last, 0),
-        End::Passed if is_ahead => inside(search, [&entry, &start]),
-        End::Passed => {
-            exit = start;
-            match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
-                End::Passed => inside(search, [&entry, &exit]),
-                _ => leaving(search, &exit),
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
+    /// Steps 2 to 4. The result is meaningless if the clip is empty.
+    fn find(&mut self, query: &LineQuery) -> Entry {
+        let Some(start) = self.discover() else { return Entry::miss(self.clip.last, 0) };
+        let limit = query.max_iterations.min(MAX_STEPS);
+        let (origin, middle) = (self.clip.origin, start.pierced());
+        let known = self.first_clearance(&start, &middle);
+        let error = self.error(middle.residual, known);
+        // The line pierces the first triangle somewhere in the set: certainly ahead of the origin,
+        // certainly behind it, or neither.
+        let is_ahead = middle.at - error >= origin;
+        let is_behind = middle.at + error <= origin;
+        let mut is_past = is_ahead;
+        // The portal that is farthest along the line.
+        let mut exit = start;
+        if !is_ahead && middle.at < origin || is_behind {
+            match self.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
+                End::Missed => return Entry::miss(self.clip.last, 0),
+                End::Passed if is_behind => return self.inside([&start, &exit]),
+                _ if is_behind => return self.leaving(&exit),
+                end => is_past = end == End::Passed,
             }
         }
-        End::OnSurface | End::Narrow | End::Limit => {
-            let pierced = entry.pierced();
-            let error = least_error(search, query, known, (&entry, &pierced));
-            // A set that may contain the origin is ahead of it only if a point of it is.
-            is_past |= search.clip.entry > origin || pierced.at - error >= origin;
-            let is_certain = error < f64::INFINITY && is_past;
-            if is_certain {
-                enclose(search, query, end, Some(error), (&entry, pierced.at), &exit)
-            } else {
-                let (entry, pierced) = safer(search, [(entry, pierced), (start, middle)]);
-                enclose(search, query, end, None, (&entry, pierced.at), &exit)
+        let mut entry = start;
+        let end = self.refine(&mut entry, Sense::Entry, known, (query.tolerance, limit));
+        match end {
+            End::Missed => Entry::miss(self.clip.last, 0),
+            End::Passed if is_ahead => self.inside([&entry, &start]),
+            End::Passed => {
+                exit = start;
+                match self.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
+                    End::Passed => self.inside([&entry, &exit]),
+                    _ => self.leaving(&exit),
+                }
+            }
+            End::OnSurface | End::Narrow | End::Limit => {
+                let pierced = entry.pierced();
+                let error = self.least_error(query, known, (&entry, &pierced));
+                // A set that may contain the origin is ahead of it only if a point of it is.
+                is_past |= self.clip.entry > origin || pierced.at - error >= origin;
+                let is_certain = error < f64::INFINITY && is_past;
+                if is_certain {
+                    self.enclose(query, end, Some(error), (&entry, pierced.at), &exit)
+                } else {
+                    let (entry, pierced) = self.safer([(entry, pierced), (start, middle)]);
+                    self.enclose(query, end, None, (&entry, pierced.at), &exit)
+                }
             }
         }
     }
-}
 
-/// Step 4: error of the parameter at which the line pierces the entry, as small as the tolerance
-/// requires. `known` is a clearance.
-fn least_error<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    query: &LineQuery,
-    known: f64,
-    (entry, pierced): (&Portal, &Pierced),
-) -> f64 {
-    let mut error = search.error(pierced.residual, known);
-    if error > ERROR_SHARE * query.tolerance {
-        error = error.min(search.error_in(entry, pierced));
+    /// Step 4: error of the parameter at which the line pierces the entry, as small as the
+    /// tolerance requires. `known` is a clearance.
+    fn least_error(&mut self, query: &LineQuery, known: f64, (entry, pierced): (&Portal, &Pierced)) -> f64 {
+        let mut error = self.error(pierced.residual, known);
+        if error > ERROR_SHARE * query.tolerance {
+            error = error.min(self.error_in(entry, pierced));
+        }
+        if error > ERROR_SHARE * query.tolerance {
+            // A clearance with which the error is small enough.
+            let enough = 2.0 * self.clip.reach * (pierced.residual + self.clip.noise) / (ERROR_SHARE * query.tolerance);
+            let known = known.max(self.clearance(entry, enough));
+            error = error.min(self.error(pierced.residual, known));
+        }
+        error
     }
-    if error > ERROR_SHARE * query.tolerance {
-        // A clearance with which the error is small enough.
-        let enough = 2.0 * search.clip.reach * (pierced.residual + search.clip.noise) / (ERROR_SHARE * query.tolerance);
-        let known = known.max(clearance(search, entry, enough));
-        error = error.min(search.error(pierced.residual, known));
-    }
-    error
-}
 
-/// The portal to report for a line that may miss the set: the last one, or the first one if
-/// refinement lost the part of the set that the line grazes.
-fn safer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    [last, first]: [(Portal, Pierced); 2],
-) -> (Portal, Pierced) {
-    // The line leaves the set before this plane, if it hits it at all.
-    search.probe(DVec3::Z);
-    // If the set is flat as seen along the line, refinement may have lost the part that the line
-    // grazes.
-    let end = search.clip.upper;
-    let off = |found: &Pierced| found.residual + (found.at - end).max(0.0);
-    if off(&last.1) > off(&first.1) + search.clip.noise { first } else { last }
-}
+    /// The portal to report for a line that may miss the set: the last one, or the first one if
+    /// refinement lost the part of the set that the line grazes.
+    fn safer(&mut self, [last, first]: [(Portal, Pierced); 2]) -> (Portal, Pierced) {
+        // The line leaves the set before this plane, if it hits it at all.
+        self.probe(DVec3::Z);
+        let end = self.clip.upper;
+        let off = |found: &Pierced| found.residual + (found.at - end).max(0.0);
+        if off(&last.1) > off(&first.1) + self.clip.noise { first } else { last }
+    }
 
-/// The answer from the portal where the line enters the set, at parameter `at`. `error` is the
-/// error of `at` if the hit is certain.
-fn enclose<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    query: &LineQuery,
-    end: End,
-    error: Option<f64>,
-    (entry, at): (&Portal, f64),
-    exit: &Portal,
-) -> Entry {
-    if search.clip.entry < search.clip.lower {
-        // The ball around the set is no plane, and it is farther out than this one.
-        search.probe(DVec3::NEG_Z);
+    /// The answer from the portal where the line enters the set, at parameter `at`. `error` is the
+    /// error of `at` if the hit is certain.
+    fn enclose(
+        &mut self,
+        query: &LineQuery,
+        end: End,
+        error: Option<f64>,
+        (entry, at): (&Portal, f64),
+        exit: &Portal,
+    ) -> Entry {
+        if self.clip.entry < self.clip.lower {
+            // The ball around the set is no plane, and it is farther out than this one.
+            self.probe(DVec3::NEG_Z);
+        }
+        let clip = &self.clip;
+        // The upper bound may be beyond the limit of the ray: then the hit may be as well.
+        let upper = error.map_or(clip.upper, |error| (at + error).max(clip.lower));
+        let width = upper - clip.lower;
+        let exact = EXACT_ERRORS * clip.error / clip.normal.dot(clip.direction).abs();
+        // NaN takes the last branch.
+        let status = match end {
+            _ if error.is_none() => Status::Touching,
+            End::OnSurface if width <= exact => Status::Exact,
+            _ if width <= query.tolerance => Status::Within,
+            End::Limit => Status::IterationLimit,
+            _ => Status::Stalled,
+        };
+        let mut found = answer(clip, status, [clip.lower, at, upper], [entry, exit]);
+        if found.upper == 0.0 {
+            found.points = self.common_point(found.points);
+        }
+        found
     }
-    let clip = &search.clip;
-    // The upper bound may be beyond the limit of the ray: then the hit may be as well.
-    let upper = error.map_or(clip.upper, |error| (at + error).max(clip.lower));
-    let width = upper - clip.lower;
-    let exact = EXACT_ERRORS * clip.error / clip.normal.dot(clip.direction).abs();
-    // NaN takes the last branch.
-    let status = match end {
-        _ if error.is_none() => Status::Touching,
-        End::OnSurface if width <= exact => Status::Exact,
-        _ if width <= query.tolerance => Status::Within,
-        End::Limit => Status::IterationLimit,
-        _ => Status::Stalled,
-    };
-    let mut found = answer(clip, status, [clip.lower, at, upper], [entry, exit]);
-    if found.upper == 0.0 {
-        found.points = common_point(search, found.points);
+
+    /// The origin is certainly inside, between two portals.
+    fn inside(&mut self, portals: [&Portal; 2]) -> Entry {
+        let (status, normal) = (Status::Overlapping, -self.clip.direction);
+        let points = points_at(&self.clip, self.clip.origin, portals);
+        let points = self.common_point(points);
+        Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 }
     }
-    found
+
+    /// The common point of these two, if the line starts inside the set.
+    fn common_point(&mut self, points: [DVec3; 2]) -> [DVec3; 2] {
+        let (points, steps) = Bound::common_point(self.m, points, -self.clip.direction);
+        self.steps += steps;
+        points
+    }
+
+    /// The line leaves the set at its origin, within rounding error.
+    fn leaving(&self, exit: &Portal) -> Entry {
+        let clip = &self.clip;
+        let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], [exit; 2]);
+        Entry { normal: -clip.direction, ..found }
+    }
 }
 
 /// The answer for an interval of the clip's parameter, from the portals where the line enters the
@@ -280,32 +287,4 @@ fn points_at(clip: &Clip, parameter: f64, [entry, ahead]: [&Portal; 2]) -> [DVec
         }
     }
     [on_a, on_b + clip.direction * (parameter - clip.origin)]
-}
-
-/// The origin is certainly inside, between two portals.
-fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    portals: [&Portal; 2],
-) -> Entry {
-    let (status, normal) = (Status::Overlapping, -search.clip.direction);
-    let points = points_at(&search.clip, search.clip.origin, portals);
-    let points = common_point(search, points);
-    Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 }
-}
-
-/// The common point of these two, if the line starts inside the set.
-fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &mut LineSearch<'_, '_, A, B>,
-    points: [DVec3; 2],
-) -> [DVec3; 2] {
-    let (points, steps) = Bound::common_point(search.m, points, -search.clip.direction);
-    search.steps += steps;
-    points
-}
-
-/// The line leaves the set at its origin, within rounding error.
-fn leaving<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &LineSearch<'_, '_, A, B>, exit: &Portal) -> Entry {
-    let clip = &search.clip;
-    let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], [exit; 2]);
-    Entry { normal: -clip.direction, ..found }
 }

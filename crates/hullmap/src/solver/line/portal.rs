@@ -2,8 +2,7 @@
 //!
 //! # Reference
 //! Snethen, "XenoCollide", Game Programming Gems 7. It is the simplex method of linear programming
-//! as well: the portal is the basis, a support query finds the column that enters it, and the side
-//! on which the line pierces decides which one leaves.
+//! as well.
 //!
 //! # Steps
 //! 1. Discovery, seen along the line: v1 is the support point from the centre v0 towards the line,
@@ -18,9 +17,8 @@
 //! - Coordinates are in the line's frame: x and y across the line, z along it, from the foot of the
 //!   centre. So the signs of two-dimensional cross products decide.
 //! - A line through an edge or a vertex of the portal, within rounding error, counts as moved a
-//!   little towards a point inside the first triangle. That is the rule against cycling of the
-//!   simplex method (perturbation), and it makes no side of an edge special.
-//! - A step that gains less than rounding error ends the search.
+//!   little towards a point inside the first triangle: the rule against cycling of the simplex
+//!   method (perturbation).
 
 use glam::DVec3;
 
@@ -66,12 +64,10 @@ pub(super) fn turn(a: DVec3, b: DVec3) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
-/// Length across the line, squared.
 pub(super) fn across_sq(a: DVec3) -> f64 {
     a.x * a.x + a.y * a.y
 }
 
-/// Three points of the set that the line passes between, counter-clockwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Portal {
     pub(super) corners: [Corner; 3],
@@ -80,11 +76,8 @@ pub(super) struct Portal {
 /// Where the line pierces a portal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pierced {
-    /// Not negative, with sum 1.
     pub(super) weights: [f64; 3],
-    /// Parameter of the line.
     pub(super) at: f64,
-    /// Distance of the line from the point of these weights.
     pub(super) residual: f64,
 }
 
@@ -132,25 +125,12 @@ fn nearest_weights(corners: [DVec3; 3]) -> [f64; 3] {
     on_triangle(a, b, c).weights
 }
 
-/// Outcome of discovery.
-#[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "it lives on the stack, and a box would allocate")]
-pub(super) enum Discovery {
-    /// A plane proves that the line misses the set.
-    Missed,
-    /// The line pierces this triangle, or grazes it within rounding error. Its first corner is the
-    /// centre.
-    Portal(Portal),
-}
-
-/// Side of the set that refinement goes to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sense {
     Entry,
     Exit,
 }
 
-/// How refinement ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
     /// A plane proves that the line misses the set.
@@ -159,9 +139,7 @@ pub(super) enum End {
     Passed,
     /// The portal is on the surface, within rounding error.
     OnSurface,
-    /// The interval is narrow enough.
     Narrow,
-    /// The limit was reached.
     Limit,
 }
 
@@ -170,7 +148,6 @@ pub(super) struct LineSearch<'m, 's, A: ?Sized, B: ?Sized> {
     pub(super) m: &'m mut Minkowski<'s, A, B>,
     pub(super) clip: Clip,
     across: [DVec3; 2],
-    /// Number of steps so far.
     pub(super) steps: u32,
 }
 
@@ -180,7 +157,6 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
         Self { m, clip, across, steps: 0 }
     }
 
-    /// A point in the line's frame.
     #[inline(always)]
     fn corner(&self, point: Point) -> Corner {
         let offset = point.w - self.clip.foot;
@@ -199,15 +175,17 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
         self.corner(point)
     }
 
-    /// Steps 1 and 2: a triangle of the centre and two support points that the line pierces.
-    pub(super) fn discover(&mut self) -> Discovery {
+    /// Steps 1 and 2: a triangle of the centre, its first corner, and two support points, which the
+    /// line pierces, or grazes within rounding error. `None` if a plane proves that the line misses
+    /// the set.
+    pub(super) fn discover(&mut self) -> Option<Portal> {
         let mut v0 = self.corner(self.m.center_point());
         let short_sq = self.clip.error * self.clip.error;
         // From the centre to the line. If the centre is on it, any direction serves.
         let towards = if across_sq(v0.at) > short_sq { -v0.at.with_z(0.0) } else { DVec3::X };
         let mut v1 = self.probe(towards);
         if self.clip.is_empty() {
-            return Discovery::Missed;
+            return None;
         }
         if turn(v0.at, v1.at) < 0.0 {
             // Mirror the frame, so that the line is on the left of v0 v1.
@@ -221,7 +199,7 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
             let edge = if across_sq(edge) > short_sq { edge } else { towards };
             v2 = self.probe(DVec3::new(-edge.y, edge.x, 0.0));
             if self.clip.is_empty() {
-                return Discovery::Missed;
+                return None;
             }
             // The line is on the left of v0 v2 as well, and v2 on the left of v0 v1.
             let is_beyond = turn(v0.at, v2.at) > 0.0 && turn(edge, v2.at - v0.at) > 0.0;
@@ -238,7 +216,7 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
             let n = DVec3::new(edge.y, -edge.x, 0.0);
             let v3 = self.probe(n);
             if self.clip.is_empty() {
-                return Discovery::Missed;
+                return None;
             }
             // NaN counts as no gain. The line then grazes the set.
             let gain = n.dot(v3.at - v1.at);
@@ -251,7 +229,7 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
                 v2 = v3;
             }
         }
-        Discovery::Portal(Portal { corners: [v0, v1, v2] })
+        Some(Portal { corners: [v0, v1, v2] })
     }
 
     /// Lower bound of the distance of the line from the border of the set, seen along the line,

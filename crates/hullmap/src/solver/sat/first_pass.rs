@@ -6,8 +6,7 @@
 //!
 //! # Steps
 //! 1. Heights of all vertices of the other shape over all faces, eight faces at a time, and their
-//!    maxima. No face is ruled out first: an elimination takes as long, since it waits for the one
-//!    before it, and no processor predicts its branches.
+//!    maxima. Ruling out faces first takes as long.
 //! 2. Along each arc of A: the value at which the support points of its two ends are equally far.
 //!    This follows after f64 has found the support points at the lowest faces. F32 may confuse
 //!    points that are nearly as far, and an arc with the same point at both ends has no minimum
@@ -32,13 +31,10 @@ const UNIT: f64 = 1.0 / (1 << 24) as f64;
 /// Values of eight faces per block.
 type Lanes = [f32; LANES];
 
-/// Shape A, shape B, and where they are.
 pub(super) struct Pair<'v> {
     a: View<'v>,
     b: View<'v>,
-    /// Rotates from B's frame to A's.
     rotation: DMat3,
-    /// The centre v0.
     center: DVec3,
     /// Upper bound of the length of any point of the difference.
     reach: f64,
@@ -71,7 +67,6 @@ impl<'v> Pair<'v> {
     }
 }
 
-/// Rounded to f32, by rows.
 #[inline(always)]
 fn rows(m: DMat3) -> [[f32; 3]; 3] {
     let m = m.transpose();
@@ -81,7 +76,6 @@ fn rows(m: DMat3) -> [[f32; 3]; 3] {
 /// An arc of A that may have the minimum between its ends.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Arc {
-    /// The faces at its ends.
     pub(super) faces: [u8; 2],
     /// A vertex of its edge. Not a byte, which would leave one byte of padding: arrays without
     /// padding are zeroed in place.
@@ -97,10 +91,8 @@ pub(super) struct FirstPass<const P: usize, const N: usize> {
     pub(super) points: [[PointBlock; P]; 2],
     /// The support values at the faces of A and of B.
     values: [[Lanes; N]; 2],
-    /// The vertex of B that is the support point at each face of A.
     vertices: [[u32; LANES]; N],
     heights: Heights<P, N>,
-    /// Lowest value found.
     pub(super) low: f32,
     /// Upper bound of the error of every value: a length.
     pub(super) error: f32,
@@ -112,7 +104,6 @@ pub(super) struct FirstPass<const P: usize, const N: usize> {
 type Heights<const P: usize, const N: usize> = [[[Lanes; N]; LANES]; P];
 
 impl<const P: usize, const N: usize> FirstPass<P, N> {
-    /// A pass over `pair` without values.
     #[inline(always)]
     pub(super) fn new(pair: &Pair<'_>) -> Self {
         Self {
@@ -137,8 +128,8 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
     /// Step 2: all [`arcs`](Self::arcs) of A that may have a value of at most `upper` between their
     /// ends. `None` if they are too many.
     ///
-    /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces). The
-    /// vertices of all faces found there are known from f64 ([`set_vertex`](Self::set_vertex)).
+    /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces), whose
+    /// vertices are known from f64 ([`set_vertex`](Self::set_vertex)).
     #[inline(always)]
     pub(super) fn find_arcs(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
         dispatch.pass(&mut ArcPass { first: self, edges: pair.a.edges, upper });
@@ -181,7 +172,6 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
         self.vertices[face / LANES % N][face % LANES] as usize
     }
 
-    /// Stores the support vertex of B at a face of A, known from f64.
     #[inline(always)]
     pub(super) fn set_vertex(&mut self, face: usize, vertex: u32) {
         self.vertices[face / LANES % N][face % LANES] = vertex;
@@ -240,9 +230,7 @@ struct ArcBlock {
     p_at_d: Lanes,
     q_at_c: Lanes,
     q_at_d: Lanes,
-    /// Cosines of the angles between the ends.
     cosine: Lanes,
-    /// One bit for each arc where p is not q.
     crossing: u32,
 }
 
@@ -251,18 +239,6 @@ impl ArcBlock {
         let zero = [0.0; LANES];
         Self { p_at_c: zero, p_at_d: zero, q_at_c: zero, q_at_d: zero, cosine: zero, crossing: 0 }
     };
-
-    /// The value at the direction in which p and q are equally far.
-    #[inline(always)]
-    fn bounds(&self) -> Lanes {
-        let Self { p_at_c, p_at_d, q_at_c, q_at_d, cosine, .. } = self;
-        let mut bounds = [0.0; LANES];
-        for (lane, bound) in bounds.iter_mut().enumerate() {
-            let (p, q) = ([p_at_c[lane], p_at_d[lane]], [q_at_c[lane], q_at_d[lane]]);
-            *bound = value_between(p, q, cosine[lane]);
-        }
-        bounds
-    }
 }
 
 struct ArcPass<'s, 'v, const P: usize, const N: usize> {
@@ -298,7 +274,12 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
         }
         let mut count = 0;
         for (block, edges) in blocks.iter().zip(self.edges.chunks(LANES)) {
-            let bounds = block.bounds();
+            let ArcBlock { p_at_c, p_at_d, q_at_c, q_at_d, cosine, .. } = block;
+            let mut bounds = [0.0; LANES];
+            for (lane, bound) in bounds.iter_mut().enumerate() {
+                let (p, q) = ([p_at_c[lane], p_at_d[lane]], [q_at_c[lane], q_at_d[lane]]);
+                *bound = value_between(p, q, cosine[lane]);
+            }
             // NaN is left.
             let mut left = simd.less(&bounds, threshold) & block.crossing;
             while left != 0 {
@@ -314,7 +295,6 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
     }
 }
 
-/// The lower of two values; NaN if one of them is.
 #[inline(always)]
 fn lower(first: f32, second: f32) -> f32 {
     if first < second {

@@ -33,7 +33,6 @@ use self::first_pass::{Arc, FirstPass, Pair, threshold};
 use super::answer::{Contact, separated_contact};
 use super::bound::{Bound, FOOT_ROUNDINGS, SAME_NORMAL};
 use super::cache::Cache;
-use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
 use super::status::Status;
 use crate::facets::table::{NORMAL_BLOCKS, POINT_BLOCKS};
@@ -81,10 +80,6 @@ pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// Contact of two shapes with facets; `None` if the general path has to decide.
 ///
 /// The pair has passed the tests by balls and by the last axis.
-///
-/// # Complexity
-/// O(faces × vertices) in f32, 8 lanes at a time; O(vertices) for each face near the depth, of
-/// which there are about ten; and a few support queries. No allocation.
 pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     facets: [Facets<'_>; 2],
@@ -120,7 +115,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     {
         let point = m.point(axis);
         if m.separates(axis, &point) {
-            store_separation(cache, axis, &[point; 3]);
+            cache.set_separation(axis, &[point; 3]);
             return Some(separated_contact(m, cache, axis, 1));
         }
     }
@@ -167,7 +162,6 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     cache.set_axis(best.normal);
     let found = Contact {
-        hit: true,
         status,
         depth: best.upper,
         depth_lower: lower - m.noise(),
@@ -197,12 +191,11 @@ fn separated_by_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let point = m.point(axis);
     // NaN takes the failing branch.
     (point.w.dot(axis) < -m.rounding_error()).then(|| {
-        store_separation(cache, axis, &[point; 3]);
+        cache.set_separation(axis, &[point; 3]);
         separated_contact(m, cache, axis, 2)
     })
 }
 
-/// The direction of a face normal of B, reversed, in A's frame.
 fn reversed_normal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [_, b]: &[Facets<'_>; 2],
@@ -211,13 +204,10 @@ fn reversed_normal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     unit(m.rotation() * -b.normal(face)?)
 }
 
-/// The search in f64.
 struct Search<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
     m: &'m mut Minkowski<'s, A, B>,
     facets: &'f [Facets<'f>; 2],
-    /// The smallest support value, and the direction that has it.
     best: Bound,
-    /// The features of its support point.
     features: [u32; 2],
     /// Lower bound over everything that was evaluated.
     lower: f64,
@@ -226,14 +216,6 @@ struct Search<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
     others: f64,
     /// The normal of A's lowest face; zero if there is none.
     lowest_of_a: DVec3,
-}
-
-/// A part of an arc: two directions, and a point of the difference that is the support point in
-/// each, or nearly so.
-#[derive(Clone, Copy)]
-struct Piece {
-    dirs: [DVec3; 2],
-    points: [DVec3; 2],
 }
 
 impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 'f, A, B> {
@@ -280,7 +262,7 @@ impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 
             let [from, to] = faces.map(usize::from);
             let (p, q) = (b.vertex(first.vertex(from))?, b.vertex(first.vertex(to))?);
             let points = [self.m.point_of(on_a, p, [0; 2]).w, self.m.point_of(on_a, q, [0; 2]).w];
-            self.along(Piece { dirs: [a.normal(from)?, a.normal(to)?], points }, 0)?;
+            self.along([a.normal(from)?, a.normal(to)?], points, 0)?;
         }
         Some(())
     }
@@ -304,14 +286,6 @@ impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 
         }
     }
 
-    /// The support point in a unit direction and its value. `None` after too many queries.
-    fn at(&mut self, dir: DVec3) -> Option<(Point, f64)> {
-        let point = self.m.point(dir);
-        let value = self.take(&point, dir)?;
-        Some((point, value))
-    }
-
-    /// The value of the support point in a unit direction. `None` after too many queries.
     fn take(&mut self, point: &Point, dir: DVec3) -> Option<f64> {
         if self.m.support_calls() > MAX_QUERIES {
             return None;
@@ -325,7 +299,6 @@ impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 
         Some(value)
     }
 
-    /// Takes a value of a direction other than that of the bound into account.
     fn compare(&mut self, dir: DVec3, value: f64) {
         // NaN counts as a low value.
         if !(value >= self.others) && !(dir.distance(self.best.normal) <= SAME_NORMAL) {
@@ -339,8 +312,9 @@ impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 
     }
 
     /// Bounds the support values along a piece of an arc from below, and finds its minimum if that
-    /// may be the depth. `None` after too many steps.
-    fn along(&mut self, Piece { dirs: [from, to], points: [p, q] }: Piece, bisections: u32) -> Option<()> {
+    /// may be the depth. `p` and `q` are the support points at its ends, or nearly so. `None` after
+    /// too many steps.
+    fn along(&mut self, [from, to]: [DVec3; 2], [p, q]: [DVec3; 2], bisections: u32) -> Option<()> {
         let equal = EQUAL * self.m.noise();
         let (p_from, p_to, q_from, q_to) = (p.dot(from), p.dot(to), q.dot(from), q.dot(to));
         let (drop_from, drop_to) = (p_from - q_from, q_to - p_to);
@@ -354,7 +328,8 @@ impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 
         let middle = p.dot(dir).min(q.dot(dir));
         let lowest = p_from.min(q_to).min(middle);
         if middle < self.best.upper - equal {
-            let (point, value) = self.at(dir)?;
+            let point = self.m.point(dir);
+            let value = self.take(&point, dir)?;
             if self.is_separated() {
                 return Some(());
             }
@@ -362,11 +337,11 @@ impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 
                 if bisections == MAX_BISECTIONS {
                     return None;
                 }
-                self.along(Piece { dirs: [from, dir], points: [p, point.w] }, bisections + 1)?;
+                self.along([from, dir], [p, point.w], bisections + 1)?;
                 if self.is_separated() {
                     return Some(());
                 }
-                return self.along(Piece { dirs: [dir, to], points: [point.w, q] }, bisections + 1);
+                return self.along([dir, to], [point.w, q], bisections + 1);
             }
         }
         self.compare(dir, middle);

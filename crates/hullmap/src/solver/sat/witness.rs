@@ -27,7 +27,6 @@ const PLANE_ROUNDINGS: f64 = 2.0;
 /// Maximum number of vertices of a shape in its support plane.
 const MAX_IN_PLANE: usize = 16;
 
-/// The vertices of a shape in its support plane.
 struct Feature {
     /// In A's frame. B's points are mirrored, so that sums are points of the difference.
     points: [DVec3; MAX_IN_PLANE],
@@ -89,7 +88,6 @@ impl Feature {
         self.points.get(..self.count).unwrap_or_default()
     }
 
-    /// The point that is least far along `dir`.
     fn lowest(&self, dir: DVec3) -> DVec3 {
         let points = self.points.iter().take(self.count);
         let mut best = (f64::INFINITY, self.points[0]);
@@ -103,10 +101,8 @@ impl Feature {
     }
 }
 
-/// A point of the difference, and the point of A behind it.
 #[derive(Clone, Copy)]
 struct Sum {
-    /// Relative to the foot.
     off: DVec3,
     a: DVec3,
 }
@@ -122,14 +118,12 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
     (det > 0.0 && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some([s, t])
 }
 
-/// Finds the vertices of both shapes near their support planes, in f32.
 struct NearPass<'p, const P: usize> {
     /// B's vertices in the difference, in A's frame; A's, in B's frame.
     points: &'p [[PointBlock; P]; 2],
     /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
-    /// The vertices of B, and the vertices of A.
     near: [LaneSet; 2],
 }
 
@@ -233,7 +227,6 @@ fn nearest(on_a: &Feature, on_b: &Feature, foot: DVec3, enough: f64) -> Option<[
     (at.length() <= enough).then(|| combined(&simplex, weights, foot))
 }
 
-/// The points of A and B with these weights.
 fn combined(simplex: &[Sum; 3], weights: [f64; 3], foot: DVec3) -> [DVec3; 2] {
     let mut point_a = DVec3::ZERO;
     let mut off = DVec3::ZERO;
