@@ -60,8 +60,7 @@ pub struct EdgeClearance {
     /// Whether the edge is free, and with which clearance; or where the first hit is. Times are
     /// shares of the edge. `support_calls` is 0.
     pub answer: Clearance,
-    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair
-    /// is known to be.
+    /// The colliders that hit each other, or are nearest, the lower index first; `None` if unknown.
     pub colliders: Option<[usize; 2]>,
 }
 
@@ -137,8 +136,7 @@ struct Search<'s> {
     /// Sums of the displacements of both ends, for rounding errors.
     magnitudes: [f64; 2],
     margin: f64,
-    /// Pairs are to be proven to be farther apart than this share of the least distance; 0 at
-    /// first.
+    /// Share of the least distance that pairs are to be proven to exceed; 0 at first.
     share: f64,
     resolution: f64,
     budget: u32,
@@ -212,7 +210,8 @@ impl Search<'_> {
         let left = memory.edge.open.len() - first;
         if left > 0 {
             let is_fine = self.until.min(end) - start <= self.resolution;
-            // Up to the first hit, as far as it matters; and to the end, where only hits matter.
+            // Stop at this width if a hit follows in the interval, or if an earlier interval is
+            // open: then only hits matter.
             let is_last = is_fine && (self.until <= end || self.open_from.is_some());
             if depth == 0 || is_last {
                 self.open_from.get_or_insert(start);

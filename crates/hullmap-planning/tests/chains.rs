@@ -1,4 +1,4 @@
-//! Robots whose answers are known: a chain with a formula, and random chains, which samples judge.
+//! Queries of robots: a chain with a formula, and random chains, checked by samples.
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -195,7 +195,7 @@ fn forward_kinematics_are_those_of_the_chain() {
     }
 }
 
-/// Edges of random robots, judged by samples of the clearance, which are certified by themselves.
+/// Edges of random robots, checked by samples of the clearance, which is certified.
 #[test]
 fn samples_never_contradict_an_edge() {
     let seed = 40;

@@ -63,7 +63,7 @@ pub struct Joint {
     pub name: String,
     /// Index of the link that it moves.
     pub link: usize,
-    /// How.
+    /// How it moves the link.
     pub motion: Motion,
     /// Its axis in the frame of the link, of unit length.
     pub axis: DVec3,
@@ -75,7 +75,7 @@ pub struct Joint {
     pub reference: f64,
     /// Its position in the neutral pose.
     pub neutral: f64,
-    /// What it follows.
+    /// The joint that it follows, if any.
     pub coupling: Option<Coupling>,
 }
 
@@ -109,9 +109,9 @@ pub enum Displacement {
 pub struct Chain {
     /// One for each link of the description.
     pub links: Vec<Placement>,
-    /// The joints that are not fixed. Those of one link are in the order in which they move it.
+    /// The joints that are not fixed. Joints of one link are in the order in which they move it.
     pub joints: Vec<Joint>,
-    /// What was not understood, and what is shown instead.
+    /// What could not be modelled, and what is done instead.
     pub notes: Vec<String>,
     /// The root of each link's tree, or a link nearer to it.
     towards_root: Vec<usize>,
@@ -163,7 +163,7 @@ impl Chain {
         self
     }
 
-    /// The joints, leaders before those that follow them. Circular ones are left out.
+    /// The joints, each leader before its followers. Joints of circular couplings are left out.
     pub fn coupling_order(&self) -> Vec<usize> {
         let mut followers = vec![Vec::new(); self.joints.len()];
         let mut order = Vec::new();
@@ -250,7 +250,7 @@ impl Chain {
         self.towards(|link| !is_free[link])
     }
 
-    /// For each link, the nearest ancestor that is reached while `goes_on`.
+    /// For each link, itself or the nearest ancestor for which `goes_on` is false; else the root.
     fn towards(&self, goes_on: impl Fn(usize) -> bool) -> Vec<usize> {
         let next = |link: usize| self.links[link].parent.filter(|_| goes_on(link));
         let mut found: Vec<Option<usize>> = vec![None; self.links.len()];

@@ -73,7 +73,7 @@ pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
     Ok(if blank.is_empty() { Cow::Borrowed(text) } else { Cow::Owned(blanked(text, &blank)) })
 }
 
-/// The place behind a tag's `>`; those in quotes do not count.
+/// The place after the `>` that ends a tag. `>` in quotes is skipped.
 fn end_of_tag(bytes: &[u8], start: usize) -> usize {
     let mut quote = None;
     for (at, &byte) in bytes.iter().enumerate().skip(start) {

@@ -12,7 +12,7 @@ fn read(text: &str) -> Description {
     Description::read(&file, &Places::default()).unwrap()
 }
 
-/// Where a point of a link is, with these displacements of the joints that follow none.
+/// Position of a point of a link, for displacements of the joints that follow no other.
 fn point(robot: &Description, link: &str, at: [f64; 3], displacements: &[f64]) -> DVec3 {
     let mut all: Vec<Displacement> = displacements.iter().copied().map(Displacement::Scalar).collect();
     all.resize(robot.chain.joints.len(), Displacement::Scalar(0.0));

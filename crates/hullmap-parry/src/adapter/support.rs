@@ -5,9 +5,9 @@
 //!   closest to the direction, merged with the faces that are nearly in its plane, if three of its
 //!   corners are near enough. Otherwise, the closest face at any angle.
 //! - parry's own narrow phase does not pass its prediction. It gets the closest face at any angle,
-//!   merged with those within 2.3° of it, and of that the four corners that support the body best.
-//!   If the body's centre is not over them, so that it tips, vertices farther out are considered as
-//!   well.
+//!   merged with faces within 2.3° of it, and reduced to the four corners that support the body
+//!   best. If the body's centre is not over them, so that it tips, vertices farther out are
+//!   considered as well.
 //!
 //! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
 //! Without the face, a body that lands on a rim has contact points on that rim only. It tips beyond

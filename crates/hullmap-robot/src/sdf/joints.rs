@@ -21,7 +21,7 @@ const UNLIMITED: f64 = 1e16;
 /// Versions below this one state axes in the frame of the model.
 const AXES_IN_JOINT: f64 = 1.5;
 
-/// The chain of all models. What cannot be read is a note.
+/// The chain of all models, with a note for each joint that cannot be read.
 pub fn chain<'a>(root: Node<'a, 'a>, links: &[Link], document: &Document) -> Chain {
     let version = root.attribute("version").and_then(|version| version.trim().parse().ok());
     let mut reader = Reader {

@@ -15,7 +15,7 @@ use crate::document::Document;
 use crate::element::{child, children};
 use crate::frame::Frame;
 
-/// The chain of a robot. What cannot be read is a note.
+/// The chain of a robot, with a note for each joint that cannot be read.
 pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
     let index: HashMap<&str, usize> = links.iter().enumerate().map(|(at, link)| (link.name.as_str(), at)).collect();
     let mut chain = Chain::new(links.len());

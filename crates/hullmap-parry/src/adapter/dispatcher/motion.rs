@@ -267,7 +267,7 @@ impl<'m> Cast<'m> {
     }
 
     /// The earlier one of the hits by a core and by parry's rule. Rapier ignores hits at the start,
-    /// and would let the shapes pass: such a hit by the rule counts only if there is no other.
+    /// so such a hit by the rule counts only if there is no other.
     fn earlier(&self, mut core: Option<ShapeCastHit>, rule: Option<ShapeCastHit>) -> Option<ShapeCastHit> {
         let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
         if !(is_at_start && core.is_some()) {
@@ -288,7 +288,7 @@ impl<'m> Cast<'m> {
     }
 
     /// When the core of `body`, on this side, meets what `cast` tests: the largest of [`CORES`]
-    /// that does not meet it at the start. `None` if all do, or if the body is flat.
+    /// that does not meet it at the start. `None` if all meet it there, or if the body is flat.
     fn core_of(
         &self,
         body: &Mover<'_>,
@@ -359,8 +359,8 @@ impl<'m> Cast<'m> {
         first_hit(tile, (0..BALLS).map(ball), test).map(|(_, hit)| hit)
     }
 
-    /// The first meeting after the shapes have separated; a hit at the start if they move together
-    /// there.
+    /// The first meeting after the shapes have separated, or the time from which they would pass
+    /// through each other.
     fn beyond_start_of_plane(&self, plane: &HalfSpace, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [of_a, of_b] = self.motions;
         for i in 0..BALLS {
