@@ -92,8 +92,8 @@ pub struct Pack {
     pub edges: Vec<i16>,
 }
 
-/// A pack with sections that only some packs have. Its root is that of [`Pack`], which comes last,
-/// with an entry for each further section in front.
+/// A pack with sections that only some packs have. Its root is the root of [`Pack`], which comes
+/// last, with an entry for each further section in front.
 #[derive(Archive, Clone, Debug, Default)]
 pub struct ExtendedPack {
     /// One record for each object whose voids are known, in the order of the objects.
@@ -104,7 +104,7 @@ pub struct ExtendedPack {
     pub pack: Pack,
 }
 
-/// The sections that all packs have come first in the file, as they do in every pack.
+/// The sections that all packs have come first in the file, as in every pack.
 impl<S> Serialize<S> for ExtendedPack
 where
     S: Fallible + Allocator + Writer + ?Sized,

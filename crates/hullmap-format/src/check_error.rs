@@ -1,7 +1,7 @@
 //! Why a pack is rejected: one variant for each requirement that a file may violate.
 //!
-//! A message states what is wrong, what was found and what was expected. Indices count from zero,
-//! and those of a hull's vertices, faces and blocks count from the hull's first.
+//! A message states what is wrong, what was found and what was expected. Indices count from zero.
+//! Vertices, faces and blocks of a hull are counted from the hull's first.
 
 use crate::{
     archive::MAX_LEVELS,
@@ -554,7 +554,7 @@ pub enum BvhError {
     NodeCount {
         /// Number of nodes.
         found: usize,
-        /// Twice the number of hulls, less one.
+        /// Twice the number of hulls, minus one.
         expected: usize,
     },
     /// No earlier node has this node as a child.

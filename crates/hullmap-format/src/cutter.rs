@@ -38,8 +38,8 @@ impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
         };
         let mut root = [0; ROOT_LEN];
         root.iter_mut().rev().zip(payload.iter().rev()).for_each(|(to, from)| *to = *from);
-        // The copy is opaque to the compiler: what is checked is what is used, even if another
-        // process writes to the file in between.
+        // The copy is opaque to the compiler, so that the checked bytes are the ones used, even if
+        // another process writes to the file in between.
         let root = std::hint::black_box(root);
         Ok(Self { payload, root, root_at, end: 0 })
     }

@@ -74,7 +74,7 @@ mod tests {
         }
     }
 
-    /// Regression: past a full turn, `point` was a quarter turn off, and a leaf lost its vertices.
+    /// Regression: past a full turn, `point` was off by a quarter, and a leaf lost its vertices.
     #[test]
     fn points_and_angles_agree_beyond_a_full_turn() {
         for step in -30..90 {

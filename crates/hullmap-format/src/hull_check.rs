@@ -385,8 +385,8 @@ impl HullCheck<'_> {
         if found != expected {
             return Err(HullError::WorstCost { found, expected });
         }
-        // A leaf that repeats vertices could make a query on a small hull as slow as the file is
-        // long.
+        // A leaf that repeats vertices could make a query on a small hull take time proportional to
+        // the file's length.
         let vertex_count = self.vertex_count();
         let blocks = vertex_count.div_ceil(LANES as u32).max(leaf_blocks);
         let limit = blocks.saturating_mul(LANES as u32);

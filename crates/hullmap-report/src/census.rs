@@ -23,7 +23,7 @@ const DIRECTION_BUDGET: usize = 400_000;
 /// Maximum dot products for timing scans, over all hulls of a page: a fraction of a second.
 const SCAN_BUDGET: usize = 40_000_000;
 
-/// Maximum number of timed scans of a hull. The mean of more is no steadier.
+/// Maximum number of timed scans of a hull. More do not make the mean steadier.
 const MAX_SCANS: usize = 10_000;
 
 /// Cosine and sine of the golden angle, π (3 − √5). Repeated rotation by it needs no sine, whose

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::DisplayMesh;
 use crate::input::Remarks;
 
-/// A robot, as it was and as it became. Lengths are in metres, angles in radians.
+/// A robot before and after editing. Lengths are in metres, angles in radians.
 #[derive(Debug, Default)]
 pub struct Robot {
     /// The description.
@@ -18,7 +18,7 @@ pub struct Robot {
     pub meshes: Vec<DisplayMesh>,
     /// Its links.
     pub links: Vec<Link>,
-    /// Its joints, except fixed ones. Those of one link are in the order in which they move it.
+    /// Its joints, except fixed ones. Joints of one link are in the order in which they move it.
     pub joints: Vec<Joint>,
     /// Pairs of links that touch in the neutral pose, before or after.
     pub touching: Vec<Touching>,
@@ -109,7 +109,7 @@ pub struct Joint {
     pub name: String,
     /// Index of the link that it moves.
     pub link: usize,
-    /// How.
+    /// How it moves the link.
     pub motion: Motion,
     /// Its axis in the frame of the link, of unit length.
     pub axis: [f64; 3],

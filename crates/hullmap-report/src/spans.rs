@@ -5,7 +5,7 @@
 //! 2. These heights are linear along the row. Take the last pixel at which none of them is small.
 //! 3. Compute the heights there as well. If all are large at both ends, they are large between
 //!    them, so the answer is the same.
-//! 4. Other pixels are queries.
+//! 4. Query the other pixels.
 
 use glam::{DVec3, Vec3};
 use hullmap::Hull;

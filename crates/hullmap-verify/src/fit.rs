@@ -1,4 +1,4 @@
-//! Judges how parts fit their mesh: looks for a point that refutes a recorded bound.
+//! Judges how parts fit their mesh: searches for a point that refutes a recorded bound.
 //!
 //! It shares no measurement with the baker. Distances from parts come from the runtime solver,
 //! distances from the solid from [`TriangleSoup`]. The claim is refuted by one point, which is
@@ -51,8 +51,8 @@ const ROUNDING: f64 = 4e-12;
 /// Distance of the recorded point of greatest protrusion from the part, relative to the diagonal.
 const ON_PART: f64 = 1e-6;
 
-/// Depth of a cavity below which it is ignored, relative to the protrusion, and to the diagonal:
-/// those of the file format, with room for rounding.
+/// Depth of a cavity below which it is ignored, relative to the protrusion, and to the diagonal: as
+/// in the file format, with an allowance for rounding.
 const CAVITY: [f64; 2] = [0.1001, 1.001e-3];
 
 /// A point that refutes a claim, and its distance.

@@ -14,8 +14,8 @@
 //! | [`geometry`] | vertices and faces of a hull as lists |
 //! | [`random`] | seeded directions and points |
 //!
-//! What it compares with is computed independently of the baker, as far as it can be: by brute
-//! force, in f64. It depends neither on options nor on files of the command.
+//! Reference values are computed independently of the baker as far as possible: by brute force, in
+//! f64. The crate depends neither on options nor on files of the command.
 
 #![forbid(unsafe_code)]
 

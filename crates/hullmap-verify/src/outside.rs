@@ -20,7 +20,7 @@ pub struct Outside {
     pub diameter: f64,
 }
 
-/// Support of the hull's vertices minus that of the source's points, in all `directions`, which
+/// Support of the hull's vertices minus support of the source's points, in all `directions`, which
 /// must be finite and non-zero. Complexity: O((vertices + points) · directions), on all threads of
 /// the pool.
 pub fn measure_outside(vertices: &[Vec3], source: &Points, directions: &[Vec3]) -> Outside {
@@ -60,7 +60,7 @@ impl Outside {
 pub fn to_point(hull: &Hull, p: DVec3) -> Distance {
     match Pose::from_translation(p) {
         Ok(pose) => distance(hull, &Dot, pose, &Settings::default(), &mut Cache::new()),
-        // A point that is not finite is not known to be anywhere.
+        // Nothing is known about a point that is not finite.
         Err(_) => Distance { lower: 0.0, upper: f64::INFINITY, ..Distance::default() },
     }
 }

@@ -22,7 +22,7 @@ pub type Triangle = [DVec3; 3];
 /// Number of triangles in a leaf of the tree.
 const LEAF: usize = 4;
 
-/// Directions of the rays that guess on which side a point is: none along common edges.
+/// Directions of the rays by which the side of a point is guessed: none along common edges.
 const RAYS: [DVec3; 2] = [DVec3::new(0.283, -0.617, 0.734), DVec3::new(-0.541, 0.327, 0.775)];
 
 /// Minimum length of an array of triangles that is summed on several threads.
@@ -61,7 +61,7 @@ impl TriangleSoup {
             key.sort_unstable();
             key[0] != key[1] && key[1] != key[2] && seen.insert(key)
         };
-        // Closing triangles count even where they repeat one.
+        // Closing triangles count even if they repeat another one.
         let (own, closing) = all.split_at(mesh_count.min(all.len()));
         let winding: Vec<Triangle> = own.iter().filter(is_new).chain(closing).copied().collect();
         let mut triangles: Vec<(Triangle, bool)> =
@@ -136,7 +136,7 @@ impl TriangleSoup {
     }
 
     /// Winding number as the signed number of triangles that a ray crosses. Repeated triangles
-    /// count, so a mesh with such is left to the solid angles.
+    /// count, so a mesh that has some is left to the solid angles.
     fn crossings(&self, p: DVec3, direction: DVec3) -> i32 {
         let inverse = direction.recip();
         let (mut sum, mut stack) = (0, vec![0_usize]);

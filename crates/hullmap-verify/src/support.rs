@@ -1,7 +1,7 @@
 //! Whether a hull's support queries are exact, measured against every source point.
 //!
-//! Its direction index is proven before ([`index`](crate::index)): every query finds the support
-//! vertex of the stored hull.
+//! Its direction index has been proven before ([`index`](crate::index)): every query finds the
+//! support vertex of the stored hull.
 //!
 //! `regret(d) = (max over the source points of v·d − got·d) / (|d| · diameter)`, in f64 on the
 //! stored f32 numbers. A hull that lost a source point has a large regret in that point's

@@ -22,8 +22,8 @@ use serde::Serialize;
 use crate::random::SplitMix;
 use crate::soup::closest;
 
-/// Maximum number of tests of a triangle, by rays and by points: some seconds. Fewer are made on a
-/// mesh of more triangles, but at least [`LEAST`].
+/// Maximum number of tests of a triangle, by rays and by points, which take seconds. A large mesh
+/// gets fewer rays and points, but at least [`LEAST`].
 const TESTS: usize = 200_000_000;
 
 /// Minimum number of rays, and of points.
@@ -430,7 +430,7 @@ fn is_near_line(origin: DVec3, direction: DVec3, [a, b, c]: &[DVec3; 3], scale: 
     let length = |side: &[DVec3; 2]| side[0].distance(side[1]);
     let [from, to] = sides.into_iter().max_by(|x, y| length(x).total_cmp(&length(y))).unwrap_or([*a, *b]);
     let height = (*b - *a).cross(*c - *a).length() / from.distance(to).max(f64::MIN_POSITIVE);
-    // Seen along the ray, which is a point there.
+    // Project along the ray, which becomes a point.
     let [p, from, to] = [origin, from, to].map(|x| x - along * x.dot(along));
     closest(&[from, to, to], p).distance(p) <= height + GRAZE * scale
 }
