@@ -149,7 +149,7 @@ fn form_warning(baked: &BakedHull, budget: &Budget) -> Option<Remark> {
     Some(Remark::warning(kind, name, text))
 }
 
-/// Warning about an index that replaces another one, since that could not be proven.
+/// Warning about an index that replaces one that could not be proven.
 fn replacement_warning(baked: &BakedHull) -> Option<Remark> {
     let (name, kind) = (&baked.name, baked.index.kind);
     let (requested, reason) = baked.index.replaces.as_ref()?;

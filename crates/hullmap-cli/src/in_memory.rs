@@ -81,7 +81,7 @@ pub fn bake_arrays(
 /// # Errors
 /// See [`InMemoryError`].
 pub fn bake_file(path: &Path, options: &[(&str, &str)], stage: Stage) -> Result<BakedPack, InMemoryError> {
-    // Before the file is read.
+    // Report invalid options before the file is read.
     resolve(options)?;
     let file = path.display().to_string();
     let source = import::read(&file, path, &Limits::DEFAULT).map_err(|error| match error {
@@ -115,7 +115,7 @@ pub fn bake_source(
 /// triangles.
 ///
 /// # Errors
-/// See [`InMemoryError`]. A file without faces is one that could not be baked.
+/// See [`InMemoryError`]. A file without faces cannot be baked.
 ///
 /// # Examples
 /// ```

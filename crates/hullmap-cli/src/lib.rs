@@ -30,7 +30,7 @@
 #![forbid(unsafe_code)]
 // Bakes in memory use a part of the modules that they share with the command.
 #![cfg_attr(not(feature = "command"), allow(dead_code))]
-// Text leaves through `terminal` alone.
+// All text is printed by `terminal`.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 #[cfg(feature = "command")]

@@ -116,7 +116,7 @@ pub fn find_source(
     folders: &Folders,
 ) -> Result<SourceSearch, Failure> {
     let folder = folder_of(&place.path);
-    // Without `..`, which the system would resolve after links and the project before them.
+    // `..` is removed here: the system resolves it after links, `Project` before them.
     let followed = resolve_recorded(recorded.path, folder).map(|path| plain(&path));
     let candidates = match given {
         Some(given) if given.is_dir() => in_folder(place, recorded.path, given, folders),

@@ -186,7 +186,7 @@ pub fn adapted(remark: &str) -> String {
     REMEDIES.iter().fold(remark.to_owned(), |text, (of_hulls, instead)| text.replace(of_hulls, instead))
 }
 
-/// Findings that need no action: such triangles collide as what they are.
+/// Findings that need no action, because the triangles are kept.
 fn notes(summary: &MeshSummary) -> Vec<String> {
     let mut notes = Vec::new();
     if summary.degenerate > 0 {

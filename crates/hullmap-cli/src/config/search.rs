@@ -42,7 +42,7 @@ pub struct Chosen {
     pub layer: OptionLayer,
     /// Whether it is left out.
     pub skips: bool,
-    /// The file that says so, if any.
+    /// The file with these settings, if any.
     pub config: Option<Arc<Config>>,
 }
 
@@ -97,7 +97,7 @@ impl Configs {
         Ok(Chosen { layer, skips, config })
     }
 
-    /// The file that applies to `file` in the canonical `folder`, and the folder of the former.
+    /// The `hullmap.toml` that applies to `file` in the canonical `folder`, and its own folder.
     fn applying(&mut self, folder: &Path, file: &Path) -> Result<(Option<Arc<Config>>, PathBuf), Failure> {
         match &self.choice {
             Choice::None => Ok((None, PathBuf::new())),

@@ -3,7 +3,7 @@
 //!
 //! | target | name |
 //! |---|---|
-//! | OBJ, JSON, GLB | the hull's; in OBJ without characters that end or divide a line |
+//! | OBJ, JSON, GLB | the hull's name; in OBJ without characters that end or divide a line |
 //! | Unreal | `UCX_<render mesh>_<nn>` |
 //! | Godot | `<name>`, without suffixes that Godot reads |
 //! | MJCF, URDF, names of files | letters, digits, `.`, `_` and `-` |
@@ -127,7 +127,7 @@ pub fn godot(names: &[(&str, u32)], node: Option<&str>) -> Vec<String> {
     unique(bare.collect())
 }
 
-/// A name that Godot takes for a node as it is.
+/// A name that Godot accepts unchanged for a node.
 fn node_name(name: &str) -> String {
     let name = token(name).replace('.', "_");
     let folded = name.to_ascii_lowercase();

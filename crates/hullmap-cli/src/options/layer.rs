@@ -283,7 +283,7 @@ pub mod tests {
         }
     }
 
-    /// `--max-parts 4` without `--decompose` baked a single hull, without a word.
+    /// `--max-parts 4` without `--decompose` baked a single hull, without a message.
     #[test]
     fn options_without_effect_are_found_across_layers() {
         let unused = |own: &[(&str, &str)], lower: &[&[(&str, &str)]]| {

@@ -173,7 +173,8 @@ impl Farm<'_> {
         }
     }
 
-    /// The results of a batch, from the cache or from a worker; none if neither is to make them.
+    /// The results of a batch, from the cache or from a worker; empty if the cache lacks them and
+    /// workers are not used.
     fn deliver(&self, batch: &Batch) -> Result<Delivered, RemoteError> {
         let (digest, executes) = (&batch.action.digest, !self.remote.cache_only);
         let mut again = self.build.force;

@@ -90,7 +90,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
     }
 }
 
-/// Recorded options, with today's names.
+/// Recorded options, with their current names.
 fn shown(recorded: &str) -> String {
     BuildOptions::from_recorded(recorded).map_or_else(|| recorded.to_owned(), |options| options.in_words())
 }

@@ -62,7 +62,7 @@ impl Status {
 /// Maximum number of objects in a row. Rows of a batch travel in one blob of bounded size.
 pub const MAX_OBJECTS: usize = 1000;
 
-/// Result of one file. Field names are the JSON's; `None` if the file did not get that far.
+/// Result of one file. Field names are the JSON's; `None` if the file did not reach that step.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// The mesh; for an orphan, its former path.

@@ -118,7 +118,7 @@ pub fn add(file: &GltfFile, colliders: &[Collider], motions: &[Motion], form: &F
     file.with(text, &added)
 }
 
-/// Whether a number is finite as one of 32 bits. NaN is not.
+/// Whether a number is finite in f32. NaN is not.
 fn is_in_range(number: f64) -> bool {
     number.abs() <= f64::from(f32::MAX)
 }

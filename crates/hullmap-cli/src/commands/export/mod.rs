@@ -5,7 +5,7 @@
 //! 3. If a target exists, nothing of its pack is written. Each file is written to a temporary file
 //!    and renamed. With several packs, `--out` mirrors the folders of the packs.
 //!
-//! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
+//! Coordinates keep all bits of `f32`, so that an exported hull bakes to the same hull.
 
 mod robot;
 mod scene;
@@ -145,7 +145,7 @@ impl Export<'_> {
         self.rename(place, &pack, &mut bodies);
         let files = if let Some(into) = &args.into {
             let counts = Some(counts(&bodies));
-            // Those that were not left out.
+            // The hulls that were not left out.
             let is_solid = |&index: &usize| pack.hull(index).is_ok_and(|hull| hull.rank() == 3);
             let indices: Vec<usize> = indices.into_iter().filter(is_solid).collect();
             let bytes = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
@@ -215,7 +215,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
 }
 
 /// Checks that the output suits the format: no binary data for a terminal, and no file whose
-/// extension names another format, unless `--format` says so.
+/// extension names another format, unless `--format` is given.
 fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
     let name = format.extension();
     let Some(target) = &args.out else {
@@ -463,7 +463,7 @@ fn files(
         Some(Target::Sdf) => Some((format!("{name}.sdf"), robot.sdf())),
         _ => None,
     };
-    // Last, so that the files that it names exist when it does.
+    // Last, so that the files that it names exist.
     files.extend(document.map(|(name, text)| ExportedFile { name, bytes: text.into_bytes(), counts: None }));
     Ok(files)
 }

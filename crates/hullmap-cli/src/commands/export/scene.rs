@@ -203,7 +203,7 @@ impl Added<'_> {
         Ok(motions)
     }
 
-    /// Fails if the file names others, and the output lies in another folder, where they are not.
+    /// Fails if the file refers to others, and the output lies in another folder.
     fn check_references(&self, into: &Path, document: &Document) -> Result<(), Failure> {
         let Some(out) = &self.args.out else {
             return Ok(());

@@ -183,7 +183,7 @@ impl Canvas<'_> {
         self.placed(Key::File(key(mesh)?), || own.display.clone(), mesh, shape, layer)
     }
 
-    /// A shape as engines take it: a mesh by its hull.
+    /// A shape as engines use it: a mesh becomes its hull.
     fn as_hull(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_primitive(shape, layer) };
         let own = self.gatherer.meshes.get(mesh)?;

@@ -25,7 +25,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// The target of a description. Without the links in its folder, so that relative paths hold.
+    /// The target of a description. Links in its folder are resolved, so that relative paths hold.
     ///
     /// In another folder than the input's, files that it names by relative paths are copied. If
     /// such a path climbs, the folders above the description are kept, so that nothing is written

@@ -469,7 +469,7 @@ mod tests {
         assert_eq!(rows[0], ["a", "2", "2 000", "proven", "8e-9", "0", "2", "8", "source", "exact"]);
         assert_eq!((rows[1][0], rows[1][5], rows[1][9]), ("b", "1", "FAILED"));
         assert_eq!(rows[2], ["c", "-", "-", "-", "-", "-", "-", "-", "-", "FAILED"]);
-        // Nobody writes 0.0e0.
+        // An error of 0 is not written as 0.0e0.
         assert_eq!(rows[3][..6], ["d", "1", "1 000", "proven", "0", "0"]);
         assert_eq!(rows.len(), 4);
     }
