@@ -224,9 +224,9 @@ fn named_parts(
     Some(chosen.map(|((object, mesh), _)| (*object, mesh)).collect())
 }
 
-/// The parts in an order in which those of one object follow one another.
+/// The parts, ordered so that the parts of one object are consecutive.
 fn grouped(chosen: Vec<(usize, Option<usize>)>) -> Vec<(usize, Option<usize>)> {
-    // The place of an object's parts is that of the first. A part that stands for none is alone.
+    // An object's parts take the place of the first one. A part that stands for no object is alone.
     let mut first = HashMap::new();
     for (place, (_, stands_for)) in chosen.iter().enumerate() {
         if let Some(mesh) = stands_for {

@@ -1,6 +1,6 @@
 //! Positions and primitives of a COLLADA geometry.
 //!
-//! They are appended to the mesh as they are read, once for each instance: lists of their own would
+//! They are appended to the mesh as they are read, once for each instance: separate lists would
 //! take more memory than a file may.
 
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use crate::mesh::Polygons;
 /// Files have up to ten.
 const MAX_INPUTS: usize = 64;
 
-/// What one instance of a geometry is appended to.
+/// The lists to which one instance of a geometry is appended.
 #[derive(Debug)]
 pub struct Target<'m> {
     /// Positions of all instances.
@@ -207,7 +207,7 @@ impl Target<'_> {
         Ok(())
     }
 
-    /// A mirror turns faces inside out; this turns the last one, from `start`, back.
+    /// Reverses the last face, which starts at `start`, if the transform mirrors.
     fn turn(&mut self, start: usize) {
         if self.placed.matrix3.determinant() < 0.0
             && let Some(face) = self.faces.corners.get_mut(start..)
@@ -218,7 +218,7 @@ impl Target<'_> {
 }
 
 impl Layout {
-    /// Indices of positions in a list, in the mesh.
+    /// Vertex indices in the mesh, from a list of indices of positions.
     fn corners<'n>(&self, list: Node<'n, '_>) -> impl Iterator<Item = Result<u32, LineFault>> + use<'n, '_> {
         let (first, count) = (self.first, self.count);
         let words = list.text().unwrap_or_default().split_ascii_whitespace().skip(self.offset).step_by(self.stride);

@@ -83,8 +83,8 @@ pub struct SceneReader<'a> {
 
 impl<'a> SceneReader<'a> {
     /// A reader of the document's default scene. `byte_count` is the size of the file with its
-    /// buffers. `repeated_count` is what decoded views count as, against the limit on repetition.
-    /// With `shapes`, colliders of nodes are read as objects too.
+    /// buffers. Decoded views count as `repeated_count` against the limit on repetition. With
+    /// `shapes`, colliders of nodes are read as objects too.
     pub fn new(
         data: Data<'a>,
         byte_count: usize,

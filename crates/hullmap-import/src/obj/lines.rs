@@ -44,8 +44,7 @@ impl<'a> Lines<'a> {
         Some(line)
     }
 
-    /// Next logical line: a line joined with its continuations. The number is that of its first
-    /// line.
+    /// Next logical line, a line joined with its continuations, and the number of its first line.
     pub fn next_logical(&mut self) -> Option<(usize, Cow<'a, [u8]>)> {
         let first = self.next_physical()?;
         let line_number = self.line_number;
@@ -66,8 +65,8 @@ impl<'a> Lines<'a> {
 /// Whether a trailing `\` joins the next line to this one. Comments and lines that hold a name
 /// never continue.
 ///
-/// Looks only at the start of the line: it is called once for each continuation, and the joined
-/// line keeps growing.
+/// Reads only the start of the line, because it is called once for each continuation, and the
+/// joined line keeps growing.
 fn may_continue(line: &[u8]) -> bool {
     let start = line.get(..=LONGEST_NAME_KEYWORD).unwrap_or(line);
     let keyword = start.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -101,7 +100,7 @@ pub struct Parts<'a> {
     pub parts: Vec<Part<'a>>,
 }
 
-/// A part of a text, and where it stands in the whole.
+/// A part of a text, and its place in the whole.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
     /// Its bytes.

@@ -2,8 +2,8 @@
 //!
 //! tobj reports a vertex only where an element references it, and indexes the vertices of each
 //! object by their first use. So each batch of `v` lines is followed by one `l` line that
-//! references all of them in order: the positions of the resulting model are those of the file, in
-//! file order. The element lines of the file are not part of the text, see [`super`].
+//! references all of them in order: the resulting model has the positions in file order. The
+//! element lines of the file are not part of the text, see [`super`].
 //!
 //! tobj keeps about 200 bytes per vertex while it builds a model. A batch bounds that memory.
 //!

@@ -218,7 +218,7 @@ fn data_is_rejected_by_its_header_before_it_is_decoded() {
             let claimed = (claim.triangles, claim.vertices);
             assert_eq!(claimed, (2000, mesh.vertices.len()), "{version:?}, speed {speed}");
             assert_eq!(draco::decode(&data, 0, claim).ok().unwrap().triangles.len(), 2000);
-            // What follows the header is not looked at.
+            // The bytes after the header are not read.
             let message = import_bytes(glb(&data[..24], ""), &limits).unwrap_err().to_string();
             assert!(message.contains("--max-instanced"), "{version:?}, speed {speed}: {message}");
             let message = import_bytes(glb(&data[..24], ""), &Limits::DEFAULT).unwrap_err().to_string();

@@ -4,9 +4,9 @@
 //! Elements come in blocks of at most 256. A block stores the first bytes of all its elements, then
 //! the second ones, and so on: a *plane* for each byte of an element. A plane consists of groups of
 //! 16 bytes, each packed with 0, 1, 2, 4 or 8 bits a byte. Bytes that do not fit follow their
-//! group. Four planes are a *channel*, whose mode says how differences become values: byte by byte,
-//! as two 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has the first mode
-//! alone.
+//! group. Four planes are a *channel*, whose mode determines how differences become values: byte by
+//! byte, as two 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has only the
+//! first mode.
 
 use super::bytes::{Bytes, Damage};
 
