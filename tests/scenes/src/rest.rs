@@ -38,7 +38,7 @@ impl Outcome {
     /// Depth in the floor at which a body counts as stuck: Rapier's own tolerance, 5 mm.
     pub const STUCK: f32 = 0.005;
 
-    /// Energy in J/kg that counts as gained: that of a body 1 mm higher.
+    /// Energy in J/kg that counts as gained: the energy of a body that is 1 mm higher.
     pub const GAIN: f32 = 0.01;
 
     /// Whether the body is in the floor for good.

@@ -207,7 +207,7 @@ impl Slide {
     }
 }
 
-/// How a trajectory differs from that on the whole slab.
+/// How a trajectory differs from the trajectory on the whole slab.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deviation {
     /// Maximum difference in height, in metres.

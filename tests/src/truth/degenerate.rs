@@ -150,8 +150,8 @@ pub struct Count {
     /// Largest distance of a witness point from the surface of its hull, over the size of the
     /// query.
     pub worst_witness: f64,
-    /// Largest distance of a witness point from that of the other hull moved by the depth along the
-    /// normal, beyond the width of the interval, over the size of the query.
+    /// Largest distance of a witness point from the witness point of the other hull, moved by the
+    /// depth along the normal, beyond the width of the interval, over the size of the query.
     pub worst_offset: f64,
 }
 

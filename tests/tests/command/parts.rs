@@ -49,7 +49,7 @@ fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
 }
 
-/// The error that a number of parts allows is stated, as is an error that time did not allow.
+/// A warning states the error that the number of parts or the time limit allowed.
 #[test]
 fn decomposed_meshes_state_the_error_that_was_reached() {
     let folder = tempfile::tempdir().unwrap();
@@ -282,7 +282,7 @@ fn overstated_covers_and_protrusions_fail() {
     assert_claims_are_tight(&folder, &file, false);
 }
 
-/// The recorded mass of the U is that of its three bars, and a pack that records another is
+/// The recorded mass of the U is the mass of its three bars, and a pack that records another is
 /// rejected. The truth is the sum of three boxes.
 #[test]
 fn a_wrong_mass_fails_verify() {

@@ -286,7 +286,7 @@ fn rules_that_match_nothing_are_warnings() {
     assert!(run.stderr.contains("in/a.obj: is a file"), "{}", run.stderr);
 }
 
-/// `--max-parts 4` without `--decompose` baked whole hulls, without a word.
+/// `--max-parts 4` without `--decompose` baked whole hulls, without a message.
 #[test]
 fn options_without_effect_are_errors() {
     let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", CUBE)]);

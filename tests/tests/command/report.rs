@@ -546,8 +546,7 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
         assert!(page.contains(&format!("</strong> {text}</li>")), "{text}");
     }
 
-    // The ends have the gaps of the comb, so as many parts as it takes do: a fan from an end's
-    // first corner would close them.
+    // The ends keep the gaps of the comb. A fan from an end's first corner would close them.
     run(&folder, &["build", "u.obj", "--out", "gap", "--decompose"]).expect(0);
     let volumes = run(&folder, &["inspect", "gap", "--json"]).expect(0).json();
     let hulls = volumes[0]["hulls"].as_array().unwrap();

@@ -54,7 +54,7 @@ fn hulls_of_all_packs_are_beside_their_meshes() {
     assert!(printed.contains("metersPerUnit = 1\n") && printed.contains("upAxis = \"Z\"\n"), "{printed}");
 }
 
-/// Whoever wrote a pack chose the names in it.
+/// The names in a pack are untrusted.
 #[test]
 fn untrusted_names_stay_names() {
     let folder = tempfile::tempdir().unwrap();

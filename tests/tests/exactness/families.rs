@@ -163,7 +163,7 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
                 if hull_index > 0 {
                     continue;
                 }
-                // The right vertex, that of the direction before, any vertex, and two invalid ones.
+                // The right vertex, the last direction's vertex, any vertex, and two invalid ones.
                 let any = rng.below(hull.vertex_count()) as u32;
                 let (right, invalid) = (got_narrow.index, hull.vertex_count() as u32);
                 for hint in [right, before, any, invalid, u32::MAX] {

@@ -169,7 +169,7 @@ fn screws_of_small_hulls_agree_with_exact_arithmetic() {
     assert!(of("not decided") <= motions / 200, "{:?}", tally.lines);
 }
 
-/// Derivatives of answers about hulls. Those that are not certain are flagged, and almost none are.
+/// Derivatives of answers about hulls. Uncertain ones are flagged, and are very rare.
 #[test]
 fn derivatives_agree_with_central_differences() {
     let stock = Stock::bake(&[], 1);

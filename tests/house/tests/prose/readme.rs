@@ -99,7 +99,7 @@ fn the_readme_is_short() {
     assert!(count <= 120, "{count} lines; move details to docs");
 }
 
-/// What each file does stands in its first line. The table is where to start.
+/// The first line of each file states what it does, so the table only lists where to start.
 #[test]
 fn the_table_of_files_is_short() {
     let count = read("docs/ARCHITECTURE.md").lines().filter(|line| line.contains("? | `")).count();
