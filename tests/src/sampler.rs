@@ -1,4 +1,4 @@
-//! A sampler that tries to refute what is claimed about the parts of a mesh.
+//! A sampler that tries to refute the claims about the parts of a mesh.
 //!
 //! It measures by other code than the bounds: winding numbers are sums of solid angles, distances
 //! are brute force over all triangles, and points are compared with all planes of a part. Only the

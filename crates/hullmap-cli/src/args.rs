@@ -471,7 +471,7 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
-    /// Replace the inertia of links by that of their meshes, for the mass that they state
+    /// Replace the inertia of links by the inertia of their meshes, for the mass that they state
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets

@@ -98,7 +98,7 @@ enum Foreign {
     LfsPointer,
     /// An archive or compressed file of this kind.
     Packed(&'static str),
-    /// A page of a web site, often of one that asks for a login or shows a preview.
+    /// A page of a web site, often a login page or a preview.
     WebPage,
 }
 
@@ -193,7 +193,7 @@ fn of_extension(path: &Path) -> Option<&'static Unread> {
     UNREAD.iter().find(|format| format.extensions.contains(&extension.as_str()))
 }
 
-/// Name of the format of a file, if its extension is that of meshes or scenes that are not
+/// Name of the format of a file, if its extension belongs to meshes or scenes that are not
 /// supported.
 ///
 /// ```

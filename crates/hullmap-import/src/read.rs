@@ -169,7 +169,7 @@ pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
 /// ```
 ///
 /// # Errors
-/// There is no such file, it is not a regular one, or the system refuses to open it.
+/// There is no such file, it is not a regular one, or it cannot be opened.
 pub fn open_regular(path: &Path) -> std::io::Result<File> {
     check_regular(&std::fs::metadata(path)?)?;
     let mut options = File::options();

@@ -15,7 +15,7 @@ pub struct Page {
     pub kind: &'static str,
     /// The command that writes it.
     pub generator: &'static str,
-    /// Style of this kind alone, after that of all pages.
+    /// Style of this kind alone, after the style of all pages.
     pub style: &'static str,
     /// Template of what is below the title.
     pub contents: &'static str,

@@ -157,7 +157,7 @@ impl Chain {
         let mut is_ordered = vec![false; self.joints.len()];
         order.into_iter().for_each(|joint| is_ordered[joint] = true);
         for (joint, _) in self.joints.iter_mut().zip(is_ordered).filter(|(_, is_ordered)| !is_ordered) {
-            self.notes.push(format!("joint `{}` follows itself by way of others; it moves alone here", joint.name));
+            self.notes.push(format!("joint `{}` follows itself through others; it moves alone here", joint.name));
             joint.coupling = None;
         }
         self

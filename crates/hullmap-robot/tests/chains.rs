@@ -119,7 +119,7 @@ fn sdf() {
     assert_eq!(robot.chain.joints[2].coupling.unwrap().follow(1.0), 2.0);
     let notes = robot.chain.notes.join("\n");
     assert!(
-        notes.contains("joint `bad`: its child is no link") && notes.contains("names no joint that moves"),
+        notes.contains("joint `bad`: its child is not a link") && notes.contains("names no joint that moves"),
         "{notes}"
     );
 }

@@ -37,7 +37,7 @@ pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option
     }
     let difference = inertia(computed) - recorded.inertia;
     if !difference.to_cols_array().iter().all(|entry| entry.abs() <= room * size * size) {
-        return Some(format!("the inertia that the pack records is not that of {name}"));
+        return Some(format!("the recorded inertia is not the inertia of {name}"));
     }
     None
 }

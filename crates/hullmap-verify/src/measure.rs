@@ -76,7 +76,7 @@ pub fn parts(
     measured
 }
 
-/// Whether the decomposition made a part. Otherwise its points are those of its mesh.
+/// Whether the decomposition made a part. Otherwise its points are the points of its mesh.
 pub fn is_cut(part: &Part) -> bool {
     matches!(part.points, Cow::Owned(_))
 }

@@ -29,7 +29,7 @@ use hullmap_format::{archive::LANES, slot::Slot, walk::Cost};
 use hullmap_testkit::packs::{self, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
-/// Maximum ratio of the slowest query on a malicious pack to the slowest on an equally large one.
+/// Maximum time of the slowest query on a malicious pack, relative to an honest pack of that size.
 pub const MAX_RATIO: f64 = 100.0;
 
 /// Maximum exponent of the time of the slowest query over the size of the pack.

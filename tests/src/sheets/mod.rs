@@ -390,7 +390,7 @@ fn from_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     if is_over { edges.min((p - a).dot(normal).abs()) } else { edges }
 }
 
-/// Number of times that a surface winds around a point: its solid angle over that of the sphere.
+/// Number of times that a surface winds around a point: its solid angle over the sphere's.
 /// Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.
 fn winding(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
     let angle = |corners: &[DVec3; 3]| {

@@ -9,8 +9,8 @@
 //! | normal and points of a distance or a depth | the same answers, which the soak of pairs judges |
 //!
 //! Differences are taken with two step lengths. Where they disagree, there is a kink within the
-//! step: such a derivative is counted, and not judged. Poses are random, and not those of the soak
-//! of pairs.
+//! step: such a derivative is counted, and not judged. Poses are random, and differ from the
+//! soak of pairs.
 
 use glam::{DQuat, DVec3};
 use hullmap::{

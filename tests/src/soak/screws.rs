@@ -283,7 +283,7 @@ impl Case {
         Separated::Surely
     }
 
-    /// Whether the hulls share a point at time `t`, where the rotation is that of its half angle in
+    /// Whether the hulls share a point at time `t`, where the rotation is by its half angle in
     /// f64: by the separating axis test in integers.
     fn meets(&self, t: f64) -> bool {
         let half = self.half_angle(t);

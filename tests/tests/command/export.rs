@@ -226,7 +226,7 @@ fn robots_weigh_as_much_as_their_mesh() {
     // Without its last face, the mesh bounds no solid.
     bake(&folder, "build open.obj --out . --quiet").expect(0);
     let run = bake(&folder, "export open.hullmap --for mjcf --out o").expect(0);
-    assert!(run.stderr.contains("the mass is that of the hull, because the pack does not record"), "{}", run.stderr);
+    assert!(run.stderr.contains("the mass comes from the hull, because the pack does not record"), "{}", run.stderr);
     let text = fs::read_to_string(folder.path().join("o/open.xml")).unwrap();
     assert_near(&numbers(&text, "mass"), &[7000.0]);
 }

@@ -316,7 +316,7 @@ fn a_wrong_mass_fails_verify() {
     let wrong = changed(&file, |pack| &pack.masses[0].centroid[1], &(centre.y + 1e-6).to_le_bytes());
     assert!(verified(&wrong, 1).contains("the centre of mass of x is at 1.5 "));
     let wrong = changed(&file, |pack| &pack.masses[0].second_moments[0], &(second.x * 1.001).to_le_bytes());
-    assert!(verified(&wrong, 1).contains("the inertia that the pack records is not that of x"));
+    assert!(verified(&wrong, 1).contains("the recorded inertia is not the inertia of x"));
 }
 
 /// The recorded voids are computed again, and a pack that records others is rejected. The parts of

@@ -192,7 +192,7 @@ proptest! {
         );
     }
 
-    /// Other factors round the coordinates to single precision again. The answer is then that of
+    /// Other factors round the coordinates to single precision again. The answer is then for
     /// slightly different hulls.
     #[test]
     fn nothing_depends_on_the_scale(a in points(), b in points(), b_in_a in pose(), larger in any::<bool>()) {

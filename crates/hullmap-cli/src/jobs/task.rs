@@ -97,7 +97,7 @@ impl Task {
     }
 
     /// The jobs of the task, with packs in `out`. Fails if a path leads out of `out`, or this
-    /// version does not know the options.
+    /// version does not have the options.
     pub fn jobs(&self, out: &Path) -> Result<Vec<Job>, String> {
         self.meshes.iter().map(|mesh| mesh.job(out)).collect()
     }

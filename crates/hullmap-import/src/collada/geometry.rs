@@ -241,7 +241,7 @@ fn layout(primitive: Node, first: u32, count: u32) -> Result<Layout, LineFault> 
     for input in primitive.children().filter(|node| node.tag_name().name() == "input") {
         let own: usize = input.attribute("offset").unwrap_or("0").trim().parse().unwrap_or(MAX_INPUTS);
         if own >= MAX_INPUTS {
-            return Err(at(input, format!("the offset is no number below {MAX_INPUTS}: export the file again")));
+            return Err(at(input, format!("the offset is not a number below {MAX_INPUTS}: export the file again")));
         }
         stride = stride.max(own + 1);
         if input.attribute("semantic") == Some("VERTEX") {

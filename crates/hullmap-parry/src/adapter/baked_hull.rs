@@ -155,7 +155,7 @@ impl BakedHull {
 
     /// The face whose normal is closest to `dir`; `None` below rank 2.
     ///
-    /// The normals of a scaled hull are those of the original, divided by the scale. So the
+    /// The normals of a scaled hull are the original normals, divided by the scale. So the
     /// direction is multiplied by the scale.
     pub(super) fn face_towards(&self, dir: DVec3) -> Option<u32> {
         self.hull().face_towards(dir * self.scale_factors())

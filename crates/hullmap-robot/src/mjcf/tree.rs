@@ -46,9 +46,8 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
                 return Err(document.error(at, message));
             }
             if seen.len() > MAX_FILES {
-                return Err(
-                    document.error(at, format!("includes more than {MAX_FILES} files; this is no robot description"))
-                );
+                return Err(document
+                    .error(at, format!("includes more than {MAX_FILES} files; this is not a robot description")));
             }
             found.push((at, path));
         }

@@ -79,14 +79,14 @@ impl<'a> Reader<'a, '_> {
             self.index.get(&found.range().start).copied()
         };
         let (parent, Some(link)) = (link("parent"), link("child")) else {
-            return self.note(node, "its child is no link; it is left out here");
+            return self.note(node, "its child is not a link; it is left out here");
         };
         if let Some(parent) = parent {
             if let Err(reason) = self.chain.attach(link, parent, in_world[parent].inverse() * in_world[link]) {
                 return self.note(node, &format!("{reason}; it is left out here"));
             }
         } else if end(node, "parent") != Some("world") {
-            return self.note(node, "its parent is no link; it is left out here");
+            return self.note(node, "its parent is not a link; it is left out here");
         }
         let axes: &[(&'static str, Motion)] = match node.attribute("type").unwrap_or_default() {
             "revolute" | "continuous" => &[("axis", Motion::Hinge)],

@@ -28,7 +28,7 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
         };
         let end = |kind| child(node, kind).and_then(|end| end.attribute("link")).and_then(|link| index.get(link));
         let (Some(&parent), Some(&link)) = (end("parent"), end("child")) else {
-            note("its parent or child is no link; it is left out here");
+            note("its parent or child is not a link; it is left out here");
             continue;
         };
         let rest = pose(node).unwrap_or_else(|| {

@@ -44,7 +44,7 @@ const RUNTIME: [&str; 25] = [
     "rayon-core",
 ];
 
-/// Packages that `package` depends on, itself among them, without those of its tests; `more` are
+/// Packages that `package` depends on, itself included, without packages for its tests; `more` are
 /// words for `cargo tree`.
 fn tree(package: &str, edges: &str, more: &[&str]) -> BTreeSet<String> {
     let words = ["tree", "--locked", "--prefix", "none", "--format", "{p}", "--package", package, "--edges", edges];
@@ -333,7 +333,7 @@ fn allows(line: &str) -> bool {
 }
 
 /// Methods that libraries and machines compute with different last digits: the platform's own
-/// functions, and those of glam that use them. Roots, sums and products are exact everywhere;
+/// functions, and functions of glam that use them. Roots, sums and products are exact everywhere;
 /// `mul_add` is too.
 const INEXACT: [&str; 31] = [
     "sin",

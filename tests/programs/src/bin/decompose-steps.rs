@@ -1,5 +1,5 @@
-//! Prints how many parts a decomposition has as its maximum error grows, and looks for rises and
-//! for thin parts.
+//! Prints how many parts a decomposition has as its maximum error grows, and reports rises and thin
+//! parts.
 //!
 //! ```text
 //! cargo run --release -p hullmap-programs --bin concave-meshes -- --write FOLDER

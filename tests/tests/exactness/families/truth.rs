@@ -72,7 +72,7 @@ pub struct Greatest {
 }
 
 impl Greatest {
-    /// (greatest dot product − that of `got`) / (|d| · diameter); 0 where all points are the same.
+    /// (greatest − own dot product of `got`) / (|d| · diameter); 0 where all points are the same.
     pub fn regret(&self, got: DVec3) -> f64 {
         if self.size == 0.0 { 0.0 } else { (self.greatest - dot(got, self.d)) / self.size }
     }

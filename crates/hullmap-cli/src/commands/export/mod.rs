@@ -367,10 +367,10 @@ impl Export<'_> {
         let density = self.args.density.unwrap_or(DENSITY);
         let mass = pack.mass_properties_of(indices.iter().copied(), density).ok()?;
         if mass.source == MassSource::Hulls {
-            let of = if indices.len() > 1 { "the hulls, and counts overlaps twice" } else { "the hull" };
+            let of = if indices.len() > 1 { "hulls, whose overlaps count twice" } else { "hull" };
             terminal::note(format_args!(
-                "{}: the mass is that of {of}, because the pack does not record that of the mesh (it is not closed, or \
-                 only some of its parts are exported)",
+                "{}: the mass comes from the {of}, because the pack does not record the mass of the mesh (it is not \
+                 closed, or only some of its parts are exported)",
                 place.path.display()
             ));
         }

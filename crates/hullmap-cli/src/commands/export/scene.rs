@@ -195,8 +195,8 @@ impl Added<'_> {
         }
         if are_hulls {
             terminal::note(format_args!(
-                "{}: masses are those of hulls, where the pack does not record that of the mesh (it is not closed, or only \
-                 some of its parts are exported)",
+                "{}: masses come from hulls, where the pack does not record the mass of the mesh (it is not closed, or \
+                 only some of its parts are exported)",
                 self.path.display()
             ));
         }

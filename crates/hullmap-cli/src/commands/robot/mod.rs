@@ -455,7 +455,7 @@ fn described(
         } else {
             let file = document.path().canonicalize().unwrap_or_else(|_| document.path().to_owned());
             let below = relative(&file, &target.source).ok_or_else(|| {
-                Failure::usage(format!("{}: is on another drive; move it to that of the model", file.display()))
+                Failure::usage(format!("{}: is on another drive; move it to the drive of the model", file.display()))
             })?;
             plain(&target.folder.join(below))
         };

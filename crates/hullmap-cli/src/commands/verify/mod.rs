@@ -30,7 +30,7 @@ const MAX_WARNINGS: usize = 8;
 /// single packs are reported in their rows.
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     if let Some(budget) = args.budget.as_deref().and_then(budget) {
-        terminal::note(format_args!("the limits of {} are those of {}", budget.name, budget.source));
+        terminal::note(format_args!("the limits of {} are from {}", budget.name, budget.source));
     }
     let mut exit = Exit::Done;
     let (mut results, mut meshes) = (Vec::new(), Vec::new());

@@ -44,7 +44,7 @@ pub fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, Dama
     let (mode_count, least_tail) = match stream.byte()? {
         HEADER_0 => (0, TAIL_0),
         HEADER_1 => (channel_count, TAIL_1),
-        _ => return Err("its first byte is not that of attributes"),
+        _ => return Err("its first byte is not the header of attributes"),
     };
     let mut tail = Bytes(stream.take_tail((stride + mode_count).max(least_tail))?);
     let mut modes: Vec<Mode> =
@@ -131,7 +131,7 @@ fn read_group(stream: &mut Bytes, group: &mut [u8; GROUP], bits: u32) -> Result<
     Ok(())
 }
 
-/// How four bytes of an element follow from those of the element before.
+/// How four bytes of an element follow from the bytes of the previous element.
 #[derive(Clone, Copy)]
 enum Mode {
     /// Each byte is a difference.
