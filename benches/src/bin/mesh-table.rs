@@ -229,9 +229,9 @@ fn main() -> ExitCode {
 /// Times of manifolds, new and kept.
 #[derive(Debug)]
 struct Times {
-    /// Without the correction of normals, and with it.
+    /// Our times, without the correction of normals and with it.
     ours: [[f64; 2]; 2],
-    /// Of the choice of eight points.
+    /// Our time of choosing eight points.
     reduced: f64,
     parry: [f64; 2],
     /// `None` if Box3D is not measured, or does not support the hull.

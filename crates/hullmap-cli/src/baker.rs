@@ -33,8 +33,8 @@ pub struct BakedPack {
 }
 
 /// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
-/// into one pack. It keeps the warnings of `source`, and those about the hulls. `stage` shows the
-/// progress.
+/// into one pack. It keeps the warnings of `source`, and warnings about the hulls. `stage` shows
+/// the progress.
 ///
 /// # Errors
 /// A hull could not be baked; the error names the first one. Or the stage is cancelled.

@@ -185,7 +185,7 @@ fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     resolve_of(Kind::Hulls, options)
 }
 
-/// The options, with their defaults for those that are not given.
+/// The options, with defaults for options that are not given.
 fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     let is_accepted = |option: &&BuildOption| option.record != Record::Never && option.key != "keep_triangles";
     let accepted = || OPTIONS.iter().filter(is_accepted).map(|option| option.key);

@@ -16,7 +16,7 @@ use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 
 /// Text in one line: characters that move the cursor, end a line or change the direction of writing
-/// become `\u{1b}`. All other characters are left alone, also those beyond ASCII.
+/// become `\u{1b}`. All other characters are left alone, also beyond ASCII.
 #[derive(Clone, Copy, Debug)]
 pub struct Escaped<T>(pub T);
 

@@ -133,7 +133,7 @@ pub struct BakedTriangles {
 }
 
 /// Bakes the triangles of a source that was imported as a whole. The file keeps the warnings of
-/// `source`, and those about the mesh.
+/// `source`, and warnings about the mesh.
 ///
 /// # Errors
 /// The source has no triangles, too many of them, or too many materials.

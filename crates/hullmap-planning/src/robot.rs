@@ -115,7 +115,7 @@ pub struct Robot {
     of_link: Vec<Range<usize>>,
     /// A ball around each link, in its frame.
     balls: Vec<(DVec3, f64)>,
-    /// Pairs of links that are never tested: neighbours, and those that the description excludes.
+    /// Pairs of links that are never tested: neighbours, and pairs that the description excludes.
     untested: BTreeSet<[usize; 2]>,
     /// Pairs of colliders that may touch.
     allowed: BTreeSet<[usize; 2]>,

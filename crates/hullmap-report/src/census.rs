@@ -39,7 +39,7 @@ pub struct Census {
     pub candidates: Vec<[u64; 2]>,
     /// Pairs of a number of nodes and the number of queries that read it.
     pub nodes: Vec<[u64; 2]>,
-    /// Mean number of dot products, including those with padding lanes.
+    /// Mean number of dot products, including padding lanes.
     pub mean_dots: f64,
 }
 

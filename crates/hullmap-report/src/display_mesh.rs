@@ -56,7 +56,7 @@ pub struct EncodedMesh {
     pub corners: usize,
 }
 
-/// Corners of a mesh, of which those in each cell of a grid are merged.
+/// Corners of a mesh, merged within each cell of a grid.
 struct GridCorners {
     points: Vec<[f32; 3]>,
     /// Their indices in the whole mesh.
@@ -144,7 +144,7 @@ impl DisplayMesh {
         Some(coarse)
     }
 
-    /// The corners that are left if those in each cell of a grid are merged.
+    /// The corners that are left after merging within each cell of a grid.
     fn corners_of_grid(&self, cells: u32) -> GridCorners {
         let [low, high] = self.bounds();
         let longest = (0..3).map(|axis| f64::from(high[axis]) - f64::from(low[axis])).fold(0.0, f64::max);
@@ -209,7 +209,7 @@ mod tests {
     fn hulls_are_closed() {
         let (pack, _) = baked(cloud(200), IndexKind::None);
         let mesh = whole(&pack);
-        // Euler: triangles are twice the vertices less four.
+        // Euler: there are twice as many triangles as vertices, minus four.
         assert_eq!(mesh.triangles.len(), 2 * mesh.points.len() - 4);
         assert!(mesh.edges.len() <= 3 * mesh.points.len() - 6);
         // The neighbours are the twin.

@@ -46,9 +46,9 @@ impl Scan {
         (LEAST_REACH..=MOST_REACH).contains(&reach).then_some(Self { vertices, certain: CERTAIN * reach })
     }
 
-    /// The answers of `pixel` for `0..count`, of which not all are computed, as runs: number of
-    /// pixels and answer. The directions of the pixels are evenly spaced on a line, except for
-    /// rounding to f32.
+    /// The answers of `pixel` for `0..count` as runs: number of pixels and answer. Not all answers
+    /// are computed. The directions of the pixels are evenly spaced on a line, except for rounding
+    /// to f32.
     pub fn row<A>(
         &self,
         count: u32,

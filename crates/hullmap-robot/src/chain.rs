@@ -71,7 +71,7 @@ pub struct Joint {
     pub anchor: DVec3,
     /// Minimum and maximum of its position; of a ball, of the angle. `None` if it is not limited.
     pub limits: Option<[f64; 2]>,
-    /// Its position while the link is at rest. The displacement is the position less this.
+    /// Its position while the link is at rest. The displacement is the position minus this.
     pub reference: f64,
     /// Its position in the neutral pose.
     pub neutral: f64,
@@ -100,7 +100,7 @@ impl Joint {
 pub enum Displacement {
     /// In radians or metres.
     Scalar(f64),
-    /// Of a ball.
+    /// Rotation of a ball.
     Turn(DQuat),
 }
 

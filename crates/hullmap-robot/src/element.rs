@@ -7,8 +7,7 @@ use roxmltree::Node;
 
 use crate::edit::Edit;
 
-/// The text of an attribute's value: characters that XML gives a meaning are escaped, and those
-/// that it does not allow are replaced.
+/// The text of an attribute's value: special characters are escaped, forbidden ones replaced.
 ///
 /// ```
 /// assert_eq!(hullmap_robot::escaped("a<b>\n"), "a&lt;b&gt;_");

@@ -13,7 +13,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// Maximum depth of nested elements. Descriptions have less than 100.
+/// Maximum depth of nested elements. Descriptions have fewer than 100.
 pub const MAX_DEPTH: usize = 1000;
 
 /// Elements are nested deeper than [`MAX_DEPTH`]; the place where.

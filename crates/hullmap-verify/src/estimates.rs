@@ -18,7 +18,7 @@ const MAX_PARTS: usize = 4096;
 /// something was not measured. Lengths are in source units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct PartsEstimates {
-    /// Sum of the parts' volumes less the volume of their union, relative to the latter.
+    /// Sum of the parts' volumes minus the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
     /// Error of `overlap`: twice its standard deviation.
     #[serde(default)]

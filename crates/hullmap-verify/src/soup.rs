@@ -38,7 +38,7 @@ struct Node {
     second: u32,
 }
 
-/// Triangles of a mesh, and those that close it.
+/// Triangles of a mesh, and triangles that close it.
 pub struct TriangleSoup {
     kind: SolidKind,
     /// In the order of the tree's leaves.
@@ -156,7 +156,7 @@ impl TriangleSoup {
     }
 }
 
-/// Builds the node over a range of triangles, and those below it.
+/// Builds the node over a range of triangles, and the nodes below it.
 fn grow(triangles: &mut [(Triangle, bool)], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
     let own = &mut triangles[range.clone()];
     let corners = || own.iter().flat_map(|(triangle, _)| triangle);

@@ -102,7 +102,7 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
     let dir = dir.to_array().map(f64::from);
     let loss = greatest - dot(got.to_array().map(f64::from), dir);
     if loss == 0.0 {
-        // Also a hull that is one point, of diameter 0.
+        // A hull that is one point has the diameter 0.
         return 0.0;
     }
     let regret = (loss / (dot(dir, dir).sqrt() * diameter)).abs();

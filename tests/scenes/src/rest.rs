@@ -59,7 +59,7 @@ pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way
     world.insert_collider(floor.collider(way), None);
     let [top, lowest] = floor.heights();
     let height = top + model.depth_below_origin(rotation) + 0.5 * size;
-    // Off the edges of the triangle mesh and of the compound's parts.
+    // Not above edges of the triangle mesh or of the compound's parts.
     let at = Vector::new(0.31, height, 0.17);
     let body = RigidBodyBuilder::dynamic().pose(Pose::from_parts(at, rotation));
     let (body, _) = world.insert(body, ColliderBuilder::new(model.shape(way)));

@@ -149,7 +149,7 @@ struct Mover {
     axis: [i64; 3],
 }
 
-/// Both, and their common angle.
+/// Both movers, and their common angle.
 struct Case {
     movers: [Mover; 2],
     /// θ, in radians; 0 if neither turns.

@@ -95,9 +95,9 @@ pub struct UsdGroup<'a> {
 /// The mass of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UsdMass {
-    /// None is written: the simulator computes the mass of each hull.
+    /// No mass is written: the simulator computes the mass of each hull.
     None,
-    /// Of this density, in the stage's unit of mass per cubic unit.
+    /// The mass at this density, in the stage's unit of mass per cubic unit.
     Density {
         /// The density.
         density: f64,

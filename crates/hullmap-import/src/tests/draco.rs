@@ -27,7 +27,7 @@ fn triangles_of(mesh: &Mesh) -> Vec<[u32; 3]> {
     mesh.faces.iter().flat_map(fan).collect()
 }
 
-/// Versions of the format with different headers: the current one, and those before.
+/// Versions of the format with different headers: the current version, and earlier ones.
 const VERSIONS: [(u8, u8); 5] = [(2, 2), (2, 1), (2, 0), (1, 3), (1, 2)];
 
 /// A mesh as Draco data with exact positions. `speed` selects the encodings: 10 is sequential, the

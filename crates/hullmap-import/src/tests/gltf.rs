@@ -131,7 +131,7 @@ fn the_fallback_of_meshopt_compression_is_read() {
     }
 }
 
-/// Some exporters keep all numbers as floats. The parser rejected those: "invalid type".
+/// Some exporters keep all numbers as floats. The parser rejected such files: "invalid type".
 #[test]
 fn integers_may_be_written_as_floats() {
     let json = gltf::parts(

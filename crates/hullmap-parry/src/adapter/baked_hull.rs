@@ -55,7 +55,7 @@ pub struct BakedHull {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PartMass {
-    /// Its own mass, or of the hull of a whole mesh the mesh's, if the pack records it.
+    /// Its own mass; for the hull of a whole mesh, the mesh's mass, if the pack records it.
     #[default]
     Hull,
     /// The mass of the mesh whose parts are all in one compound. The first part has it.

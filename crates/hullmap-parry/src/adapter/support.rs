@@ -21,8 +21,8 @@
 //! - The closest face only if the merged feature has fewer than three corners: for a disc that
 //!   stands on its rim, the feature is the rim, which has many corners. Of 102 bodies of 0.1 m, 20
 //!   sank into the floor.
-//! - All vertices within the prediction of the support plane: then the best four points are those
-//!   that do not touch, and most bodies rock for ever.
+//! - All vertices within the prediction of the support plane: then the best four points do not
+//!   touch, and most bodies rock for ever.
 
 use hullmap::glam::DVec3;
 use hullmap::{Feature, Shape as _};

@@ -527,7 +527,7 @@ fn summary(target: &Path, file: &ExportedFile) -> String {
         return format!("{}: {bytes} bytes", target.display());
     };
     let hulls = match hulls {
-        // Of a triangle mesh.
+        // A triangle mesh.
         0 => String::new(),
         1 => "1 hull, ".to_owned(),
         _ => format!("{} hulls, ", grouped(hulls)),

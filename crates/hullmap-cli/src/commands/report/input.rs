@@ -25,9 +25,9 @@ use hullmap_verify::pack::{HullVerification, Reference, verify_hulls};
 
 /// Everything that the page of a file shows.
 pub enum Analysed {
-    /// Of a pack.
+    /// The analysis of a pack.
     Pack(Box<Analysis>),
-    /// Of a triangle mesh.
+    /// The report of a triangle mesh.
     Mesh(Box<MeshReport>),
 }
 

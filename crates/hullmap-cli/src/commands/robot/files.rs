@@ -1,4 +1,4 @@
-//! The files of an edited description: compared with those on disk, then written.
+//! The files of an edited description: compared with the disk, then written.
 
 use std::collections::BTreeSet;
 use std::io::{ErrorKind, Read as _};

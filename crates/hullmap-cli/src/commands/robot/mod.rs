@@ -442,7 +442,7 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
     Ok(outputs.into_values().collect())
 }
 
-/// The edited files: those that the description includes, then itself.
+/// The edited files: the files that the description includes, then the description itself.
 fn described(
     description: &Description,
     target: &Target,
@@ -482,7 +482,7 @@ fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::O
     Ok(())
 }
 
-/// Compares the files with those on disk, and writes those that differ, unless `--check`.
+/// Compares the files with the disk, and writes files that differ, unless `--check`.
 fn settle(args: &RobotArgs, target: &Target, outputs: &[files::Output], row: &mut Row) -> Result<Exit, Failure> {
     let states: Vec<State> = outputs.iter().map(files::Output::state).collect::<Result<_, _>>()?;
     let changed: Vec<&files::Output> =

@@ -20,9 +20,9 @@ const MAX_LINKS: usize = 1500;
 /// How random configurations are chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling {
-    /// Their number.
+    /// Number of configurations.
     pub count: u32,
-    /// The seed.
+    /// Seed of the configurations.
     pub seed: u64,
 }
 
