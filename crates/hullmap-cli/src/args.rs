@@ -613,7 +613,6 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-/// Parser of `--up`.
 fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["z", "y"]).map(|axis| if axis == "y" { Up::Y } else { Up::Z })
 }

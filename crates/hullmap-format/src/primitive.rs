@@ -67,7 +67,6 @@ pub fn of_hull(records: &[ArchivedPrimitiveRecord], hull: u32) -> Option<&Archiv
     records.get(index)
 }
 
-/// Checks the records of primitives of an archive.
 pub(crate) fn check(records: &[ArchivedPrimitiveRecord], hulls: &[ArchivedHullRecord]) -> Result<(), PrimitiveError> {
     let mut least = 0;
     for (record, primitive) in records.iter().enumerate() {

@@ -131,7 +131,6 @@ fn is_rendered(name: &str) -> bool {
         .any(|suffix| bare.strip_suffix(suffix).is_some_and(|rest| rest.ends_with(['-', '_', '$'])))
 }
 
-/// The name without the number of a copy.
 fn without_number(name: &str) -> &str {
     name.trim_end_matches(|c: char| c.is_ascii_digit() || c.is_whitespace() || c == '_' || c == '.')
 }

@@ -15,7 +15,6 @@ use crate::robot::Robot;
 /// Configurations of a run: about 1 ms of work.
 const RUN: usize = 256;
 
-/// Edges of a run.
 const RUN_OF_EDGES: usize = 32;
 
 /// Solves rows in runs. `row` solves the row of an index, and gets the memory of its run.

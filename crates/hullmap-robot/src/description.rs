@@ -296,7 +296,6 @@ pub(crate) fn scale(text: Option<&str>) -> Result<[f64; 3], String> {
     factors.ok_or_else(|| format!("the scale `{text}` is not three numbers other than 0; correct it"))
 }
 
-/// The use of a mesh by a file in `folder`.
 pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places, folder: &Path) -> MeshUse {
     let (scale, fault) = match scale(scale_text) {
         Ok(scale) => (scale, None),

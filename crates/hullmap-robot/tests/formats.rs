@@ -251,7 +251,6 @@ fn mjcf() {
     let texts = changed(&description, &[replace(2, 2, &["z.obj"])]);
     let geom = "<geom type='mesh' mesh='z' group=\"3\" mass=\"0\"/>\n  <geom type='mesh' mesh='a' contype=\"0\" conaffinity=\"0\"/>";
     assert_eq!(texts[1], PART.replace("<geom type='mesh' mesh='a'/>", geom));
-    // From a visual.
     let change = Change::FromVisual { link: 3, visual: 0, meshes: Some(meshes(&["v.obj"])) };
     let text = changed(&description, &[change]).remove(0);
     let geom = "<geom class=\"vis\" mesh=\"bee\" name=\"drawn\"/>";

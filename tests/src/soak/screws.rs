@@ -106,7 +106,6 @@ impl Polynomial {
     }
 }
 
-/// A vector of polynomials.
 type Vector = [Polynomial; 3];
 
 fn dot(a: &Vector, b: &Vector) -> Polynomial {

@@ -172,7 +172,6 @@ impl Depth {
         self.compare_with(&Dyadic::new(length), &Dyadic::new(1.0))
     }
 
-    /// Compares with height / √`scale_sq`.
     fn compare_with(&self, height: &Dyadic, scale_sq: &Dyadic) -> Ordering {
         let (own, other) = (self.sign(), height.sign());
         if own != other || own == Ordering::Equal {

@@ -29,7 +29,6 @@ fn open(folder: &TempDir, path: &str) -> Pack {
     Pack::open(folder.path().join(path)).unwrap()
 }
 
-/// A pack of these point sets at `path`.
 fn write_pack(folder: &TempDir, path: &str, sets: &[PointSet]) {
     let bytes = packs::bytes(sets, IndexKind::None, &SourceRecord::default()).unwrap();
     fs::write(folder.path().join(path), bytes).unwrap();

@@ -122,7 +122,6 @@ fn baked(assets: &[&str], more: &[&str]) -> TempDir {
     folder
 }
 
-/// The page of one pack.
 fn page(folder: &TempDir, pack: &str) -> PathBuf {
     let run = run(folder, &["report", &format!("packs/{pack}.hullmap"), "--out", "page.html"]).expect(0);
     assert!(run.stdout.starts_with("page.html: "), "{run:?}");

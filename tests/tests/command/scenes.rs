@@ -41,7 +41,6 @@ fn chunks(file: &[u8]) -> (String, Vec<u8>) {
     (String::from_utf8(text.to_vec()).unwrap(), file[28 + text.len()..].to_vec())
 }
 
-/// Whether `new` is `old` with insertions.
 fn has_insertions_only(old: &str, new: &str) -> bool {
     let mut rest = new.bytes();
     old.trim_end().bytes().all(|byte| rest.any(|other| other == byte))

@@ -155,7 +155,6 @@ impl Farm<'_> {
         answers.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
     }
 
-    /// The answer to a batch.
     fn answer<'a>(&self, batch: &'a Batch<'a>) -> Result<Answer<'a>, Failure> {
         match self.deliver(batch) {
             Ok(delivered) => Ok((batch, delivered)),

@@ -198,7 +198,6 @@ impl Scan {
         Ok(())
     }
 
-    /// Appends the scan of the next part.
     fn append(&mut self, part: Scan) -> Result<(), LineFault> {
         let (vertices, faces, loose) = (self.vertex_count, self.faces.len(), self.loose.len());
         let corners = self.faces.corners.len();

@@ -103,7 +103,6 @@ impl<'h> Outline<'h> {
     }
 }
 
-/// Id of a vertex.
 pub(super) fn vertex_id(vertex: u32) -> PackedFeatureId {
     PackedFeatureId::vertex(vertex & CODE)
 }

@@ -195,7 +195,6 @@ impl Drop for FarmServer {
     }
 }
 
-/// A stream of answers.
 type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 #[derive(Clone)]

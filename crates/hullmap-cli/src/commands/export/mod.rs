@@ -468,7 +468,6 @@ fn files(
     Ok(files)
 }
 
-/// One file of `bodies`.
 fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[Body]) -> Result<ExportedFile, String> {
     let bytes = match format {
         Format::Obj => obj::write(bodies, args.target == Some(Target::Unreal)),

@@ -20,13 +20,10 @@ use hullmap_verify::geometry::polygons;
 /// What identifies a mesh of the page.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
-    /// A file.
     File(FileKey),
-    /// The hull of a file.
     HullOf(FileKey),
     /// One of several hulls.
     Hull(usize, usize),
-    /// A primitive.
     Primitive(String),
 }
 

@@ -104,7 +104,6 @@ fn read_plane(stream: &mut Bytes, plane: &mut Plane, count: usize, control: Opti
     Ok(())
 }
 
-/// Reads a group of bytes with `bits` bits each.
 fn read_group(stream: &mut Bytes, group: &mut [u8; GROUP], bits: u32) -> Result<(), Damage> {
     if bits == 0 {
         group.fill(0);
