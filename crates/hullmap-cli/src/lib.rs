@@ -19,7 +19,7 @@
 //! | `triangle_mesh` | triangle meshes: how they are baked, and what is counted |
 //! | `budget` | what physics engines accept of a hull |
 //! | `in_memory` | bakes that write no file, for bindings |
-//! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL |
+//! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL, USD |
 //! | `scene` | colliders that are added to glTF files |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | finds the source of a pack |
