@@ -27,9 +27,9 @@ pub enum IndexKind {
     /// Level-compressed tree over the six cube faces, with leaves of 8 candidates: the fastest.
     #[default]
     Tree,
-    /// The same tree with leaves of 16 candidates.
+    /// [`Tree`](Self::Tree) with leaves of 16 candidates.
     Medium,
-    /// The same tree with leaves of 32 candidates: half the bytes of [`Tree`](Self::Tree).
+    /// [`Tree`](Self::Tree) with leaves of 32 candidates, in half the bytes.
     Compact,
     /// Binary tree over the six cube faces, as in Kenwright 4.9.
     Binary,

@@ -448,7 +448,7 @@ impl Robot {
         }
     }
 
-    /// The same for a pair, from the balls around bodies.
+    /// Lower bound of the distance of a pair, by the balls around bodies.
     pub(crate) fn pair_gap(&self, pair: &Pair, memory: &Memory) -> f64 {
         let centre = |body: &Body| memory.links[body.link].apply(body.ball.0);
         let b = &self.bodies[pair.b];

@@ -118,7 +118,7 @@ impl DisplayMesh {
         self.cells_for(limit).map_or_else(|| self.clone(), |cells| self.merged(cells))
     }
 
-    /// The same, and groups of edges with the corners of the thinned mesh.
+    /// [`with_at_most`](Self::with_at_most), and `groups` with the corners of the thinned mesh.
     pub fn with_groups(&self, limit: usize, groups: &[Vec<[u32; 2]>]) -> (Self, Vec<Vec<[u32; 2]>>) {
         let Some(cells) = self.cells_for(limit) else { return (self.clone(), groups.to_vec()) };
         let new = self.corners_of_grid(cells).new;

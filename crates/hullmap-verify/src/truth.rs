@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use crate::random::SplitMix;
 
-    /// The same maximum, one dot product after the other.
+    /// Maximum dot product, computed one by one.
     fn slow(positions: &[[f32; 3]], dir: Vec3) -> f64 {
         let dir = dir.to_array().map(f64::from);
         positions.iter().map(|p| dot(p.map(f64::from), dir)).fold(f64::NEG_INFINITY, f64::max)

@@ -24,7 +24,7 @@ pub struct Outcome {
     pub lost: bool,
     /// Maximum depth of a point of the body below the floor, over all steps.
     pub deepest: f32,
-    /// The same at the end.
+    /// Maximum depth at the end.
     pub final_depth: f32,
     /// Energy gained, in J/kg: the greatest rise of the body's energy above an earlier value, for
     /// half a second or longer. At the earlier time, depth in the floor counts as height: the way

@@ -23,7 +23,7 @@ pub enum Form {
     Hulls,
     /// One triangle mesh: the outside of a slab of these parts.
     Mesh,
-    /// The same, with the walls between the parts, which are inside the slab.
+    /// [`Mesh`](Self::Mesh) with the walls between the parts, which are inside the slab.
     Walls,
     /// One height field, of cells that differ from cut to cut.
     Field,

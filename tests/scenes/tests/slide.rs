@@ -12,7 +12,7 @@ fn no_stumble(slider: Slider, height: f32, speed: f32, kicks: usize) {
     no_stumble_on(slider, &[Form::Hulls], height, speed, kicks);
 }
 
-/// The same for slabs of triangle meshes and height fields.
+/// [`no_stumble`] on slabs of triangle meshes and height fields.
 fn no_stumble_on_sheets(slider: Slider, height: f32, speed: f32, kicks: usize) {
     no_stumble_on(slider, &Form::ALL[1..], height, speed, kicks);
 }

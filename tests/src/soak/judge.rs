@@ -48,8 +48,8 @@ const UNIT: f64 = 1e-14;
 /// error: shapes up to 16 units thick count as flat.
 pub(super) const TOUCHING_ROUNDINGS: f64 = 20.0;
 
-/// The same in units of the greatest length times the f64 epsilon, for shapes that are solved by
-/// their cores.
+/// [`TOUCHING_ROUNDINGS`] in units of the greatest length times the f64 epsilon, for shapes that
+/// are solved by their cores.
 const TOUCHING_UNITS: f64 = 640.0;
 
 /// Maximum distance, relative to the greatest length, of the two points of touching shapes. The

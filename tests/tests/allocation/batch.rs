@@ -160,8 +160,8 @@ fn nothing_is_allocated_for_a_pair() {
     assert!(least > 900, "updates without an allocation: {least} of 1000");
 }
 
-/// The same where queries are in flight, or fetch memory ahead: the shapes are larger than the
-/// caches, since each copy counts as another shape.
+/// Queries are in flight, or fetch memory ahead: the shapes are larger than the caches, since each
+/// copy counts as another shape.
 #[test]
 fn nothing_is_allocated_for_a_pair_in_flight() {
     let _alone = alone();

@@ -49,7 +49,7 @@ fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
 }
 
-/// A warning states the error that the number of parts or the time limit allowed.
+/// A note states the error with few parts; a warning, that of a decomposition out of time.
 #[test]
 fn decomposed_meshes_state_the_error_that_was_reached() {
     let folder = tempfile::tempdir().unwrap();

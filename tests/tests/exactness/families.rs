@@ -29,9 +29,8 @@ const EXACT: f64 = 2e-7;
 /// units of u and v, is not listed there. A unit of u is at most a radian.
 const SLIVERS: f64 = 8e-15;
 
-/// The same around a fan's axis. A cone that reaches less than that beyond two cuts may be listed
-/// by neither side, and the vertex listed instead is as far off as the cuts are from each other
-/// there.
+/// [`SLIVERS`] around a fan's axis. A cone that reaches less than 4e-15 beyond two cuts may be
+/// listed by neither side, and the vertex listed instead is as far off as the cuts are apart there.
 const SLIVERS_AT_AXIS: f64 = 4e-13;
 
 /// Error of the difference of two dot products in f64, relative to the greatest coordinate.

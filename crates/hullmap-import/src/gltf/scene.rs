@@ -125,8 +125,8 @@ impl<'a> SceneReader<'a> {
         self.finish()
     }
 
-    /// The same, with the node of each object and its transform to the scene. Without nodes, there
-    /// are none.
+    /// [`read`](Self::read), with the node of each object and its transform to the scene: none
+    /// without nodes.
     pub fn read_placed(mut self) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), Fault> {
         self.add_scene()?;
         let places = std::mem::take(&mut self.places);

@@ -36,12 +36,12 @@ fn encode(mesh: &Mesh, speed: i32) -> Vec<u8> {
     encode_rounded(mesh, speed, None)
 }
 
-/// The same, with coordinates rounded to some bits.
+/// [`encode`] with coordinates rounded to `bits`.
 fn encode_rounded(mesh: &Mesh, speed: i32, bits: Option<i32>) -> Vec<u8> {
     encode_as(VERSIONS[0], mesh, speed, bits).unwrap()
 }
 
-/// The same, in a version of the format. `None` if that version does not have the encoding.
+/// [`encode_rounded`] in a version of the format. `None` if the version lacks the encoding.
 fn encode_as(version: (u8, u8), mesh: &Mesh, speed: i32, bits: Option<i32>) -> Option<Vec<u8>> {
     let mut input = DracoInput::new();
     let mut positions = PointAttribute::new();

@@ -133,7 +133,7 @@ impl FarmServer {
         Self::start_with(None)
     }
 
-    /// The same; with certificates, for TLS only. Panics if it cannot be started.
+    /// [`start`](Self::start); with certificates, for TLS only.
     pub fn start_with(tls: Option<Tls>) -> Self {
         let state = Arc::new(Mutex::new(State { executes: true, ..State::default() }));
         let (stop, stopped) = oneshot::channel::<()>();

@@ -92,7 +92,7 @@ pub(super) fn cast(
 struct Cast<'m> {
     dispatcher: &'m dyn QueryDispatcher,
     of_parry: [&'m NonlinearRigidMotion; 2],
-    /// The same in the window, over the times 0 to 1.
+    /// The motions in the window, over the times 0 to 1.
     motions: [Windowed; 2],
     window: [Real; 2],
     stop_at_penetration: bool,
@@ -147,7 +147,7 @@ struct Mover<'p> {
     /// parry's motion of the shape, and its pose in the body.
     motion_of_parry: NonlinearRigidMotion,
     pose: parry::math::Pose,
-    /// The same in f64.
+    /// The pose and the motion in f64.
     place: hullmap::Pose,
     motion: RigidMotion,
     subshape: u32,
@@ -419,7 +419,7 @@ impl<'m> Cast<'m> {
         Some(ShapeCastHit { subshape1, subshape2, ..self.hit_between([0, 1], found)? })
     }
 
-    /// The same for bodies on these sides.
+    /// The hit of bodies on these sides.
     fn hit_between(&self, sides: [usize; 2], found: &TimeOfImpact) -> Option<ShapeCastHit> {
         if !found.hit {
             return None;

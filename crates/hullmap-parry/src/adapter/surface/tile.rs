@@ -69,7 +69,7 @@ pub struct SurfaceTile {
     is_one_sided: bool,
     /// In the frame of the shape.
     place: hullmap::Pose,
-    /// The same in parry's precision.
+    /// `place` in parry's precision.
     pose: Pose,
     /// Index of the first triangle among the triangles of all tiles.
     first: usize,
@@ -154,7 +154,7 @@ impl SurfaceTile {
         }
     }
 
-    /// The same as parry's triangle.
+    /// [`triangle`](Self::triangle) as parry's.
     pub(in super::super) fn parry_triangle(&self, triangle: usize) -> Option<parry::shape::Triangle> {
         let [a, b, c] = self.triangle(triangle)?.corners().map(narrow);
         Some(parry::shape::Triangle::new(a, b, c))
