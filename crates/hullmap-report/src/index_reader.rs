@@ -98,11 +98,9 @@ impl Contents {
 /// A direction index.
 #[derive(Clone, Debug)]
 pub struct IndexReader {
-    /// Its kind.
     pub kind: IndexKind,
     /// Number of blocks of a plain leaf.
     pub leaf_blocks: u32,
-    /// Its words.
     pub words: Vec<u32>,
     /// The vertex in each lane of each block.
     pub blocks: Vec<[u32; LANES]>,

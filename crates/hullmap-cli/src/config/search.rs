@@ -38,7 +38,6 @@ pub struct Configs {
 /// Settings in `hullmap.toml` for a mesh.
 #[derive(Debug, Default)]
 pub struct Chosen {
-    /// Its options.
     pub layer: OptionLayer,
     /// Whether it is left out.
     pub skips: bool,

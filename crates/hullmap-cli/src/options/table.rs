@@ -86,7 +86,6 @@ pub enum Group {
 /// How a pack records an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// Always.
     Always,
     /// Only if it differs from its default: options that are newer than the first packs.
     IfChanged,

@@ -21,7 +21,6 @@ const MAX_INPUTS: usize = 64;
 pub struct Target<'m> {
     /// Positions of all instances.
     pub positions: &'m mut Vec<[f64; 3]>,
-    /// Their faces.
     pub faces: &'m mut Polygons,
     /// Ends and corners of their lines.
     pub loose: &'m mut Vec<u32>,

@@ -78,7 +78,6 @@ pub struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Its name.
     pub fn name(&self) -> &'a str {
         self.node.tag_name().name()
     }

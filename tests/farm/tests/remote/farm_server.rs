@@ -76,7 +76,6 @@ pub enum Fault {
 pub struct Tls {
     /// The server's certificate.
     pub certificate: String,
-    /// Its key.
     pub key: String,
     /// Authority that signs client certificates; `None`: clients need none.
     pub clients: Option<String>,

@@ -13,9 +13,7 @@ use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through
 /// A file to be written.
 #[derive(Debug)]
 pub struct Output {
-    /// Its path.
     pub path: PathBuf,
-    /// Its bytes.
     pub bytes: Vec<u8>,
 }
 

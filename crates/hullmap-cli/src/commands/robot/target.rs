@@ -16,7 +16,6 @@ const EXTENSIONS: [&str; 6] = ["urdf", "xml", "mjcf", "sdf", "world", "xacro"];
 pub struct Target {
     /// The description, absolute.
     pub file: PathBuf,
-    /// Its folder.
     pub folder: PathBuf,
     /// Folder of hulls and packs.
     pub meshes: PathBuf,
