@@ -144,7 +144,7 @@ pub struct Visit {
     pub at: usize,
     /// Number of nodes on the path to it.
     pub depth: u32,
-    /// What is below it.
+    /// What is below the slot.
     pub below: Below,
 }
 

@@ -338,6 +338,6 @@ impl Search<'_> {
 struct Queried {
     /// Lower bound of its distance, with allowance for rounding.
     lower: f64,
-    /// Whether it is certainly within the margin.
+    /// Whether the distance is certainly within the margin.
     is_hit: bool,
 }

@@ -24,7 +24,7 @@ pub struct Robot {
     pub touching: Vec<Touching>,
     /// Pairs of links whose collisions should be excluded.
     pub excluded: Vec<Excluded>,
-    /// How these were found.
+    /// How the pairs to exclude were found.
     pub exclusion: String,
     /// Faults, warnings and notes.
     pub remarks: Remarks,
@@ -70,7 +70,7 @@ pub struct Link {
 /// A mesh in a link.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// What it is.
+    /// What the mesh is to the link.
     pub layer: Layer,
     /// Index of the mesh.
     pub mesh: usize,
@@ -78,7 +78,7 @@ pub struct Shape {
     pub in_link: [[f64; 3]; 4],
 }
 
-/// What a shape is.
+/// What a mesh is to its link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layer {
@@ -98,7 +98,7 @@ pub enum Motion {
     Hinge,
     /// Along its axis.
     Slide,
-    /// It has no slider.
+    /// A ball joint or a free joint: it has no slider.
     Other,
 }
 
@@ -145,6 +145,6 @@ pub struct Touching {
 pub struct Excluded {
     /// Indices of the links.
     pub links: [usize; 2],
-    /// Why, in one word.
+    /// Why they should be excluded, in one word.
     pub reason: &'static str,
 }

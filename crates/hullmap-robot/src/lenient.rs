@@ -1,7 +1,7 @@
 //! XML as robot programs read it: TinyXML accepts some texts that XML 1.0 does not allow.
 //!
 //! [`prepared`] replaces such texts by others of the same length, so that spans stay valid. Only
-//! the parser sees the result; edits apply to the original text.
+//! the parser reads the result; edits apply to the original text.
 //!
 //! | accepted | replaced by |
 //! |---|---|

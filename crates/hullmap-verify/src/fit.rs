@@ -204,7 +204,7 @@ impl Judge {
             .or_else(|| sampled(&inside(&vertices), cavity, value, confirm))
     }
 
-    /// One of `points` of a primitive that is farther than `claim` from the solid.
+    /// A point of `points` of a primitive that is farther than `claim` from the solid.
     pub fn farther(&self, points: &[DVec3], claim: f64) -> Option<Witness> {
         let value = |p: DVec3| if self.soup.seems_inside(p) { 0.0 } else { self.soup.gap(p) - self.rounding };
         sampled(points, claim, value, |p| self.soup.is_outside(p))

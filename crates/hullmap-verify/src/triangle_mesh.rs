@@ -329,13 +329,13 @@ fn between(triangles: &[[DVec3; 3]], corners: &[[u32; 3]], a: (usize, usize), b:
     }
 }
 
-/// What a ray does, by brute force.
+/// Hits of a ray, by brute force.
 struct RayTruth {
     /// The first t at which it certainly hits a triangle; infinite if it hits none.
     sure: f64,
     /// The times at which it may hit a triangle, with their errors.
     possible: Vec<(f64, f64)>,
-    /// Whether it is nearly parallel to a triangle that it may hit.
+    /// Whether the ray is nearly parallel to a triangle that it may hit.
     is_doubtful: bool,
 }
 

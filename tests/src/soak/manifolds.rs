@@ -136,7 +136,7 @@ struct Update<'s, 'p> {
     b: &'s Body<'p>,
     floor: Option<&'s Floor>,
     pose: Pose,
-    /// As a length.
+    /// A length.
     prediction: f64,
     /// The smaller outer radius.
     reach: f64,

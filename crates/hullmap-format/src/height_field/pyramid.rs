@@ -33,7 +33,7 @@ pub struct Pyramid {
     is_tall: bool,
 }
 
-/// What a node of the tree has.
+/// Cells or triangle below a node of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
     /// At least one cell: a rectangle of them.
@@ -112,7 +112,7 @@ impl Pyramid {
         node.saturating_mul(2).saturating_add(1)
     }
 
-    /// What a node has; `None` if the tree has no such node.
+    /// Extent of a node; `None` if the tree has no such node.
     #[inline]
     pub fn extent(&self, node: u32) -> Option<Extent> {
         let at = node.checked_add(1)?;
@@ -129,7 +129,7 @@ impl Pyramid {
         self.stored
     }
 
-    /// How many levels divide x, and how many y, down to a level that is not below the blocks.
+    /// Numbers of levels that divide x and y, down to a level that is not below the blocks.
     #[inline]
     pub fn divisions(&self, level: u32) -> [u32; 2] {
         let lead = self.lead.min(level);
@@ -137,8 +137,8 @@ impl Pyramid {
         if self.is_tall { [x, y + lead] } else { [x + lead, y] }
     }
 
-    /// How many of `turns` levels after the lead divide x, and how many y. x comes first, unless
-    /// the lead was along x and y is now the longer axis.
+    /// Numbers of the `turns` levels after the lead that divide x and y. x comes first, unless the
+    /// lead was along x and y is now the longer axis.
     #[inline]
     fn turns(&self, turns: u32) -> [u32; 2] {
         let x = if self.is_tall { turns.div_ceil(2) } else { turns / 2 };
@@ -178,7 +178,7 @@ impl Pyramid {
         Cells { columns: share(across, x_levels, x), rows: share(along, y_levels, y) }
     }
 
-    /// What a node `below` levels below a block has. The last digits of its position are its path.
+    /// Extent of a node, `below` levels below a block. Its path is the last digits of its position.
     #[inline]
     fn within_block(&self, block: Cells, below: u32, position: u32) -> Option<Extent> {
         let Cells { columns: [left, right], rows: [bottom, top] } = block;

@@ -219,7 +219,6 @@ fn utf_16_with_a_byte_order_mark_is_decoded() {
     }
 }
 
-/// One noun for one, another for all other numbers.
 #[test]
 fn messages_agree_in_number() {
     let message = |text: &str| import_obj("a.obj", "a", text.as_bytes(), WHOLE).unwrap_err().to_string();

@@ -62,9 +62,9 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
 
 /// The parsed files of a model.
 pub struct Tree<'a> {
-    /// One for each document.
+    /// The parsed document of each file.
     pub parsed: &'a [roxmltree::Document<'a>],
-    /// Where they are included.
+    /// Where files are included.
     pub includes: &'a Includes,
 }
 
