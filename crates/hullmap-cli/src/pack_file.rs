@@ -126,8 +126,7 @@ fn sync_in_place(target: &Path) -> io::Result<()> {
     })
 }
 
-/// Creates a folder and its parents, and syncs them. Fails if the folder cannot be created or
-/// synced.
+/// Creates a folder and its parents, and syncs them. Fails if that is not possible.
 pub fn make_folder(folder: &Path) -> io::Result<()> {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => return Ok(()),

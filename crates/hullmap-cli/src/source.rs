@@ -71,8 +71,7 @@ pub enum SourceSearch {
 pub struct Folders(RefCell<HashMap<PathBuf, HashMap<OsString, BTreeSet<PathBuf>>>>);
 
 impl Folders {
-    /// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is
-    /// ignored.
+    /// The mesh files in `folder` with the stem of `pack`, sorted; extensions in any case.
     fn with_stem(&self, folder: &Path, pack: &Path) -> Vec<PathBuf> {
         let Some(stem) = pack.file_stem() else { return Vec::new() };
         let mut folders = self.0.borrow_mut();

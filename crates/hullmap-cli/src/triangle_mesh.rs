@@ -24,8 +24,7 @@ pub struct MeshSummary {
     pub degenerate: usize,
     /// Number of triangles with the same three vertices as an earlier one.
     pub duplicate: usize,
-    /// Number of T-junctions: vertices between the ends of a border edge; `None` if they were not
-    /// counted.
+    /// Number of T-junctions: vertices between the ends of a border edge; `None`: not counted.
     pub t_junctions: Option<usize>,
     /// Numbers of edges.
     pub edges: EdgeCounts,

@@ -415,8 +415,7 @@ pub enum HullError {
         /// The neighbour that is not greater than the one before it.
         found: u32,
     },
-    /// An edge of a face is not listed among the neighbours, or a neighbour names a face without
-    /// the edge.
+    /// An edge of a face is not among the neighbours, or a neighbour names a face without it.
     #[error("face {face} and the neighbours disagree on the edge from vertex {from} to vertex {to}")]
     FaceEdge {
         /// The face.
@@ -426,8 +425,7 @@ pub enum HullError {
         /// Vertex at which it ends.
         to: u32,
     },
-    /// A solid does not have exactly three edge coordinates per neighbour, or another hull has
-    /// some.
+    /// A solid without exactly three edge coordinates per neighbour, or another hull with some.
     #[error("it has {found} edge coordinates (expected {expected})")]
     EdgeCount {
         /// Number of coordinates.

@@ -96,8 +96,7 @@ pub fn direction(face: u32, u: f64, v: f64) -> [f64; 3] {
     dir
 }
 
-/// Cell of a uniform cube map with `resolution` cells along a face's edge, row by row, face by
-/// face.
+/// Cell of a uniform cube map with `resolution` cells along a face's edge, by faces and rows.
 ///
 /// An unchecked file may state a resolution near 2³². The number of cells then exceeds 64 bits, and
 /// the result wraps around.

@@ -15,8 +15,7 @@ pub const PAYLOAD_ALIGNMENT: usize = 64;
 /// The root starts on a multiple of this many bytes: the size of its numbers.
 pub(crate) const ROOT_ALIGNMENT: usize = 4;
 
-/// Cuts sections off the payload's front, one after the other. The root has at most `ROOT_LEN`
-/// bytes.
+/// Cuts sections off the payload's front, one by one. The root has at most `ROOT_LEN` bytes.
 pub(crate) struct Cutter<'a, const ROOT_LEN: usize> {
     payload: &'a [u8],
     /// The last bytes of the payload, after zeros if it is shorter.

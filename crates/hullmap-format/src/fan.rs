@@ -8,8 +8,7 @@
 /// A full turn.
 pub const TURN: f64 = 8.0;
 
-/// The angle of a point with these coordinates: 0 along x, 2 along y, from −1 to 7. NaN at the
-/// origin.
+/// The angle of the point: 0 along x, 2 along y, from −1 to 7. NaN at the origin.
 ///
 /// # Complexity
 /// One division and no branch.

@@ -397,8 +397,7 @@ impl HullCheck<'_> {
         }
     }
 
-    /// Every lane of every block refers to a vertex of the hull, and its position is inside the
-    /// bounds.
+    /// Every lane of every block has a vertex of the hull, whose position is inside the bounds.
     #[expect(clippy::indexing_slicing, reason = "three axes, three coordinates; the loop is one for vectors")]
     fn blocks(&self) -> Result<(), HullError> {
         let blocks = run(self.pack.blocks, self.start.block, self.end.block);

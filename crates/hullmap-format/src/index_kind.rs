@@ -131,8 +131,7 @@ impl IndexKind {
     pub const fn root_count(self) -> u64 {
         match self {
             Self::Tree | Self::Medium | Self::Compact | Self::Binary => 6,
-            // The square of a 32-bit number fits into 64 bits; six times the largest square does
-            // not.
+            // The square of a 32-bit number fits into 64 bits; six times the largest does not.
             Self::CubeMap { resolution } => (resolution as u64 * resolution as u64).saturating_mul(6),
             Self::None => 0,
         }

@@ -11,8 +11,7 @@
 //! A part stands for the object `<mesh>` or `<name>`, if the file has it; `-convcol` and `-col` are
 //! rendered themselves, and stand for themselves.
 //!
-//! Other objects are render meshes and are left out. A file without any of these names is not
-//! split.
+//! Other objects are render meshes and are left out. A file without these names is not split.
 //!
 //! Godot accepts `-`, `_` or `$` before its suffixes and ignores their case. It ignores digits,
 //! blanks, `_` and `.` behind them, since modelling tools number copies. Unreal's prefixes are

@@ -155,8 +155,7 @@ impl<'a> Outline<'a> {
         let obstacle = self.obstacles[middle];
         let (p, [low, high]) = (self.flat[obstacle], bounds);
         let [a, b, c] = *triangle;
-        // A corner at the position of a triangle corner, where an outline touches itself, is not an
-        // obstacle.
+        // A triangle's own corner, where an outline touches itself, is not an obstacle.
         let contains =
             || turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0 && p != a && p != b && p != c;
         let is_near = (0..2).all(|axis| low[axis] <= p[axis] && p[axis] <= high[axis]);

@@ -127,8 +127,7 @@ pub fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     }
 }
 
-/// Whether the file is a Git LFS pointer: a short text in place of a large file that Git did not
-/// download.
+/// Whether the file is a Git LFS pointer: a short text for a large file that was not downloaded.
 pub fn is_lfs_pointer(bytes: &[u8]) -> bool {
     bytes.starts_with(b"version https://git-lfs.github.com/spec/v1")
 }

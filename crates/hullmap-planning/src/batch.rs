@@ -1,7 +1,6 @@
 //! Many configurations or edges in one call, on all threads of the current pool.
 //!
-//! Each run of configurations has its own memory, so answers do not depend on the number of
-//! threads.
+//! Each run of configurations has its own memory: answers do not depend on the number of threads.
 
 use hullmap::{Differentiability, Settings};
 use rayon::prelude::*;

@@ -1,5 +1,4 @@
-//! Whether an edge in joint space is free: proven for all of its configurations, not only for
-//! samples.
+//! Whether an edge in joint space is free: proven for all configurations, not only for samples.
 //!
 //! # Steps
 //! 1. Test both ends. An end that certainly touches is a hit.
@@ -238,8 +237,7 @@ impl Search<'_> {
         memory.edge.stamp += 1;
     }
 
-    /// Upper bound of how far a body moves in the interval by the joints of its path from `shared`
-    /// on.
+    /// Upper bound of how far the joints of its path from `shared` on move a body in the interval.
     fn motion(&self, body: usize, shared: usize, memory: &mut Memory) -> f64 {
         if memory.edge.stamps[body] != memory.edge.stamp {
             let robot = self.robot;

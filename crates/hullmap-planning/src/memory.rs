@@ -1,5 +1,4 @@
-//! What a thread keeps from one configuration to the next: caches, and memory for intermediate
-//! results.
+//! A thread's memory between configurations: caches, and space for intermediate results.
 
 use glam::DVec3;
 use hullmap_robot::Frame;

@@ -436,8 +436,7 @@ impl Robot {
         }
     }
 
-    /// Lower bound of the distance of a couple, by the balls around links, with allowance for
-    /// rounding.
+    /// Lower bound of a couple's distance, by the balls around links, with allowance for rounding.
     pub(crate) fn couple_gap(&self, couple: &Couple, memory: &Memory) -> f64 {
         let (centre, radius, noise) = (memory.centres[couple.b], self.balls[couple.b].1, memory.noise[couple.b]);
         match couple.a {
@@ -462,8 +461,7 @@ impl Robot {
         }
     }
 
-    /// Upper bound of the distance of two bodies, by points inside of them; `None` if it is not
-    /// known.
+    /// Upper bound of the distance of two bodies, by points inside of them; `None` if not known.
     pub(crate) fn reach(&self, pair: &Pair, memory: &Memory) -> Option<f64> {
         let inside =
             |body: usize| self.body_frame(body, memory).apply(self.bodies[body].convex.shape().interior_point());

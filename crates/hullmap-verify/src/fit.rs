@@ -401,8 +401,7 @@ mod tests {
         let pack = pack(vec![part(&mesh, &all)], &mesh);
         let (hull, judge) = (pack.hull(0).unwrap(), Judge::new(&mesh, &Solid::new(&mesh)));
         assert_eq!((judge.kind(), hull.solid()), (SolidKind::Watertight, Some(SolidKind::Watertight)));
-        // The face from (3, 1) to (1, 2) is farthest from the solid where both arms are equally
-        // far.
+        // The face from (3, 1) to (1, 2) is farthest from the solid where both arms are as far.
         let truth = 2.0 / 3.0;
         let (claimed, at) = (hull.protrusion().unwrap(), hull.protrusion_at().unwrap());
         assert!((truth..1.006 * truth).contains(&claimed), "{claimed}");

@@ -1,5 +1,4 @@
-//! Vertices and faces of a hull as lists, as `bake inspect` prints them and `bake export` writes
-//! them.
+//! Vertices and faces of a hull as lists, for `bake inspect` and `bake export`.
 
 use hullmap::Hull;
 use hullmap_bake::{PointSet, hull};

@@ -1,5 +1,4 @@
-//! Measures how convex parts fit their meshes, and verifies packs and triangle meshes against their
-//! sources.
+//! Measures the fit of convex parts, and verifies packs and triangle meshes against their sources.
 //!
 //! | module | concept |
 //! |---|---|

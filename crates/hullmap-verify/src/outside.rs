@@ -8,8 +8,7 @@ use crate::support::REGRET_LIMIT;
 use crate::truth::{Points, dot};
 use hullmap_bake::number::rounded;
 
-/// Difference between the supports of a hull and of its source, over all tested directions;
-/// lengths.
+/// Difference between the supports of a hull and its source, over all tested directions; lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outside {
     /// Minimum; negative if the source protrudes from the hull.

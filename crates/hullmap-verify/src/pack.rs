@@ -480,8 +480,7 @@ fn query_problems(measured: &Measurement, worst: Cost) -> Vec<String> {
     problems
 }
 
-/// Number of hull vertices that differ from their recorded source vertices, bit by bit. −0 equals
-/// +0.
+/// Number of hull vertices that differ from their recorded source vertices, in bits. −0 equals +0.
 ///
 /// A vertex without a source vertex must be one of the part's other points. The vertices of a
 /// simplified hull have no source vertices.

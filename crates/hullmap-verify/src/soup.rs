@@ -1,5 +1,4 @@
-//! The triangles that bound the solid of a mesh: nearest triangle, crossings of a ray, and winding
-//! number.
+//! The triangles that bound the solid of a mesh: nearest triangle, ray crossings, winding number.
 //!
 //! Only the definition of the solid comes from the baker: which triangles close its holes.
 //! Distances and winding numbers are computed independently, by another tree of boxes and the sum

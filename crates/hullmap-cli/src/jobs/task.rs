@@ -134,8 +134,7 @@ impl TaskMesh {
 /// Estimated time that each mesh takes, whatever its size: 0.4 ms for a mesh of 8 vertices.
 const MILLIS_PER_MESH: f64 = 0.4;
 
-/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half of it for its
-/// hull.
+/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half for its hull.
 const MILLIS_PER_BYTE: f64 = 6e-5;
 
 /// The next task; `None` at the end. `line` is the number of the last line that was read, and empty

@@ -59,8 +59,7 @@ pub struct Body {
     pub polygons: Vec<Vec<u32>>,
     /// The primitive that may replace the hull.
     pub primitive: Option<BodyPrimitive>,
-    /// Mass of the mesh of the hull at density 1, if the pack records it; equal for all parts of a
-    /// mesh.
+    /// Mass of the hull's mesh at density 1, if the pack records it; equal for all parts of a mesh.
     pub mesh: Option<Inertial>,
 }
 

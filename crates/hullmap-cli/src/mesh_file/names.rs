@@ -90,8 +90,7 @@ pub fn unique(names: Vec<String>) -> Vec<String> {
         .collect()
 }
 
-/// Name of the object that a hull belongs to: without the `_part_<nn>` that a decomposition
-/// appends.
+/// Name of the object of a hull: without the `_part_<nn>` that a decomposition appends.
 pub fn object(name: &str, part: u32) -> &str {
     match name.rsplit_once("_part_") {
         Some((object, number)) if number.parse() == Ok(part) => object,

@@ -12,8 +12,7 @@ use super::names::line;
 /// First line of every file, by which `bake robot` recognises its own hulls.
 pub const FIRST_LINE: &str = "# Convex hulls, exported by bake\n";
 
-/// The file. With `has_groups`, each object is also a group, because Unreal makes a mesh of each
-/// group.
+/// The file. With `has_groups`, each object is a group too: Unreal makes a mesh of each group.
 pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
     let mut text = String::from(FIRST_LINE);
     // OBJ counts from 1, over all objects.

@@ -134,8 +134,7 @@ pub enum UsdError {
     Number(String),
 }
 
-/// The layer as text, and the meshes that get the mass of their hulls, because their own is not
-/// known.
+/// The layer as text, and the meshes that get the mass of their hulls, for lack of their own.
 ///
 /// # Errors
 /// See [`UsdError`]. Nothing is written for any group if one fails.

@@ -5,8 +5,7 @@ use super::removed::instead_of_option;
 use super::table::{Group, OPTION_COUNT, OPTIONS, position};
 use super::value::Value;
 
-/// The options that one source gives, in the order of the table; `None` for options it does not
-/// mention.
+/// The options that one source gives, in the order of the table; `None` for those it leaves out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OptionLayer {
     pub(super) values: [Option<Value>; OPTION_COUNT],

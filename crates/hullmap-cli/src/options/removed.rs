@@ -22,8 +22,7 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     KEYS.contains(&key.replace('-', "_").as_str()).then_some(VHACD)
 }
 
-/// Remedy for a value that this version does not accept; `None` if earlier ones did not accept it
-/// either.
+/// Remedy for a value that only earlier versions accepted; `None` if none did.
 pub fn instead_of_value(key: &str, value: &str) -> Option<&'static str> {
     (key == "decompose" && value == "vhacd").then_some(VHACD)
 }

@@ -109,8 +109,7 @@ pub struct Row {
     pub warnings: Vec<String>,
     /// Why it failed.
     pub error: Option<String>,
-    /// Whether it failed because of an error in the baker, not in the mesh. Such a failure is not
-    /// shared.
+    /// Whether the baker is at fault, and not the mesh. Such a failure is not shared.
     #[serde(skip)]
     pub is_internal: bool,
 }

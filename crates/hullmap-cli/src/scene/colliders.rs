@@ -218,8 +218,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Where new bytes go: to the end of the BIN chunk, if that is the first buffer or may become
-    /// it.
+    /// Where new bytes go: to the end of the BIN chunk, if it is or may become the first buffer.
     fn buffer(&self, file: &GltfFile) -> Result<Buffer, String> {
         let buffers = &self.old[List::Buffers as usize];
         let is_chunk = match buffers.first() {

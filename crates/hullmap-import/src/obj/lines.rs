@@ -1,5 +1,4 @@
-//! Wavefront OBJ: logical lines with their line numbers, and a text cut into parts for parallel
-//! reading.
+//! Wavefront OBJ: logical lines with their numbers, and a text cut into parts for parallel reading.
 
 use std::borrow::Cow;
 
@@ -78,8 +77,7 @@ pub fn is_vertex_line(line: &[u8]) -> bool {
     // A line whose first part is only a continuation starts with a blank.
     match line.trim_ascii_start() {
         [b'v', b' ' | b'\t', ..] => true,
-        // White space that is not ASCII may precede or follow the keyword, and so may a vertical
-        // tab.
+        // White space beyond ASCII, or a vertical tab, may precede or follow the keyword.
         [b'v' | 0x0B | 0x80.., ..] if !is_irrelevant(line) => with_words!(line, words => words.next() == Some("v")),
         _ => false,
     }
@@ -183,8 +181,7 @@ fn cut(bytes: &[u8], size: usize) -> Vec<&[u8]> {
 
 /// Runs `$body` with the words of a logical line, separated as `str::split_whitespace` does.
 ///
-/// Lines of ASCII alone take a faster path. Replacement characters stand for bytes that are not
-/// UTF-8.
+/// Lines of ASCII alone take a faster path. Replacement characters stand for bytes beyond UTF-8.
 macro_rules! with_words {
     ($line:expr, $words:ident => $body:expr) => {{
         match std::str::from_utf8($line) {

@@ -41,8 +41,7 @@ pub fn singles(parts: &Parts) -> Result<Vec<[f32; 3]>, Fault> {
     })
 }
 
-/// Positions of all `v` lines as `f64`. Fails as [`singles`] does. Complexity: O(bytes), in
-/// parallel.
+/// Positions of all `v` lines as `f64`. Fails as [`singles`]. Complexity: O(bytes), in parallel.
 pub fn doubles(parts: &Parts) -> Result<Vec<[f64; 3]>, Fault> {
     fill(parts, |part, positions| {
         let mut positions = positions.iter_mut();
@@ -55,8 +54,7 @@ pub fn doubles(parts: &Parts) -> Result<Vec<[f64; 3]>, Fault> {
     })
 }
 
-/// Calls `read` for each part with the targets of its vertices, so that no list of positions exists
-/// twice.
+/// Calls `read` for each part with the targets of its vertices: no list of positions exists twice.
 fn fill<T: Coordinate>(
     parts: &Parts,
     read: impl Fn(&Part, &mut [[T; 3]]) -> Result<(), Fault> + Sync,

@@ -70,8 +70,7 @@ fn corners_of_import(mesh: &SourceMesh) -> Corners {
     [&mesh.faces.corners, &mesh.loose].map(|list| list.iter().map(|&vertex| bits[vertex as usize]).collect())
 }
 
-/// A file of random coordinates and elements. No element points ahead, and no statement is beyond
-/// tobj.
+/// A file of random coordinates and elements. No element points ahead; tobj reads all statements.
 fn random_file(random: &mut SplitMix64) -> String {
     let mut text = String::new();
     let mut vertex_count = 0;

@@ -1,5 +1,4 @@
-//! Saving shapes: a baked hull is saved as the name of its pack, its name in the pack, and its
-//! scale.
+//! Saving shapes: a baked hull is saved as the name of its pack, its name in it, and its scale.
 //!
 //! parry can serialise only its own shapes. Serialising a collider with a [`BakedHull`] fails:
 //! "TypedShape::Custom cannot be serialized". So an application saves a [`SavedShape`] for each
@@ -18,8 +17,7 @@ use super::parry::shape::{Compound, SharedShape};
 
 /// The packs of an application, by name: saved shapes find their packs through it.
 ///
-/// `BTreeMap` and `HashMap` from names to packs implement it. Implement it for an asset store of
-/// your own.
+/// `BTreeMap` and `HashMap` from names to packs implement it. Implement it for your asset store.
 pub trait Packs {
     /// Name of a pack, for saving; `None` if it is unknown.
     fn name(&self, pack: &Arc<Pack>) -> Option<String>;

@@ -52,8 +52,7 @@ pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
 }
 
 impl Added<'_> {
-    /// The file `into` with the hulls as colliders. `bodies` are the hulls, in the order of their
-    /// indices.
+    /// The file `into` with the hulls as colliders. `bodies` are the hulls, by their indices.
     ///
     /// # Errors
     /// Usage: the file cannot be read. Rejected: it is damaged, has colliders already, or no node

@@ -269,8 +269,7 @@ fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
     name
 }
 
-/// Whether a mesh was written by bake: hulls are not baked again, so that a second run changes
-/// nothing.
+/// Whether bake wrote a mesh: hulls are not baked again, so that a second run changes nothing.
 fn is_own(file: &Path) -> bool {
     starts_with(file, obj::FIRST_LINE)
 }

@@ -153,8 +153,7 @@ fn source_of(
     }
 }
 
-/// Fails the hulls that are not within the budget of an engine. Results are in the order of the
-/// pack.
+/// Fails the hulls that exceed the budget of an engine. Results are in the order of the pack.
 fn judge_budget(name: &str, pack: &Pack, results: &mut [HullVerification]) {
     let Some(budget) = budget(name) else {
         return;

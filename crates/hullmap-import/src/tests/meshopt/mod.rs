@@ -30,8 +30,7 @@ fn streams() -> Vec<Stream> {
     serde_json::from_str(include_str!("streams.json")).unwrap()
 }
 
-/// GLB file whose only view is this stream, of positions or of indices. The vertices of indices are
-/// zeros.
+/// GLB file with this stream of positions or indices alone. The vertices of indices are zeros.
 fn glb(stream: &Stream, count: usize, data: &[u8]) -> Vec<u8> {
     let Stream { mode, filter, stride, .. } = stream;
     let length = count * stride;

@@ -32,8 +32,7 @@ use super::pieces::{Piece, pieces};
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
 
-/// Scales of the cores of a body. The first one that does not meet the other body at the start
-/// counts.
+/// Scales of the cores of a body. The first that does not meet the other body at the start counts.
 const CORES: [f64; 2] = [0.9, 0.5];
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
@@ -42,8 +41,7 @@ const SURFACE_QUERIES: u32 = 4_000;
 /// Number of balls that cover the path of a body on a surface.
 const BALLS: u32 = 16;
 
-/// Allowance for rounding when the path lengths of two pieces are compared, relative to the
-/// lengths.
+/// Allowance for rounding when the path lengths of two pieces are compared, relative to them.
 const SLACK: f64 = 1e-9;
 
 /// A body in motion.
@@ -276,8 +274,7 @@ impl<'m> Cast<'m> {
         core
     }
 
-    /// When the core of `body`, on this side, meets `other`. The hit has `other` as its first
-    /// shape.
+    /// When the core of `body`, on this side, meets `other`, which is the first shape of the hit.
     fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
         let found = self.core_of(body, side, |core, motion| {
             let settings = MotionSettings::default();

@@ -160,21 +160,18 @@ impl SurfaceTile {
         Some(parry::shape::Triangle::new(a, b, c))
     }
 
-    /// Normal of the front of a triangle, in the frame of the shape; `None` in a hole, and without
-    /// area.
+    /// Normal of a triangle's front, in the frame of the shape; `None` in a hole, and without area.
     pub(in super::super) fn normal(&self, triangle: usize) -> Option<DVec3> {
         Some(self.place.transform_vector(self.local_normal(triangle)?))
     }
 
-    /// Normal of the front of a triangle in the frame of the tile, if it collides on its front
-    /// alone.
+    /// Normal of a triangle's front in the frame of the tile, if only its front collides.
     #[cfg(feature = "dispatcher")]
     pub(in super::super) fn front(&self, triangle: usize) -> Option<DVec3> {
         if self.is_one_sided { self.local_normal(triangle) } else { None }
     }
 
-    /// Normal of the front of a triangle in the frame of the tile; `None` in a hole, and without
-    /// area.
+    /// Normal of a triangle's front in the frame of the tile; `None` in a hole, and without area.
     pub(in super::super) fn local_normal(&self, triangle: usize) -> Option<DVec3> {
         match &self.sheet {
             Sheet::Mesh(mesh) => mesh.normal(triangle),
