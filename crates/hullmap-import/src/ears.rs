@@ -155,7 +155,7 @@ impl<'a> Outline<'a> {
         let obstacle = self.obstacles[middle];
         let (p, [low, high]) = (self.flat[obstacle], bounds);
         let [a, b, c] = *triangle;
-        // A triangle's own corner, where an outline touches itself, is not an obstacle.
+        // A corner in the place of a triangle's, where an outline touches itself, is no obstacle.
         let contains =
             || turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0 && p != a && p != b && p != c;
         let is_near = (0..2).all(|axis| low[axis] <= p[axis] && p[axis] <= high[axis]);

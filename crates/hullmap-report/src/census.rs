@@ -106,8 +106,7 @@ pub struct Pace {
     pub scan: Duration,
 }
 
-/// Times queries and scans in these directions, shuffled so that neighbours do not follow one
-/// another.
+/// Times queries and scans in these directions, shuffled so that none follows its neighbour.
 pub fn pace(hull: &Hull, directions: &[Vec3], hull_count: usize) -> Pace {
     let count = directions.len();
     let step = stride(count);

@@ -135,8 +135,7 @@ pub struct Touching {
     pub links: [usize; 2],
     /// Whether they touch before, and after.
     pub touches: [bool; 2],
-    /// Whether engines do not test them: neighbours in the chain, and pairs that the description
-    /// excludes.
+    /// Whether engines do not test them: neighbours in the chain, and pairs excluded already.
     pub is_untested: bool,
 }
 

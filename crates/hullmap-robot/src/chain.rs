@@ -1,8 +1,7 @@
 //! The kinematic chain of a description: which joint moves which link, and forward kinematics.
 //!
 //! A link is placed in its parent by a frame at rest, then by each of its joints, in their order.
-//! This is MuJoCo's model. URDF and SDF are a special case, with at most one or two joints per
-//! link.
+//! This is MuJoCo's model. URDF and SDF are a special case: at most one or two joints per link.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/modeling.html#kinematic-tree>
@@ -124,8 +123,7 @@ impl Chain {
         Self { links: vec![root; link_count], towards_root: (0..link_count).collect(), ..Self::default() }
     }
 
-    /// The root of a link's tree. Paths are halved on the way, so that a long chain takes linear
-    /// time.
+    /// The root of a link's tree. Paths are halved on the way: a long chain takes linear time.
     fn root(&mut self, mut link: usize) -> usize {
         while self.towards_root[link] != link {
             self.towards_root[link] = self.towards_root[self.towards_root[link]];

@@ -101,8 +101,7 @@ fn blanked(text: &str, places: &[std::ops::Range<usize>]) -> String {
     String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
 }
 
-/// The text with `prefix:` replaced by `prefix_`, where a name of an element or attribute may
-/// begin.
+/// The text with `prefix:` replaced by `prefix_`, where an element or attribute may begin.
 pub fn without_prefix(text: &str, prefix: &str) -> String {
     let marked = format!("{prefix}:");
     let places: BTreeSet<usize> = text

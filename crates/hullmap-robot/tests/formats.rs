@@ -166,8 +166,7 @@ fn sdf_inertia() {
     assert_eq!(found, expected);
 }
 
-/// ROS programs skip any number of slashes behind `package:`, and TinyXML ignores what follows the
-/// root.
+/// ROS programs skip all slashes behind `package:`, and TinyXML ignores what follows the root.
 #[test]
 fn third_slashes_and_second_end_tags_are_read_as_by_others() {
     let text = "<robot name='r'>\n <link name='l'><collision><geometry>\

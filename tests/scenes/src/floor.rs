@@ -87,8 +87,7 @@ impl Floor {
         }
     }
 
-    /// The floor's collider. Panics if parry rejects the triangle mesh, or the terrain was not
-    /// loaded.
+    /// The floor's collider. Panics if parry rejects the mesh, or the terrain was not loaded.
     pub fn collider(self, way: Way) -> ColliderBuilder {
         let down = Vector::new(0.0, -0.5, 0.0);
         match self {

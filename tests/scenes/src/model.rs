@@ -1,5 +1,4 @@
-//! Bodies of the scenes: a baked hull, or several convex parts, and parry's hulls of the same
-//! points.
+//! Bodies of the scenes: a baked hull, or convex parts, and parry's hulls of the same points.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

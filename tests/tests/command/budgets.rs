@@ -66,8 +66,7 @@ fn meshes() -> TempDir {
 fn builds_are_within_every_limit_of_their_engine() {
     let folder = meshes();
     for (engine, limits) in LIMITS {
-        // Parts have the number of vertices that is within every limit, so that two engines are
-        // enough.
+        // Parts have a number of vertices that is within every limit, so two engines are enough.
         let options: &[&str] = if ["physx-gpu", "box3d"].contains(&engine) { &["", "--decompose"] } else { &[""] };
         for options in options {
             let line = format!("build . --out p --index none --for-engine {engine} {options} --quiet");

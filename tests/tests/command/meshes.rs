@@ -159,8 +159,7 @@ fn every_mesh_bakes_verifies_and_agrees_with_the_manifest() {
     }
 }
 
-/// The Cornell box has four vertices that no face uses. So has the bunny, and 60 of them are on its
-/// hull.
+/// The Cornell box has four vertices without a face. So has the bunny, and 60 are on its hull.
 #[test]
 fn unreferenced_vertices_count_with_vertices_all() {
     let mut seen = 0;

@@ -162,8 +162,7 @@ fn packs_without_a_source_are_named_and_removed_only_with_prune() {
     bake(&folder, "build in --out o --check --prune").expect(0);
 }
 
-/// A copy at another depth resolves its source's path elsewhere. It was removed although its source
-/// existed.
+/// A copy at another depth misses its source's path. It was removed although the source existed.
 #[test]
 fn a_pack_that_was_copied_or_moved_is_not_pruned() {
     let folder = folder(&[("art/props/cube.obj", CUBE), ("art/props/gone.obj", CUBE), ("art/rock.obj", CUBE)]);

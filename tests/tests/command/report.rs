@@ -149,8 +149,7 @@ fn a_page_draws_mesh_hull_and_map() {
         let loaded = load(browser, &page(&folder, asset), &[]);
         loaded.assert_sound();
         assert_eq!(loaded.attribute("html ", "data-webgl"), "true");
-        // A dot is a dot, a line a line; all else fills a fair part of its canvas, and never all of
-        // it.
+        // A dot is a dot, a line a line; all else fills a fair part of its canvas, never all.
         let least = match asset {
             "single_point" => 1e-4,
             "segment" => 5e-4,
@@ -517,8 +516,7 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
     let data = data(&page);
     assert_eq!(data["hulls"].as_array().unwrap().len(), parts);
     assert!(data["hulls"].as_array().unwrap().iter().all(|hull| hull["hull"]["shown"].as_u64().unwrap() > 0));
-    // The whole mesh is shown next to the parts: 12 quads, two ends of 10 triangles, and the loose
-    // one.
+    // The whole mesh is beside the parts: 12 quads, two ends of 10 triangles, and the loose one.
     assert_eq!((data["meshes"].as_array().unwrap().len(), data["meshes"][0]["whole"].as_u64()), (1, Some(45)));
     let verified = column(&page, OF_VERIFICATION, "result");
     // Parts that protrude are not called exact.

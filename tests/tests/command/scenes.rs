@@ -256,8 +256,7 @@ fn into(folder: &TempDir, text: &str) -> Run {
     run
 }
 
-/// Documents that are wrong or unusual: an error that states the place, or a file that readers
-/// accept.
+/// Documents that are wrong or unusual: an error with the place, or a file that readers accept.
 #[test]
 fn hostile_documents_are_rejected_or_kept_whole() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,4 @@
-//! `bake export --for usd`: a layer over a stage. `tests/usd/check.py` reads such layers by
-//! OpenUSD.
+//! `bake export --for usd`: a layer over a stage. `tests/usd/check.py` reads such layers.
 
 use std::fs;
 

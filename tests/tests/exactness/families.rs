@@ -1,5 +1,4 @@
-//! Support queries against brute force over the source points, in the directions where an index can
-//! go wrong.
+//! Support queries against brute force over the source points, where an index can go wrong.
 //!
 //! The tests cover every family of shapes, turned, scaled and moved; every index; both instruction
 //! sets; f32 and f64; with and without hints. The samples are counted, so that no test is vacuous:

@@ -717,8 +717,7 @@ fn tables_have_no_gaps() {
     }
 }
 
-/// For f32 directions, fused multiply-adds make no difference (7.4), because the products are
-/// exact.
+/// For f32 directions, fused multiply-adds make no difference (7.4): the products are exact.
 #[test]
 fn products_of_f32_numbers_are_exact() {
     let mut rng = SplitMix64::new(SEED);

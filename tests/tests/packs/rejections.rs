@@ -34,8 +34,7 @@ fn message(file: &[u8]) -> String {
     error.trim_end_matches("; bake the source again").to_owned()
 }
 
-/// The message after one change to a sample: `$field` is a field of the archive, `$value` its new
-/// value.
+/// The message after one change to a sample: the archive's `$field` gets the value `$value`.
 macro_rules! rejection {
     ($file:expr, $($field:tt)+) => {
         rejection!(@split $file, [] $($field)+)

@@ -1,5 +1,4 @@
-//! Contact manifolds in a small rigid-body simulation: a body that stands on a box remains
-//! standing.
+//! Contact manifolds in a small rigid-body simulation: a body on a box remains standing.
 //!
 //! The simulation is the simplest that physics engines use: semi-implicit Euler, sequential
 //! impulses with warm starting and friction (Catto, "Iterative dynamics with temporal coherence",

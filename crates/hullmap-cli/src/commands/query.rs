@@ -1,4 +1,4 @@
-//! `bake query`: intersection, distance or contact of hulls, packs or triangle meshes in poses.
+//! `bake query`: intersection, distance or contact of hulls, packs or meshes, in many poses.
 
 use hullmap::{Compound, Hull, Pose, TriangleMesh};
 use serde::Serialize;

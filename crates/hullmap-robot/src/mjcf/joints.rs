@@ -13,8 +13,7 @@ use crate::chain::{Chain, Coupling, Joint, Motion};
 use crate::description::{numbers, triple};
 use crate::frame::Frame;
 
-/// A joint of body `link`, in an element `frame` of it. `get` returns an attribute, also of its
-/// class.
+/// A joint of body `link`, in its element `frame`. `get` returns an attribute, also of its class.
 pub fn joint<'t>(
     link: usize,
     name: &str,

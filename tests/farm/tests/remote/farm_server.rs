@@ -60,8 +60,7 @@ pub struct State {
 /// Attack of a hostile server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Downloads that are streamed repeat these bytes for ever; if there are none, they never
-    /// begin.
+    /// Downloads repeat these bytes for ever; if there are none, they never begin.
     EndlessBlob(Vec<u8>),
     /// Actions begin again and again.
     EndlessAction,

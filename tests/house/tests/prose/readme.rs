@@ -30,8 +30,7 @@ fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'
     found
 }
 
-/// Every Rust example in these guides is one of a module's documentation, which is compiled and
-/// run.
+/// Every Rust example in these guides is a module's doctest, which is compiled and run.
 #[test]
 fn the_examples_are_doctests() {
     let modules = [

@@ -1,5 +1,4 @@
-//! Prints how many parts a decomposition has as its maximum error grows, and reports rises and thin
-//! parts.
+//! Prints the number of parts of decompositions by maximum error; reports rises and thin parts.
 //!
 //! ```text
 //! cargo run --release -p hullmap-programs --bin concave-meshes -- --write FOLDER
