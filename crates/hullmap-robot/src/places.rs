@@ -113,7 +113,7 @@ impl Places {
             Ok(real) if real.is_file() => Ok(path),
             Ok(_) => Err(Unresolved::Failed(format!("`{name}` is not a regular file; name a mesh"))),
             Err(_) => {
-                // The error reveals that a file is missing if its nearest existing folder may be read.
+                // The error reveals a missing file only if its nearest existing folder may be read.
                 let above = path.ancestors().skip(1).find_map(|above| above.canonicalize().ok());
                 match above {
                     Some(above) if is_inside(&above) => Err(Unresolved::Failed(format!(
