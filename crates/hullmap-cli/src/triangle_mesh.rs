@@ -6,8 +6,7 @@ use hullmap_bake::number::grouped;
 use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_import::{Imported, Materials};
 
-/// Maximum number of names of materials in a summary. Rows of a batch travel in one blob of bounded
-/// size.
+/// Maximum number of material names in a summary: rows of a batch share a blob of bounded size.
 const MAX_MATERIALS: usize = 1000;
 
 /// What a triangle mesh consists of. Field names are the JSON's.

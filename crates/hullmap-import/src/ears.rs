@@ -232,8 +232,7 @@ mod tests {
         (0..points.len()).map(|i| at(i).cross(at(i + 1))).sum::<glam::DVec3>().length() / 2.0
     }
 
-    /// Asserts that the triangles cover the polygon without overlap: their count and total area are
-    /// right.
+    /// Asserts that the triangles cover the polygon without overlap: right count and total area.
     #[track_caller]
     fn assert_covers(outline: &[[f32; 3]], what: &str) {
         let triangles = cut(outline);

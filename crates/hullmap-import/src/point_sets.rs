@@ -186,8 +186,7 @@ fn collision_parts(
     Some(grouped(chosen))
 }
 
-/// The objects that are colliders by an extension of the file, each with the object that it stands
-/// for.
+/// The objects that are colliders by an extension of the file, each with the object it stands for.
 fn colliders(mesh: &SourceMesh, objects: &[usize], sets: &mut Sets) -> Vec<(usize, Option<usize>)> {
     let has_points = |collider: &&SourceCollider| objects.binary_search(&collider.object).is_ok();
     let chosen: Vec<(usize, Option<usize>)> =

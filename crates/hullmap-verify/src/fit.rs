@@ -161,8 +161,7 @@ impl Judge {
         sampled(&points, claim, value, confirm).or_else(|| search(&self.triangles, claim, measure, confirm))
     }
 
-    /// The point of the surface that the baker finds to be farthest from all hulls, if it is on the
-    /// surface.
+    /// The point of the surface that the baker finds farthest from all hulls, if it is on it.
     fn least_covered(&self, mesh: &PointSet, hulls: &[Hull]) -> Option<DVec3> {
         let parts = hulls.par_iter().map(rebuilt).collect::<Option<Vec<_>>>()?;
         let at = uncovered(mesh, &parts.iter().collect::<Vec<_>>()).at;

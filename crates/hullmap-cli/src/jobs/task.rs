@@ -1,5 +1,4 @@
-//! Tasks: batches of meshes as JSON, one task per line, that any machine with the same files can
-//! bake.
+//! Tasks: batches of meshes as JSON, one per line, that any machine with the same files can bake.
 //!
 //! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are
 //! relative to the folder where the plan was made; a pack's path is checked before anything is

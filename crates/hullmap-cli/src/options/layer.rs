@@ -48,8 +48,7 @@ impl Clash {
         Self { key, other: "keep_triangles", kind: ClashKind::OfHulls }
     }
 
-    /// What is wrong and what to do; `name` turns a key into the name of the option that the user
-    /// wrote.
+    /// What is wrong and what to do; `name` turns a key into the option's name as it was written.
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
         let (key, other) = (name(self.key), name(self.other));
         match self.kind {

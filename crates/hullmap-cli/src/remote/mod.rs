@@ -191,8 +191,7 @@ impl Farm<'_> {
         answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback)
     }
 
-    /// Uploads the results of batches that were baked here, unless [`answer::files`] leaves them
-    /// out.
+    /// Uploads the results of batches baked here, unless [`answer::files`] leaves them out.
     fn publish(&self, batches: &[&Batch], results: &Results) -> Result<(), Failure> {
         for batch in batches {
             let Some(files) = answer::files(batch, results, self.build) else { continue };

@@ -155,8 +155,7 @@ fn cut(bytes: &[u8], size: usize) -> Vec<&[u8]> {
     let mut rest = bytes;
     while rest.len() > size {
         let mut end = size;
-        // The bytes of the current line: all of the piece at first, later only what follows the
-        // last LF.
+        // The bytes of the current line: first all of the piece, later what follows the last LF.
         let mut line = 0;
         // Never cuts behind a line that ends in `\`, even where that `\` continues nothing.
         let cut = loop {

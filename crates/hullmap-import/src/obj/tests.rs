@@ -195,8 +195,7 @@ fn references_ahead_resolve_over_any_distance() {
     assert_eq!(read(text.as_bytes(), false, &Limits::DEFAULT).unwrap().faces.len(), 40_000);
 }
 
-/// The scan skips coordinates and tobj skips elements, but the first fault in the file is the one
-/// reported.
+/// The scan skips coordinates and tobj elements, but the first fault in the file is reported.
 #[test]
 fn the_first_fault_is_reported_whichever_step_finds_it() {
     let line = |text: &str, is_double| read(text.as_bytes(), is_double, &Limits::DEFAULT).unwrap_err().line;

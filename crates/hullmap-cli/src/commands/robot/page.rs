@@ -52,8 +52,7 @@ pub fn page(gatherer: Gatherer, pairs: &Pairs, row: &Row) -> String {
     let neutral = pairs.neutral();
     let links = (0..description.links.len()).map(|link| canvas.link(link, neutral[link], pairs, row)).collect();
     let Canvas { gatherer, meshes, .. } = canvas;
-    // Warnings of bakes are left out: a fresh pack has none, and equal inputs must give equal
-    // pages.
+    // Warnings of bakes are left out: fresh packs have none, and equal inputs give equal pages.
     let mut notes = description.notes.clone();
     notes.extend(description.chain.notes.iter().map(|note| format!("{}: {note}", row.file)));
     notes.extend(gatherer.meshes.faults.iter().map(|fault| format!("{fault}; it is not drawn")));
