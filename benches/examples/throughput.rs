@@ -1,5 +1,4 @@
-//! Throughput of batches on one thread and on all threads, and the gain from each stage of the
-//! cascade.
+//! Throughput of batches on one and on all threads, and the gain from each stage of the cascade.
 //!
 //!     cargo run --release --example throughput --package hullmap-bench --features parallel
 //!

@@ -8,7 +8,7 @@
  * first poses, and prints two times in nanoseconds per body: of the contacts when they are new, and
  * after the bodies moved to their second poses; and the mean number of contact points of a body.
  *
- * The times are those that Box3D itself measures for its stage "collide". It runs on this thread.
+ * Box3D itself measures the times, for its stage "collide". It runs on this thread.
  * Contacts are not recycled: each is computed. Bodies touch the ground only, and nothing moves them. */
 #include <box3d/box3d.h>
 #include <box3d/collision.h>

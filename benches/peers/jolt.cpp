@@ -2,12 +2,12 @@
  *
  *   jolt SCENE
  *
- * SCENE is that of `box3d.c`. For each line that the program reads, it computes the contacts of all
+ * SCENE is as for `box3d.c`. For each line that the program reads, it computes the contacts of all
  * bodies at their second poses, and prints two times in nanoseconds of processor time per body: with
  * Jolt's default settings, which ignore edges that are not active, and with its enhanced removal of
  * internal edges. The third number is the mean number of contact points of a body.
  *
- * The steps are those of PhysicsSystem::ProcessBodyPair with reduction of manifolds, without Jolt's
+ * The steps are as in PhysicsSystem::ProcessBodyPair, with reduction of manifolds, without Jolt's
  * broad phase and its contact cache. Jolt keeps the contacts of a pair that has hardly moved, and
  * computes all others anew. */
 #include <Jolt/Jolt.h>

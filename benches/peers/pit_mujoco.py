@@ -19,7 +19,7 @@ SPACING, MARGIN, STEP = 1.4, 0.3, 1 / 120
 
 
 def parts_of(path):
-    """The parts of an OBJ file, each an array of points; those of all fit a box of 1 m."""
+    """The parts of an OBJ file, each an array of points; all together fit a box of 1 m."""
     parts, points = [], []
     for line in path.read_text().splitlines():
         words = line.split()

@@ -18,8 +18,7 @@ pub fn random(count: usize, seed: u64) -> Vec<Vec3> {
     (0..count).map(|_| DVec3::from_array(rng.direction()).as_vec3()).collect()
 }
 
-/// `count` directions, each [`TURN_RAD`] from the one before, along a path that wanders over the
-/// sphere.
+/// `count` directions, each [`TURN_RAD`] from the last, along a path that wanders over the sphere.
 pub fn turning(count: usize, seed: u64) -> Vec<Vec3> {
     let mut rng = SplitMix64::new(seed);
     let mut dir = DVec3::from_array(rng.direction());

@@ -85,8 +85,8 @@ impl MeshPeer {
         Ok(Self { folder, program })
     }
 
-    /// Starts the program. Fails with any error of the file system. A program whose engine does
-    /// not take the hull ends: Box3D has limits of 128 vertices, faces and half-edges.
+    /// Starts the program. Fails with any error of the file system. The program ends if its engine
+    /// does not support the hull: Box3D has limits of 128 vertices, faces and half-edges.
     pub fn start(&self, scene: &Scene) -> io::Result<Session> {
         let Scene { positions, triangles, hull, poses } = scene;
         let mut text = format!("{} {} {} {}\n", positions.len(), triangles.len(), hull.len(), poses[0].len());

@@ -1,5 +1,4 @@
-//! Time to open a pack: as a copy and as a map, with each degree of checking. Files are in the page
-//! cache.
+//! Time to open a pack in the page cache: as a copy and as a map, with each degree of checking.
 
 use std::{fs, hint::black_box, io, path::Path, time::Instant};
 

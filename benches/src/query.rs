@@ -16,8 +16,8 @@ use shapes::rng::SplitMix64;
 use crate::eviction::Eviction;
 
 /// Factor of the last answer when it is added to the next direction. It is far below half an ulp of
-/// any coordinate above 1e-12. So the direction does not change, but the processor cannot know it
-/// before the answer.
+/// any coordinate above 1e-12. So the direction does not change, but the processor has to wait for
+/// the answer.
 const DEPENDENCE: f32 = 1e-20;
 
 /// Maximum memory of all copies of one rival, in bytes.

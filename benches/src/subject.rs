@@ -77,8 +77,7 @@ impl Subject {
         self.baked.hull.diameter
     }
 
-    /// The bytes of a pack with the hull and an index of `kind`, and the time to build the index
-    /// alone.
+    /// The bytes of a pack with the hull and an index of `kind`, and the time to build that index.
     pub fn pack_bytes(&self, kind: IndexKind) -> (Vec<u8>, Duration) {
         let start = Instant::now();
         let index = index::build(&self.baked.hull, kind).expect("the hull can be indexed");

@@ -3,7 +3,7 @@
     python check.py BAKE MODEL FOLDER
 
 For each extension: the file's own bytes and members stay, trimesh and pygltflib read the same render
-meshes as before, the colliders lie where the hulls are, masses are those of the meshes, and the colliders
+meshes as before, the colliders lie where the hulls are, masses equal the meshes', and the colliders
 bake to the same hulls. Writes the files to FOLDER, for the validator.
 """
 

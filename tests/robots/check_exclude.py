@@ -88,7 +88,7 @@ def in_pinocchio(program, file, out):
         geometry = pinocchio.buildGeomFromUrdf(model, str(urdf), kind, [str(urdf.parent)])
     finally:
         os.chdir(here)
-    # Coal tests meshes, not their hulls, unless it is told that they are convex.
+    # Coal tests meshes, not their hulls, unless they are marked as convex.
     for own in geometry.geometryObjects:
         if hasattr(own.geometry, "buildConvexRepresentation"):
             own.geometry.buildConvexRepresentation(True)

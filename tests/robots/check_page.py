@@ -43,7 +43,7 @@ def matrix(frame):
 
 
 def follow(joints, positions):
-    """The positions, with those of joints that follow others."""
+    """The positions, including joints that follow others."""
     moved = [p - joint["reference"] for p, joint in zip(positions, joints)]
     for _ in joints:
         for index, joint in enumerate(joints):
@@ -58,7 +58,7 @@ def in_mujoco(path, joints):
         return None
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
-    # Joints without a name, in the order of the page, which is that of MuJoCo for each body.
+    # Joints without a name, in the order of the page, which is MuJoCo's order for each body.
     addresses = [model.jnt_qposadr[model.joint(joint["name"]).id] if joint["name"] else None for joint in joints]
     names = [model.body(index).name for index in range(model.nbody)]
 

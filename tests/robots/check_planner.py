@@ -66,7 +66,7 @@ class Reference:
         self.follow = followers(file)
 
     def configuration(self, q):
-        """Pinocchio's numbers for those of hullmap: a continuous joint has a cosine and a sine."""
+        """Hullmap's numbers as Pinocchio's: a continuous joint has a cosine and a sine."""
         value = dict(zip(self.robot.joint_names, q))
         for name, (leader, factor, offset) in self.follow.items():
             value[name] = factor * value.get(leader, 0.0) + offset
@@ -81,7 +81,7 @@ class Reference:
         return pinocchio.computeCollisions(self.model, self.data, self.shapes, self.found, q, first_only)
 
     def collides_afresh(self, q):
-        """Without what coal remembers of the last configuration, which has made it miss collisions."""
+        """Clears coal's cache of the last configuration, which has made it miss collisions."""
         self.found = pinocchio.GeometryData(self.shapes)
         return self.collides(q, first_only=False)
 
@@ -118,7 +118,7 @@ def check(file, count, edges, random):
     packages = [folder for folder in folders if folder != pathlib.Path("/")]
     robot = hullmap.Robot.from_urdf(file, packages=packages)
     neutral = np.clip(robot.neutral, *robot.limits.T)
-    # Links that touch whatever they do are no collisions: those that touch in the neutral pose.
+    # Links that touch in the neutral pose are no collisions.
     robot = robot.allowing(robot.touching(neutral))
     if not len(robot.pairs):
         return f"{file.name}: no pairs"

@@ -22,8 +22,8 @@ impl Truth {
         Self { points, diameter }
     }
 
-    /// (maximum dot product − that of `got`) / (|dir| · diameter); 0 where all points are the
-    /// same.
+    /// (maximum dot product − dot product of `got`) / (|dir| · diameter); 0 where all points are
+    /// the same.
     pub fn regret(&self, dir: Vec3, got: Vec3) -> f64 {
         let (dir, got) = (dir.as_dvec3(), got.as_dvec3());
         let best = self.points.iter().map(|p| p.dot(dir)).fold(f64::NEG_INFINITY, f64::max);

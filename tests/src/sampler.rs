@@ -1,4 +1,4 @@
-//! A sampler that tries to refute what is claimed about the parts of a mesh.
+//! A sampler that tries to refute the claims about the parts of a mesh.
 //!
 //! It measures by other code than the bounds: winding numbers are sums of solid angles, distances
 //! are brute force over all triangles, and points are compared with all planes of a part. Only the
@@ -23,8 +23,8 @@ const HEIGHT_ERROR: f64 = 1e-9;
 const DISTANCE_ERROR: f64 = 2e-6;
 
 /// The claim that a point among `samples` refutes: half of them on the mesh's surface, half on the
-/// parts'. `None` if no point refutes a claim. Complexity: for each point, all planes of all parts,
-/// or all triangles twice.
+/// surfaces of the parts. `None` if no point refutes a claim. Complexity: for each point, all
+/// planes of all parts, or all triangles twice.
 pub fn refutation(mesh: &PointSet, hulls: &[Hull], fits: &[Fit], samples: usize, seed: u64) -> Option<String> {
     let triangles = triangles(mesh);
     let solid = Solid::new(mesh);

@@ -42,7 +42,7 @@ def ell():
 
 
 def rock(seed):
-    """A rock whose faces are those of its own hull."""
+    """A rock whose faces are the faces of its own hull."""
     hull = hullmap.bake(np.random.default_rng(seed).normal(size=(200, 3)).astype(np.float32) * 7)[0]
     return hull.vertices.copy(), [face.tolist() for face in hull.faces]
 
@@ -134,7 +134,7 @@ def asset(path):
 
 
 def properties(stage):
-    """All properties of the prims of a stage, without those that hulls may change."""
+    """All properties of the prims of a stage, without properties that hulls may change."""
     found = {}
     for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)):
         if "_hulls" in str(prim.GetPath()) and prim.GetName() != Tf.MakeValidIdentifier(HOSTILE) + "_hulls":
@@ -167,7 +167,7 @@ def expected(points, faces, frame, density):
 
 
 def check_mass(stage, body, parts):
-    """The mass that OpenUSD adds up from the hulls of a body is that of its meshes, in the body's frame."""
+    """The mass that OpenUSD adds up from the hulls of a body is the mass of its meshes, in the body's frame."""
     prim = stage.GetPrimAtPath(body)
     asked = []
 
@@ -189,7 +189,7 @@ def check_mass(stage, body, parts):
 
 
 def check_hulls(report, stage, found):
-    """Vertices are those of hullmap, bit for bit, and each hull is a convex collider that is not drawn."""
+    """Vertices equal hullmap's, bit for bit, and each hull is a convex collider that is not drawn."""
     count = 0
     for prim in report.prims:
         source = stage.GetPrimAtPath(prim.path)
@@ -316,7 +316,7 @@ def hull_mass(stage, group):
 
 
 def check_solid(stage, group, frame, part):
-    """Centre and inertia of hulls, in the world, are those of the mesh."""
+    """Centre and inertia of hulls, in the world, equal the mesh's."""
     mass, center, inertia = part
     hulls = stage.GetPrimAtPath(group).GetChildren()
     # Rows are the axes of the frame without its scale.

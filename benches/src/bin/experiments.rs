@@ -1,5 +1,4 @@
-//! The paper's Figures 6 and 7 with our data: time of collision tests, one line for each vertex
-//! count.
+//! The paper's Figures 6 and 7 with our data: time of collision tests, a line per vertex count.
 
 use std::{io, path::PathBuf, process::ExitCode};
 

@@ -58,7 +58,7 @@ struct Engines {
 }
 
 impl Engines {
-    /// Compiles those whose source is given.
+    /// Compiles the engines whose source is given.
     fn compile(box3d: Option<PathBuf>, jolt: Option<PathBuf>) -> Result<Self, String> {
         let box3d = box3d.map(|folder| MeshPeer::box3d(&folder)).transpose().map_err(|e| format!("Box3D: {e}"))?;
         let jolt = jolt.map(|folder| MeshPeer::jolt(&folder)).transpose().map_err(|e| format!("Jolt: {e}"))?;
@@ -201,7 +201,7 @@ fn main() -> ExitCode {
     for vertices in [32, 128, 512] {
         let found = manifolds(&ground, vertices, bodies, rounds, &engines);
         let Times { ours: [plain, corrected], reduced, parry, touching, box3d, jolt } = found;
-        // Not every engine takes every hull.
+        // Not every engine supports every hull.
         let cells = |times: Option<mesh_peer::Times>| {
             times.map_or(["–".to_owned(), "–".to_owned(), "–".to_owned()], |mesh_peer::Times { us, points }| {
                 [us[0], us[1], points].map(|number| format!("{number:.1}"))
@@ -229,12 +229,12 @@ fn main() -> ExitCode {
 /// Times of manifolds, new and kept.
 #[derive(Debug)]
 struct Times {
-    /// Without the correction of normals, and with it.
+    /// Our times, without the correction of normals and with it.
     ours: [[f64; 2]; 2],
-    /// Of the choice of eight points.
+    /// Our time of choosing eight points.
     reduced: f64,
     parry: [f64; 2],
-    /// If they are measured, and take the hull.
+    /// `None` if Box3D is not measured, or does not support the hull.
     box3d: Option<mesh_peer::Times>,
     jolt: Option<mesh_peer::Times>,
     /// Mean number of triangles that touch.

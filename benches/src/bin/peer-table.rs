@@ -118,8 +118,7 @@ struct Cell {
 #[derive(Default)]
 struct Differences {
     poses: usize,
-    /// The engines disagree on whether the hulls overlap, and the depth exceeds a millionth of the
-    /// diameter.
+    /// The engines disagree on overlap, and the depth exceeds a millionth of the diameter.
     verdicts: usize,
     /// Maximum length by which MuJoCo's depth is below hullmap's interval, and above it, relative
     /// to the diameter.

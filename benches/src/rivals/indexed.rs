@@ -75,7 +75,7 @@ impl SupportQuery for Cold<'_> {
     }
 }
 
-/// The same, with the last answer as a hint.
+/// A query with the last answer as a hint.
 pub struct Hinted(pub Indexed);
 
 impl Rival for Hinted {

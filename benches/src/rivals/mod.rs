@@ -35,7 +35,7 @@ pub const INDICES: [(&str, IndexKind); 5] = [
 /// The index whose ratios to other rivals are listed.
 pub const DEFAULT_INDEX: &str = "hullmap tree";
 
-/// The same index, with the last answer as a hint.
+/// [`DEFAULT_INDEX`] with the last answer as a hint.
 pub const HINTED: &str = "hullmap tree, hinted";
 
 /// Whether the rival with this name is one of ours.

@@ -26,8 +26,7 @@ impl Parry {
         let fan = |face: &Vec<u32>| face[1..].windows(2).map(|w| [face[0], w[0], w[1]]).collect::<Vec<_>>();
         let triangles: Vec<[u32; 3]> = subject.faces().iter().flat_map(fan).collect();
         let polyhedron = ConvexPolyhedron::from_convex_mesh(points, &triangles)?;
-        // parry merges near-coplanar faces. If it dropped vertices, it would scan fewer than the
-        // others.
+        // parry merges near-coplanar faces. If it dropped vertices, it would have fewer to scan.
         (polyhedron.points().len() == subject.vertex_count()).then_some(Self { polyhedron })
     }
 

@@ -1,6 +1,5 @@
 //! Linear scan without SIMD: one f32 dot product for each vertex, in the memory layout of a mesh.
-//! parry, Jolt, Bullet and the paper's Listing 1 do the same. Exact up to the rounding error of
-//! f32.
+//! parry, Jolt, Bullet and the paper's Listing 1 do the same. Exact up to rounding in f32.
 
 use glam::Vec3;
 

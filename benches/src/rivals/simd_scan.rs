@@ -7,8 +7,7 @@
 //! maximum dot product so far and its block, in several accumulators so that no step waits for the
 //! last. A reduction over the lanes ends the query.
 //!
-//! This module contains unsafe code: calls of functions compiled for detected features, and aligned
-//! loads.
+//! This module contains unsafe code: calls of functions for detected features, and aligned loads.
 #![allow(unsafe_code)]
 
 use glam::Vec3;
@@ -155,8 +154,7 @@ impl Kernel for Avx2 {
 
     #[inline]
     fn best(self, blocks: &[Block], dir: Vec3) -> Place {
-        // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX2 and
-        // FMA.
+        // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX2, FMA.
         unsafe { x86::best_avx2(blocks, dir) }
     }
 }

@@ -1,5 +1,4 @@
-//! Comparison of hullmap's answers with parry's. Lengths are relative to the mean diameter of the
-//! pair.
+//! hullmap's answers compared with parry's. Lengths are relative to the mean diameter of the pair.
 //!
 //! If the depths differ, parry's normal decides: the distance by which B moves out of A along any
 //! direction is an upper bound of the depth. It follows from the vertices alone, in f64.

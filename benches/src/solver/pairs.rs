@@ -93,8 +93,7 @@ pub struct BakedPair {
     pub family: Family,
     packs: [Pack; 2],
     polyhedra: [ConvexPolyhedron; 2],
-    /// Vertices of both hulls together: fewer than 2 n if some points of the family are not
-    /// extreme.
+    /// Vertices of both hulls together: fewer than 2 n if some points are not extreme.
     pub vertices: usize,
 }
 

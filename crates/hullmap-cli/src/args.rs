@@ -471,7 +471,7 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
-    /// Replace the inertia of links by that of their meshes, for the mass that they state
+    /// Replace the inertia of links by the inertia of their meshes, for the mass that they state
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
@@ -515,7 +515,7 @@ pub enum FromVisual {
     Never,
 }
 
-/// Options that a description decides: `bake robot` does not take them.
+/// Options that `bake robot` does not take, because the description decides.
 pub const DECIDED_BY_ROBOTS: [&str; 7] =
     ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles"];
 
@@ -613,7 +613,6 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-/// Parser of `--up`.
 fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["z", "y"]).map(|axis| if axis == "y" { Up::Y } else { Up::Z })
 }
@@ -658,13 +657,13 @@ where
         if error.kind() == ErrorKind::DisplayHelp && words.iter().any(|word| word == "--help") {
             return whole_help(&words).unwrap_or(error);
         }
-        // The error quotes arguments, and a shell may have made them from the names of files.
+        // The error quotes arguments, which may be file names that a shell expanded.
         let escaped: Vec<OsString> = words.iter().map(|word| Escaped(word.display()).to_string().into()).collect();
         if escaped == words { error } else { parse_words(&escaped).err().unwrap_or(error) }
     })
 }
 
-/// The help with every flag, one line each: clap's own form of `--help` takes three times as many.
+/// The help with every flag, one line each: clap's own `--help` takes three times as many lines.
 fn whole_help(words: &[OsString]) -> Option<clap::Error> {
     let mut command = command(&program(words));
     let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
@@ -735,7 +734,7 @@ fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsStrin
 /// An error of a subcommand, with its usage.
 fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
     let mut command = command(program);
-    // Only after this call does a subcommand have its full name.
+    // A subcommand gets its full name from this call.
     command.build();
     match command.find_subcommand_mut(subcommand) {
         Some(subcommand) => subcommand.error(kind, message),

@@ -33,8 +33,8 @@ pub struct BakedPack {
 }
 
 /// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
-/// into one pack. It keeps the warnings of `source`, and those about the hulls. `stage` shows the
-/// progress.
+/// into one pack. It keeps the warnings of `source`, and warnings about the hulls. `stage` shows
+/// the progress.
 ///
 /// # Errors
 /// A hull could not be baked; the error names the first one. Or the stage is cancelled.
@@ -149,7 +149,7 @@ fn form_warning(baked: &BakedHull, budget: &Budget) -> Option<Remark> {
     Some(Remark::warning(kind, name, text))
 }
 
-/// Warning about an index that replaces another one, since that could not be proven.
+/// Warning about an index that replaces one that could not be proven.
 fn replacement_warning(baked: &BakedHull) -> Option<Remark> {
     let (name, kind) = (&baked.name, baked.index.kind);
     let (requested, reason) = baked.index.replaces.as_ref()?;

@@ -149,8 +149,8 @@ pub struct Figures {
 
 impl Figures {
     /// Figures of a hull with these vertices, faces and centroid. Complexity: O(vertices · faces)
-    /// for the thickness of hulls that are within the limits of all engines; of larger ones, twice
-    /// the radius of the ball inside counts.
+    /// for the thickness of hulls that are within the limits of all engines. The thickness of a
+    /// larger hull is twice the radius of its inner ball.
     pub fn new(positions: &[[f32; 3]], polygons: &[Vec<u32>], centroid: DVec3) -> Self {
         let point = |corner: u32| {
             let position = positions.get(corner as usize).copied().unwrap_or_default();
@@ -184,7 +184,7 @@ impl Figures {
     }
 }
 
-/// Number of vertices that no engine of the table accepts more than.
+/// Maximum number of vertices that any engine of the table accepts.
 const LARGEST: usize = 256;
 
 /// Unit normal of a polygon, by the sum of its edges' cross products (Newell).
@@ -198,7 +198,7 @@ impl Budget {
     pub fn sure_vertices(&self) -> u32 {
         let limits = [
             Some(self.vertices),
-            // Polygons are at most as many as triangles.
+            // There are at most as many polygons as triangles.
             self.faces.map(|faces| faces.saturating_add(4) / 2),
             self.triangles.map(|triangles| triangles.saturating_add(4) / 2),
             self.edges.map(|edges| edges.saturating_add(6) / 3),
@@ -212,7 +212,7 @@ impl Budget {
         self.vertices
     }
 
-    /// The limits on numbers that a hull exceeds, which fewer vertices meet; in words.
+    /// The limits on numbers that a hull exceeds, in words. Fewer vertices meet them.
     pub fn exceeded_counts(&self, of: &Figures) -> Vec<String> {
         let counts = [
             (Some(self.vertices), of.vertices, "vertices"),

@@ -81,7 +81,7 @@ pub fn bake_arrays(
 /// # Errors
 /// See [`InMemoryError`].
 pub fn bake_file(path: &Path, options: &[(&str, &str)], stage: Stage) -> Result<BakedPack, InMemoryError> {
-    // Before the file is read.
+    // Report invalid options before the file is read.
     resolve(options)?;
     let file = path.display().to_string();
     let source = import::read(&file, path, &Limits::DEFAULT).map_err(|error| match error {
@@ -115,7 +115,7 @@ pub fn bake_source(
 /// triangles.
 ///
 /// # Errors
-/// See [`InMemoryError`]. A file without faces is one that could not be baked.
+/// See [`InMemoryError`]. A file without faces cannot be baked.
 ///
 /// # Examples
 /// ```
@@ -185,7 +185,7 @@ fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     resolve_of(Kind::Hulls, options)
 }
 
-/// The options, with their defaults for those that are not given.
+/// The options, with defaults for options that are not given.
 fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     let is_accepted = |option: &&BuildOption| option.record != Record::Never && option.key != "keep_triangles";
     let accepted = || OPTIONS.iter().filter(is_accepted).map(|option| option.key);

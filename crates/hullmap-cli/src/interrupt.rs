@@ -31,7 +31,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Installs the handler for Ctrl-C. If the system refuses, the signal ends the process as usual.
+/// Installs the handler for Ctrl-C. If this fails, the signal ends the process as usual.
 pub fn catch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

@@ -19,7 +19,7 @@
 //! | `triangle_mesh` | triangle meshes: how they are baked, and what is counted |
 //! | `budget` | what physics engines accept of a hull |
 //! | `in_memory` | bakes that write no file, for bindings |
-//! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL |
+//! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL, USD |
 //! | `scene` | colliders that are added to glTF files |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | finds the source of a pack |
@@ -30,7 +30,7 @@
 #![forbid(unsafe_code)]
 // Bakes in memory use a part of the modules that they share with the command.
 #![cfg_attr(not(feature = "command"), allow(dead_code))]
-// Text leaves through `terminal` alone.
+// All text is printed by `terminal`.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 #[cfg(feature = "command")]

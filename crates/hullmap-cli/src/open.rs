@@ -50,7 +50,7 @@ impl BakedFile {
         }
     }
 
-    /// The recorded warnings, within limits: anybody may have written the file.
+    /// The recorded warnings, within limits, because the file may be hostile.
     pub fn kept_warnings(&self) -> Vec<String> {
         match self {
             Self::Pack(pack) => kept_warnings(pack),

@@ -25,8 +25,7 @@ impl From<Exit> for ExitCode {
 pub struct Failure {
     /// The code to exit with.
     pub exit: Exit,
-    /// What is wrong, with which file, and what to do; empty if the reader of standard output is
-    /// gone.
+    /// What is wrong, with which file, and what to do; empty if standard output has no reader.
     pub message: String,
 }
 

@@ -103,7 +103,7 @@ fn lock(file: &File) -> io::Result<()> {
 ///
 /// # Errors
 /// The rename failed: the temporary file is removed, and `target` is unchanged. Or the folder could
-/// not be synced, and the error states this: `target` is the new file.
+/// not be synced: `target` is the new file, and the error states this.
 pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
@@ -126,15 +126,14 @@ fn sync_in_place(target: &Path) -> io::Result<()> {
     })
 }
 
-/// Creates a folder and its parents, and syncs them. Fails if the folder cannot be created or
-/// synced.
+/// Creates a folder and its parents, and syncs them. Fails if that is not possible.
 pub fn make_folder(folder: &Path) -> io::Result<()> {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => return Ok(()),
         Err(error) if !matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
             return Err(error);
         }
-        // A file may be in the way: creating the folder then fails with the best error.
+        // A file may be in the way. Creating the folder then fails with a clear error.
         _ => {}
     }
     let is_missing = |folder: &&Path| *folder != Path::new("") && matches!(folder.try_exists(), Ok(false));
@@ -220,8 +219,8 @@ pub fn folder_of(file: &Path) -> &Path {
 /// the bare file name.
 ///
 /// So the bytes of the pack depend on the layout of the project, but not on the rest of the
-/// machine. Fails if the canonical path of one of the three cannot be determined. A bare file name
-/// would be a different record.
+/// machine. Fails if the canonical path of one of the three cannot be determined, because a bare
+/// file name would be a different record.
 pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::Result<String> {
     let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (source, project) = (source.canonicalize()?, project.canonicalize()?);

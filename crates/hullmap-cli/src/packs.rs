@@ -50,8 +50,7 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     Ok(places)
 }
 
-/// Whether a file has an extension of the files that `bake build` writes: packs and triangle
-/// meshes.
+/// Whether a file has the extension of files that `bake build` writes: packs, triangle meshes.
 pub fn is_baked(path: &Path) -> bool {
     matches!(kind_by_name(path), Some(FileKind::Pack | FileKind::TriangleMesh))
 }

@@ -154,7 +154,7 @@ impl<'a, A: Side, B: Side> PairSolver<'a, A, B> {
 }
 
 fn of_contact(found: &Contact, hulls: Option<[usize; 2]>) -> PairAnswer {
-    // For separated hulls the points are not the nearest ones; --mode distance computes those.
+    // For separated hulls the points are not the nearest ones; --mode distance finds these.
     let if_hit = |point: DVec3| found.hit.then_some(point.to_array());
     PairAnswer {
         hit: Some(found.hit),

@@ -28,8 +28,7 @@ pub fn parse_pose(text: &str) -> Result<Pose, String> {
         return Err(format!("{found} numbers, but a pose has 7: tx ty tz qx qy qz qw"));
     }
     let [tx, ty, tz, quaternion @ ..] = numbers;
-    // Scaled first, so that the squares of tiny and huge quaternions neither underflow nor
-    // overflow.
+    // Scaled first, so that the squares of tiny and huge quaternions stay in range.
     let greatest = quaternion.iter().fold(0.0_f64, |greatest, q| greatest.max(q.abs()));
     if greatest == 0.0 {
         return Err("the quaternion qx qy qz qw is zero; write 0 0 0 1 for no rotation".to_owned());

@@ -71,8 +71,7 @@ pub enum SourceSearch {
 pub struct Folders(RefCell<HashMap<PathBuf, HashMap<OsString, BTreeSet<PathBuf>>>>);
 
 impl Folders {
-    /// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is
-    /// ignored.
+    /// The mesh files in `folder` with the stem of `pack`, sorted; extensions in any case.
     fn with_stem(&self, folder: &Path, pack: &Path) -> Vec<PathBuf> {
         let Some(stem) = pack.file_stem() else { return Vec::new() };
         let mut folders = self.0.borrow_mut();
@@ -116,7 +115,7 @@ pub fn find_source(
     folders: &Folders,
 ) -> Result<SourceSearch, Failure> {
     let folder = folder_of(&place.path);
-    // Without `..`, which the system would resolve after links and the project before them.
+    // `..` is removed here: the system resolves it after links, `Project` before them.
     let followed = resolve_recorded(recorded.path, folder).map(|path| plain(&path));
     let candidates = match given {
         Some(given) if given.is_dir() => in_folder(place, recorded.path, given, folders),

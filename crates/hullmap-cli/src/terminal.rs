@@ -1,9 +1,10 @@
 //! Text for the terminal, with control characters escaped. All text is printed here.
 //!
 //! Names of files, objects and hulls come from elsewhere and may hold any character: an escape
-//! sequence that rewrites the screen, a line break that forges a row of a table, a mark that turns
-//! the order of letters around. So text leaves by the line, and in a line all such characters are
-//! escaped. Only this module ends a line. `--json` keeps every character; JSON has its own escapes.
+//! sequence that rewrites the screen, a line break that forges a row of a table, a mark that
+//! reverses the order of letters. So text is printed line by line, and such characters in a line
+//! are escaped. Only this module ends a line. `--json` keeps every character; JSON has its own
+//! escapes.
 //!
 //! Data go to standard output, messages to standard error. A closed standard error is ignored;
 //! `eprintln!` would panic.
@@ -15,7 +16,7 @@ use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 
 /// Text in one line: characters that move the cursor, end a line or change the direction of writing
-/// become `\u{1b}`. All other characters are left alone, also those beyond ASCII.
+/// become `\u{1b}`. All other characters are left alone, also beyond ASCII.
 #[derive(Clone, Copy, Debug)]
 pub struct Escaped<T>(pub T);
 
@@ -79,13 +80,12 @@ impl<'a> Output<'a> {
         writeln!(self.writer)
     }
 
-    /// Writes a text of the program itself, without names from elsewhere, or a whole file, as it
-    /// is.
+    /// Writes a whole file, or a text of the program itself without names from elsewhere, as is.
     pub fn verbatim(&mut self, text: &[u8]) -> io::Result<()> {
         self.writer.write_all(text)
     }
 
-    /// Passes everything written so far on.
+    /// Flushes everything written so far.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }

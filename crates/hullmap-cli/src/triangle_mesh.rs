@@ -6,8 +6,7 @@ use hullmap_bake::number::grouped;
 use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_import::{Imported, Materials};
 
-/// Maximum number of names of materials in a summary. Rows of a batch travel in one blob of bounded
-/// size.
+/// Maximum number of material names in a summary: rows of a batch share a blob of bounded size.
 const MAX_MATERIALS: usize = 1000;
 
 /// What a triangle mesh consists of. Field names are the JSON's.
@@ -24,8 +23,7 @@ pub struct MeshSummary {
     pub degenerate: usize,
     /// Number of triangles with the same three vertices as an earlier one.
     pub duplicate: usize,
-    /// Number of T-junctions: vertices between the ends of a border edge; `None` if they were not
-    /// counted.
+    /// Number of T-junctions: vertices between the ends of a border edge; `None`: not counted.
     pub t_junctions: Option<usize>,
     /// Numbers of edges.
     pub edges: EdgeCounts,
@@ -133,7 +131,7 @@ pub struct BakedTriangles {
 }
 
 /// Bakes the triangles of a source that was imported as a whole. The file keeps the warnings of
-/// `source`, and those about the mesh.
+/// `source`, and warnings about the mesh.
 ///
 /// # Errors
 /// The source has no triangles, too many of them, or too many materials.
@@ -186,7 +184,7 @@ pub fn adapted(remark: &str) -> String {
     REMEDIES.iter().fold(remark.to_owned(), |text, (of_hulls, instead)| text.replace(of_hulls, instead))
 }
 
-/// Findings that need no action: such triangles collide as what they are.
+/// Findings that need no action, because the triangles are kept.
 fn notes(summary: &MeshSummary) -> Vec<String> {
     let mut notes = Vec::new();
     if summary.degenerate > 0 {

@@ -1,8 +1,7 @@
 //! Checks that the neighbours of a hull match its faces: each edge of a face is listed once, at the
 //! vertex where it starts, with that face beside it.
 //!
-//! Queries rely on this: the face towards a direction is chosen among the faces listed at one
-//! vertex.
+//! Queries rely on this: the face towards a direction is chosen among those listed at one vertex.
 //!
 //! # Steps
 //! 1. There are as many neighbours as face corners, that is, as directed edges of faces.

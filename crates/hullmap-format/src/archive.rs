@@ -20,8 +20,7 @@ pub const LANES: usize = 8;
 /// Maximum number of vertices of an outer hull. A query reads all of them.
 pub const MAX_OUTER_VERTICES: usize = 64;
 
-/// Maximum number of levels of the BVH, including the root's. So a reader's stack can have a fixed
-/// size.
+/// Maximum number of levels of the BVH, with the root's: a reader's stack can have a fixed size.
 pub const MAX_LEVELS: u32 = 32;
 
 /// Maximum number of vertices of a hull that keeps its faces in a lean pack. The runtime solves
@@ -40,8 +39,7 @@ pub struct Pack {
     /// Path of the source relative to the pack's folder, UTF-8, with `/` between folders; empty if
     /// no path was recorded.
     pub source_path: Vec<u8>,
-    /// The options that shaped the bake, in the baker's notation, then a line for each warning;
-    /// UTF-8.
+    /// The options that shaped the bake, as the baker writes them, then a line per warning; UTF-8.
     pub options: Vec<u8>,
     /// Names of the hulls, UTF-8, one after the other, without separators.
     pub names: Vec<u8>,
@@ -72,8 +70,7 @@ pub struct Pack {
     pub face_vertices: Vec<u32>,
     /// One entry for each face with more than four corners, in the order of the faces.
     pub quads: Vec<Quad>,
-    /// For each vertex, the position in its hull's run of `neighbours` at which its neighbours
-    /// start.
+    /// For each vertex, the position of its first neighbour in its hull's run of `neighbours`.
     pub neighbour_starts: Vec<u32>,
     /// Vertices that share an edge with each vertex, ascending.
     pub neighbours: Vec<u32>,
@@ -92,8 +89,8 @@ pub struct Pack {
     pub edges: Vec<i16>,
 }
 
-/// A pack with sections that only some packs have. Its root is that of [`Pack`], which comes last,
-/// with an entry for each further section in front.
+/// A pack with sections that only some packs have. Its root is the root of [`Pack`], which comes
+/// last, with an entry for each further section in front.
 #[derive(Archive, Clone, Debug, Default)]
 pub struct ExtendedPack {
     /// One record for each object whose voids are known, in the order of the objects.
@@ -104,7 +101,7 @@ pub struct ExtendedPack {
     pub pack: Pack,
 }
 
-/// The sections that all packs have come first in the file, as they do in every pack.
+/// The sections that all packs have come first in the file, as in every pack.
 impl<S> Serialize<S> for ExtendedPack
 where
     S: Fallible + Allocator + Writer + ?Sized,
@@ -250,8 +247,7 @@ pub struct VoidsRecord {
     pub error: f32,
 }
 
-/// A primitive that contains the surface in a part, and may replace it. It is in the frame of the
-/// hulls.
+/// A primitive that contains the surface in a part, and may replace it. In the hulls' frame.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
 #[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
 pub struct PrimitiveRecord {

@@ -1,7 +1,7 @@
 //! Why a pack is rejected: one variant for each requirement that a file may violate.
 //!
-//! A message states what is wrong, what was found and what was expected. Indices count from zero,
-//! and those of a hull's vertices, faces and blocks count from the hull's first.
+//! A message states what is wrong, what was found and what was expected. Indices count from zero.
+//! Vertices, faces and blocks of a hull are counted from the hull's first.
 
 use crate::{
     archive::MAX_LEVELS,
@@ -415,8 +415,7 @@ pub enum HullError {
         /// The neighbour that is not greater than the one before it.
         found: u32,
     },
-    /// An edge of a face is not listed among the neighbours, or a neighbour names a face without
-    /// the edge.
+    /// An edge of a face is not among the neighbours, or a neighbour names a face without it.
     #[error("face {face} and the neighbours disagree on the edge from vertex {from} to vertex {to}")]
     FaceEdge {
         /// The face.
@@ -426,8 +425,7 @@ pub enum HullError {
         /// Vertex at which it ends.
         to: u32,
     },
-    /// A solid does not have exactly three edge coordinates per neighbour, or another hull has
-    /// some.
+    /// A solid without exactly three edge coordinates per neighbour, or another hull with some.
     #[error("it has {found} edge coordinates (expected {expected})")]
     EdgeCount {
         /// Number of coordinates.
@@ -554,7 +552,7 @@ pub enum BvhError {
     NodeCount {
         /// Number of nodes.
         found: usize,
-        /// Twice the number of hulls, less one.
+        /// Twice the number of hulls, minus one.
         expected: usize,
     },
     /// No earlier node has this node as a child.

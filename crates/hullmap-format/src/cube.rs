@@ -78,7 +78,7 @@ pub fn locate(dir: [f32; 3]) -> Cell {
     Cell { face: 2 * axis as u32 + negative, u: turned[axis], v: turned[axis + 1] }
 }
 
-/// Lower edge, in u or v, of grid cell `g`; the upper edge is that of `g + 1`.
+/// Lower edge, in u or v, of grid cell `g`; its upper edge is the lower edge of `g + 1`.
 #[inline]
 pub fn grid_to_uv(g: u32) -> f64 {
     (f64::from(g) - 0.5 - f64::from(CENTRE)) / f64::from(SCALE)
@@ -96,8 +96,7 @@ pub fn direction(face: u32, u: f64, v: f64) -> [f64; 3] {
     dir
 }
 
-/// Cell of a uniform cube map with `resolution` cells along a face's edge, row by row, face by
-/// face.
+/// Cell of a uniform cube map with `resolution` cells along a face's edge, by faces and rows.
 ///
 /// An unchecked file may state a resolution near 2³². The number of cells then exceeds 64 bits, and
 /// the result wraps around.
@@ -129,7 +128,7 @@ mod tests {
         (*state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
     }
 
-    /// A pack opened without checks made it overflow, which panics where overflow is checked.
+    /// Regression: a pack opened without checks caused an overflow, which panics in debug builds.
     #[test]
     fn overflowing_resolutions_do_not_panic() {
         let last = Cell { face: 5, u: GRID_MASK, v: GRID_MASK };
@@ -150,7 +149,7 @@ mod tests {
             let axis = (cell.face / 2) as usize;
             assert!(dir.iter().all(|c| c.abs() <= dir[axis].abs()));
             assert_eq!(dir[axis] < 0.0, cell.face % 2 == 1);
-            // The direction before it was rounded to f32 is covered as well.
+            // The direction before rounding to f32 is covered as well.
             for dir in [exact, dir.map(f64::from)] {
                 let size = dir[axis].abs();
                 for (g, c) in [(cell.u, dir[(axis + 1) % 3]), (cell.v, dir[(axis + 2) % 3])] {

@@ -15,8 +15,7 @@ pub const PAYLOAD_ALIGNMENT: usize = 64;
 /// The root starts on a multiple of this many bytes: the size of its numbers.
 pub(crate) const ROOT_ALIGNMENT: usize = 4;
 
-/// Cuts sections off the payload's front, one after the other. The root has at most `ROOT_LEN`
-/// bytes.
+/// Cuts sections off the payload's front, one by one. The root has at most `ROOT_LEN` bytes.
 pub(crate) struct Cutter<'a, const ROOT_LEN: usize> {
     payload: &'a [u8],
     /// The last bytes of the payload, after zeros if it is shorter.
@@ -38,8 +37,8 @@ impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
         };
         let mut root = [0; ROOT_LEN];
         root.iter_mut().rev().zip(payload.iter().rev()).for_each(|(to, from)| *to = *from);
-        // The copy is opaque to the compiler: what is checked is what is used, even if another
-        // process writes to the file in between.
+        // The copy is opaque to the compiler, so that the checked bytes are the ones used, even if
+        // another process writes to the file in between.
         let root = std::hint::black_box(root);
         Ok(Self { payload, root, root_at, end: 0 })
     }

@@ -32,8 +32,7 @@ pub fn path(cell: Cell) -> Path {
     [cell.u, cell.v].map(|grid| grid << (u32::BITS - GRID_BITS))
 }
 
-/// Word of the slot where a cell's look-up starts; `None` without an index, where all blocks are
-/// one leaf.
+/// Word of the slot where a cell's look-up starts; `None` without an index: one leaf of all blocks.
 #[inline(always)]
 pub fn root(kind: IndexKind, cell: Cell) -> Option<usize> {
     match kind {
@@ -102,8 +101,7 @@ pub fn child<W: Words + ?Sized>(words: &W, node: Node, path: Path, dir: [f64; 3]
     })
 }
 
-/// Whether a direction is in front of plane `plane` of a node with `count` planes: n·d > 0. NaN is
-/// behind.
+/// Whether a direction is in front of a node's plane `plane`, of `count`: n·d > 0. NaN is behind.
 #[inline(always)]
 fn is_in_front<T: Word, const N: usize>(node: &[T; N], count: usize, plane: usize, dir: [f64; 3]) -> bool {
     let n = |axis: usize| number(node, axis * count + plane);

@@ -8,8 +8,7 @@
 /// A full turn.
 pub const TURN: f64 = 8.0;
 
-/// The angle of a point with these coordinates: 0 along x, 2 along y, from −1 to 7. NaN at the
-/// origin.
+/// The angle of the point: 0 along x, 2 along y, from −1 to 7. NaN at the origin.
 ///
 /// # Complexity
 /// One division and no branch.
@@ -74,7 +73,7 @@ mod tests {
         }
     }
 
-    /// Regression: past a full turn, `point` was a quarter turn off, and a leaf lost its vertices.
+    /// Regression: past a full turn, `point` was off by a quarter, and a leaf lost its vertices.
     #[test]
     fn points_and_angles_agree_beyond_a_full_turn() {
         for step in -30..90 {

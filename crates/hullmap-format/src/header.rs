@@ -61,7 +61,7 @@ impl FileKind {
         }
     }
 
-    /// What writes files of this kind.
+    /// Command that writes files of this kind.
     const fn writer(self) -> &'static str {
         match self {
             Self::Pack => "`bake build`",

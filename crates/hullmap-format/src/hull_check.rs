@@ -1,5 +1,4 @@
-//! Checks of one hull: record, vertices, faces, quads, neighbours, edges, outer hull, index and
-//! blocks.
+//! Checks of a hull: record, vertices, faces, quads, neighbours, edges, outer hull, index, blocks.
 
 use rkyv::rend::{f32_le, f64_le, u32_le};
 
@@ -107,8 +106,7 @@ impl HullCheck<'_> {
         self.hull.checked_sub(1).and_then(|before| self.pack.hulls.get(before))
     }
 
-    /// The parts of an object are consecutive, counted from 0, and complete. All hulls share one
-    /// frame.
+    /// Parts of an object are consecutive, counted from 0, and complete. All hulls share a frame.
     fn part(&self) -> Result<(), HullError> {
         let before = self.before();
         let [found, count] = [self.record.part, self.record.part_count].map(u32_le::to_native);
@@ -270,8 +268,7 @@ impl HullCheck<'_> {
         }
     }
 
-    /// Every face with more than four corners has an entry, in order, whose corners are its own and
-    /// ascend.
+    /// Every face with more than four corners has an entry, in order, with ascending own corners.
     fn quads(&self) -> Result<(), HullError> {
         let starts = run(self.pack.face_starts, self.start.face, self.end.face);
         let corners = run(self.pack.face_vertices, self.start.face_vertex, self.end.face_vertex);
@@ -385,8 +382,8 @@ impl HullCheck<'_> {
         if found != expected {
             return Err(HullError::WorstCost { found, expected });
         }
-        // A leaf that repeats vertices could make a query on a small hull as slow as the file is
-        // long.
+        // A leaf that repeats vertices could make a query on a small hull take time proportional to
+        // the file's length.
         let vertex_count = self.vertex_count();
         let blocks = vertex_count.div_ceil(LANES as u32).max(leaf_blocks);
         let limit = blocks.saturating_mul(LANES as u32);
@@ -397,8 +394,7 @@ impl HullCheck<'_> {
         }
     }
 
-    /// Every lane of every block refers to a vertex of the hull, and its position is inside the
-    /// bounds.
+    /// Every lane of every block has a vertex of the hull, whose position is inside the bounds.
     #[expect(clippy::indexing_slicing, reason = "three axes, three coordinates; the loop is one for vectors")]
     fn blocks(&self) -> Result<(), HullError> {
         let blocks = run(self.pack.blocks, self.start.block, self.end.block);

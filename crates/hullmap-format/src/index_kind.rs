@@ -27,9 +27,9 @@ pub enum IndexKind {
     /// Level-compressed tree over the six cube faces, with leaves of 8 candidates: the fastest.
     #[default]
     Tree,
-    /// The same tree with leaves of 16 candidates.
+    /// [`Tree`](Self::Tree) with leaves of 16 candidates.
     Medium,
-    /// The same tree with leaves of 32 candidates: half the bytes of [`Tree`](Self::Tree).
+    /// [`Tree`](Self::Tree) with leaves of 32 candidates, in half the bytes.
     Compact,
     /// Binary tree over the six cube faces, as in Kenwright 4.9.
     Binary,
@@ -131,8 +131,7 @@ impl IndexKind {
     pub const fn root_count(self) -> u64 {
         match self {
             Self::Tree | Self::Medium | Self::Compact | Self::Binary => 6,
-            // The square of a 32-bit number fits into 64 bits; six times the largest square does
-            // not.
+            // The square of a 32-bit number fits into 64 bits; six times the largest does not.
             Self::CubeMap { resolution } => (resolution as u64 * resolution as u64).saturating_mul(6),
             Self::None => 0,
         }

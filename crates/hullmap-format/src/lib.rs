@@ -9,7 +9,7 @@
 //! | [`cube`] | direction ↔ cell of the cube map |
 //! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
 //! | [`solid_kind`] | what counts as the inside of a mesh |
-//! | [`mass`] | whether the recorded mass of a mesh can be that of a solid |
+//! | [`mass`] | whether the recorded mass of a mesh can be the mass of a solid |
 //! | [`voids`] | whether the recorded voids of parts can be true |
 //! | [`primitive`], [`primitive_kind`] | primitives that may replace parts |
 //! | [`version`] | the versions of the format |

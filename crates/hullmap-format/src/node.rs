@@ -158,8 +158,7 @@ impl Node {
         }
     }
 
-    /// Indices of the words that are its slots; empty for a list, and where its bits are out of
-    /// range.
+    /// Indices of the words that are its slots; empty for a list, and where bits are out of range.
     #[inline]
     pub fn slots(self) -> Range<usize> {
         let (first, count) = match self {

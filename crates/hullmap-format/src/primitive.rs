@@ -41,7 +41,7 @@ pub enum PrimitiveError {
         /// Number of sizes that the kind has.
         count: usize,
     },
-    /// The rotation is not a unit quaternion, or the centre or the protrusion is no number.
+    /// The rotation is not a unit quaternion, or the centre or the protrusion is not finite.
     #[error(
         "record {record}: its centre is {center:?}, its rotation {rotation:?} and its protrusion {protrusion} (expected \
          finite numbers, a unit quaternion, and 0 or more)"
@@ -67,7 +67,6 @@ pub fn of_hull(records: &[ArchivedPrimitiveRecord], hull: u32) -> Option<&Archiv
     records.get(index)
 }
 
-/// Checks the records of primitives of an archive.
 pub(crate) fn check(records: &[ArchivedPrimitiveRecord], hulls: &[ArchivedHullRecord]) -> Result<(), PrimitiveError> {
     let mut least = 0;
     for (record, primitive) in records.iter().enumerate() {

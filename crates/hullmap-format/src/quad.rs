@@ -37,18 +37,18 @@ pub fn double_quad_area([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
 /// around the vertex that they share. The fall of an edge from v to w is the sine of the angle by
 /// which it descends from the plane of the face: (v − w) · n / |v − w|, with the unit normal n.
 ///
-/// `faces` are a solid's, as indices of `positions`, counter-clockwise seen from outside. `left_of`
-/// returns the face in which the second vertex follows the first. Indices that are out of range are
-/// skipped.
+/// `faces` are the faces of a solid, as indices of `positions`, counter-clockwise seen from
+/// outside. `left_of` returns the face in which the second vertex follows the first. Indices that
+/// are out of range are skipped.
 ///
 /// # Source
 /// Let s be the fall of a face. In each direction at an angle below asin s from its normal, the
 /// support point is a corner of the face. At one of its corners, the directions of the edges are
 /// the corners of a convex spherical polygon with one side, the face, on the equator. The part of
-/// it below any latitude is convex, so from one end of that side to the other, the latitudes first
-/// descend and then ascend. So no edge that leaves the face is closer to its plane than those next
-/// to its own edges. Hence all of them descend in the given direction too, and the corners of the
-/// face are a local maximum, which is the global one, since the hull is convex.
+/// it below any latitude is convex, so along its boundary, from one end of that side to the other,
+/// the latitudes first descend and then ascend. So no edge that leaves the face is closer to its
+/// plane than the edges next to its own. Hence all of them descend in the given direction too, and
+/// the corners of the face are a local maximum, which is the global one, since the hull is convex.
 ///
 /// # Complexity
 /// O(number of corners of all faces), with two calls of `left_of` for each. One number a face.

@@ -28,8 +28,7 @@ impl Scale {
         Self { low, high, step: (high - low) / f64::from(u16::MAX) }
     }
 
-    /// The coordinate of a number: 0 is the lower bound, 65535 the upper one. It does not fall
-    /// where the number rises.
+    /// The coordinate of a number: 0 is the lower bound, 65535 the upper one. It is monotone.
     #[inline]
     pub fn position(&self, number: u16) -> f64 {
         match number {
@@ -39,14 +38,14 @@ impl Scale {
         }
     }
 
-    /// The distance between the coordinates of a number and of the next one, but for rounding.
+    /// The distance between the coordinates of consecutive numbers, up to rounding.
     pub fn step(&self) -> f64 {
         self.step
     }
 
     /// The greatest number at or below a coordinate within the bounds; 0 if the bounds are equal.
     pub fn below(&self, coordinate: f64) -> u16 {
-        // NaN takes the failing branch. Without extent all numbers are alike.
+        // NaN takes the failing branch. Without extent all numbers have one coordinate.
         if !(self.step > 0.0) {
             return 0;
         }

@@ -2,20 +2,20 @@
 //!
 //! The root is the last structure of the payload. It holds, for each section, an offset relative to
 //! the offset's own position, and an element count. [`Sections::read`] copies the root, checks each
-//! pair, and cuts the payload into slices. From then on no number in the file is used as an
-//! address: the rest are values, and indices that are looked up in slices.
+//! pair, and cuts the payload into slices. No other number in the file is used as an address: the
+//! rest are values, and indices that are looked up in slices.
 //!
 //! The order of sections and their alignment fix every offset, given the counts. So an offset is
 //! not merely in range: it equals the only offset that this version writes.
 //!
-//! Further sections follow the ones that every pack has, if the root does not. Their entries are in
-//! front of the root.
+//! If the root does not follow the sections that every pack has, further sections do. Their entries
+//! are in front of the root.
 //!
 //! # Deviations
 //! `rkyv::access` would check the same offsets, but it hands out the root itself, whose accessors
 //! follow the offsets in the file again at each call. A file that is mapped and rewritten after the
-//! check would then move the slices out of the mapping. The tests compare both. It rejects extended
-//! packs, whose further sections are after those of the root that follows theirs.
+//! check would then move the slices out of the mapping. It also rejects extended packs, whose
+//! further sections follow the sections of the root after them. The tests compare both.
 
 use std::mem::offset_of;
 
@@ -246,10 +246,10 @@ mod tests {
         assert_eq!(found.hulls.len(), expected.hulls.len());
         let voids: Vec<u32> = found.voids.iter().map(|record| record.hull.to_native()).collect();
         assert_eq!((voids, found.primitives.len()), (vec![3, 7], 3));
-        // What comes before the root has the same bytes.
+        // All sections before the root have the same bytes.
         let shared = usual.len() - ROOT_LEN;
         assert_eq!(extended[..shared], usual[..shared]);
-        // No record is no extension.
+        // Without records, a pack is not extended.
         let none = ExtendedPack { pack: sample_pack(), ..ExtendedPack::default() };
         let none = aligned(&rkyv::to_bytes::<rkyv::rancor::Error>(&none).unwrap());
         assert!(matches!(Sections::read(&none), Err(CheckError::Section { section: "root", .. })));

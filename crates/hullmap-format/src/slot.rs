@@ -24,9 +24,9 @@
 //!
 //! A fan takes 17 words and 2ᵇ slots: equal steps around an axis, see [`crate::fan`].
 //!
-//! Normals are f64 for this reason: the planes around a facet separate its corners, and all of them
-//! pass through one direction, the facet's normal. Rounded to f32, they would miss it by 6e-8, and
-//! would separate nothing in its neighbourhood.
+//! Normals are f64 for this reason: the planes around a facet separate its corners, and all pass
+//! through one direction, the facet's normal. Rounded to f32, they would miss it by 6e-8, and would
+//! separate nothing near it.
 //!
 //! A *position* is the index of a word in the hull's own run of words. Blocks are counted in the
 //! hull's own run too.

@@ -1,8 +1,8 @@
 //! Versions of the format. Any change to the bytes or to their meaning gets a new one.
 //! `docs/FORMAT.md` lists the history.
 //!
-//! There are four at a time, so that a pack keeps its bytes, and stays readable by older programs,
-//! unless it has data that they cannot read.
+//! There are four at a time. So a pack keeps its bytes, and older programs can read it, unless it
+//! has data that they cannot read.
 //!
 //! | | lean | |
 //! |---|---|---|

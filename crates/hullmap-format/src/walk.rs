@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// Maximum number of nodes on a path: one for each bit of both grid coordinates, then more planes
-/// than it takes to halve the set of all vertices down to one.
+/// than halving the set of all vertices down to one takes.
 pub const MAX_NODES: u32 = 2 * GRID_BITS + 64;
 
 /// Worst cost of a support query over all directions.
@@ -144,7 +144,7 @@ pub struct Visit {
     pub at: usize,
     /// Number of nodes on the path to it.
     pub depth: u32,
-    /// What is below it.
+    /// What is below the slot.
     pub below: Below,
 }
 

@@ -11,8 +11,7 @@
 //! A part stands for the object `<mesh>` or `<name>`, if the file has it; `-convcol` and `-col` are
 //! rendered themselves, and stand for themselves.
 //!
-//! Other objects are render meshes and are left out. A file without any of these names is not
-//! split.
+//! Other objects are render meshes and are left out. A file without these names is not split.
 //!
 //! Godot accepts `-`, `_` or `$` before its suffixes and ignores their case. It ignores digits,
 //! blanks, `_` and `.` behind them, since modelling tools number copies. Unreal's prefixes are
@@ -131,7 +130,6 @@ fn is_rendered(name: &str) -> bool {
         .any(|suffix| bare.strip_suffix(suffix).is_some_and(|rest| rest.ends_with(['-', '_', '$'])))
 }
 
-/// The name without the number of a copy.
 fn without_number(name: &str) -> &str {
     name.trim_end_matches(|c: char| c.is_ascii_digit() || c.is_whitespace() || c == '_' || c == '.')
 }

@@ -155,8 +155,7 @@ impl<'a> Outline<'a> {
         let obstacle = self.obstacles[middle];
         let (p, [low, high]) = (self.flat[obstacle], bounds);
         let [a, b, c] = *triangle;
-        // A corner at the position of a triangle corner, where an outline touches itself, is not an
-        // obstacle.
+        // A corner in the place of a triangle's, where an outline touches itself, is no obstacle.
         let contains =
             || turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0 && p != a && p != b && p != c;
         let is_near = (0..2).all(|axis| low[axis] <= p[axis] && p[axis] <= high[axis]);
@@ -233,8 +232,7 @@ mod tests {
         (0..points.len()).map(|i| at(i).cross(at(i + 1))).sum::<glam::DVec3>().length() / 2.0
     }
 
-    /// Asserts that the triangles cover the polygon without overlap: their count and total area are
-    /// right.
+    /// Asserts that the triangles cover the polygon without overlap: right count and total area.
     #[track_caller]
     fn assert_covers(outline: &[[f32; 3]], what: &str) {
         let triangles = cut(outline);

@@ -2,7 +2,7 @@
 
 /// Text of a file that starts with a byte order mark of UTF-16, as UTF-8 without the mark.
 /// Replacement characters stand for invalid UTF-16. `None` for any other file. Complexity:
-/// O(bytes). The text takes at most 1.5 times as many.
+/// O(bytes). The text is at most 1.5 times as long.
 pub fn from_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xFF, 0xFE, ..] => u16::from_le_bytes,

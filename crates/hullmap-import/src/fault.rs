@@ -9,7 +9,7 @@ use std::fmt;
 pub struct ImportError {
     /// Name of the file, as the caller gave it.
     pub file: String,
-    /// One-based line number; the first line of a continued one. `None` if the fault is of the
+    /// One-based line number; the first line of a continued one. `None` if the fault concerns the
     /// whole file.
     pub line: Option<usize>,
     /// What was found, what was expected, and the remedy.

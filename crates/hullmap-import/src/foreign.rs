@@ -98,7 +98,7 @@ enum Foreign {
     LfsPointer,
     /// An archive or compressed file of this kind.
     Packed(&'static str),
-    /// A page of a web site, often of one that asks for a login or shows a preview.
+    /// A page of a web site, often a login page or a preview.
     WebPage,
 }
 
@@ -127,8 +127,7 @@ pub fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     }
 }
 
-/// Whether the file is a Git LFS pointer: a short text in place of a large file that Git did not
-/// download.
+/// Whether the file is a Git LFS pointer: a short text for a large file that was not downloaded.
 pub fn is_lfs_pointer(bytes: &[u8]) -> bool {
     bytes.starts_with(b"version https://git-lfs.github.com/spec/v1")
 }
@@ -193,7 +192,7 @@ fn of_extension(path: &Path) -> Option<&'static Unread> {
     UNREAD.iter().find(|format| format.extensions.contains(&extension.as_str()))
 }
 
-/// Name of the format of a file, if its extension is that of meshes or scenes that are not
+/// Name of the format of a file, if its extension belongs to meshes or scenes that are not
 /// supported.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! From a file to point sets: which reader reads it, and what is counted and noted about it.
+//! Import of a file as point sets: chooses the reader, and collects counts, notes and warnings.
 
 use std::path::Path;
 
@@ -25,8 +25,8 @@ use crate::{
 #[derive(Debug)]
 pub struct Imported {
     /// One set for each hull, in file order. No set is empty, and all names differ. The origin of a
-    /// set is that of its frame in the rotated and scaled source frame; it is 0 unless the points
-    /// are recentred.
+    /// set is the origin of its frame in the rotated and scaled source frame; it is 0 unless the
+    /// points are recentred.
     pub point_sets: Vec<PointSet>,
     /// Faces of each set, as indices into its points. Empty for a point cloud.
     pub faces: Vec<Polygons>,

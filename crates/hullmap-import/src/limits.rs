@@ -40,9 +40,9 @@ pub struct Limits {
     pub objects: usize,
     /// Maximum number of vertices and corners that a glTF file contains only by repetition or
     /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and
-    /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. So do 32
-    /// bytes of a buffer view that meshopt compresses, decoded. Primitives, and the bytes of mesh
-    /// names that become names of objects, count too.
+    /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. Every 32
+    /// decoded bytes of a buffer view that meshopt compresses count as one. Primitives, and the
+    /// bytes of mesh names that become names of objects, count too.
     pub repeated_vertices: usize,
 }
 

@@ -17,8 +17,7 @@
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Materials {
     names: Vec<String>,
-    /// First face of each run, and its number. Faces ascend, and so do no two numbers in a row
-    /// repeat.
+    /// First face of each run, and its number. Faces ascend, and consecutive numbers differ.
     runs: Vec<(u32, u32)>,
     unknown_count: usize,
 }
@@ -41,7 +40,7 @@ impl Materials {
 
     /// Material of each triangle of the faces, in the order of
     /// [`Polygons::triangles`](crate::Polygons::triangles); empty if no face has a material. `ends`
-    /// are those of all faces of the file. `None` if a number exceeds 65,535.
+    /// are the ends of all faces of the file. `None` if a number exceeds 65,535.
     ///
     /// # Complexity
     /// O(triangles).
@@ -103,7 +102,7 @@ mod tests {
         }
         assert_eq!(materials.runs, [(0, 2), (4, 0)]);
         assert_eq!(materials.unknown_count(), 1);
-        // Of 3, 1, 4, 3 and 3 corners.
+        // Faces of 3, 1, 4, 3 and 3 corners.
         let ends = [3, 4, 8, 11, 14];
         assert_eq!(materials.of_triangles(&ends), Some(vec![2, 2, 2, 2, 0]));
         assert_eq!(Materials::default().of_triangles(&ends), Some(vec![]));

@@ -150,7 +150,8 @@ pub struct SourceMesh {
     pub loose: Vec<u32>,
     /// Objects in file order. There is at least one, and the first starts at 0.
     pub objects: Vec<SourceObject>,
-    /// Objects that are colliders by an extension of the file, ascending. Names do not matter then.
+    /// Objects that are colliders by an extension of the file, ascending. Names have no effect
+    /// then.
     pub colliders: Vec<SourceCollider>,
     /// Whether objects beyond the limit were joined to the last one. The file cannot be split by
     /// object then.

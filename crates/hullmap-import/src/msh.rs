@@ -21,13 +21,13 @@ pub fn read(bytes: &[u8]) -> Result<SourceMesh, LineFault> {
     let mut counts = [0_u64; 4];
     for (count, word) in counts.iter_mut().zip(header.as_chunks::<4>().0) {
         *count = u64::try_from(i32::from_le_bytes(*word))
-            .map_err(|_| fault("a count in the header is negative: this is no MSH file, or it is damaged"))?;
+            .map_err(|_| fault("a count in the header is negative: this is not an MSH file, or it is damaged"))?;
     }
     let [vertices, normals, coordinates, faces] = counts;
     let expected = 12 * vertices + 12 * normals + 8 * coordinates + 12 * faces;
     if body.len() as u64 != expected {
         return Err(fault(format!(
-            "the header states {expected} bytes of data, but there are {}: the file was cut off, or is no MSH file",
+            "the header states {expected} bytes of data, but there are {}: the file was cut off, or is not an MSH file",
             body.len()
         )));
     }

@@ -186,8 +186,7 @@ fn collision_parts(
     Some(grouped(chosen))
 }
 
-/// The objects that are colliders by an extension of the file, each with the object that it stands
-/// for.
+/// The objects that are colliders by an extension of the file, each with the object it stands for.
 fn colliders(mesh: &SourceMesh, objects: &[usize], sets: &mut Sets) -> Vec<(usize, Option<usize>)> {
     let has_points = |collider: &&SourceCollider| objects.binary_search(&collider.object).is_ok();
     let chosen: Vec<(usize, Option<usize>)> =
@@ -224,9 +223,9 @@ fn named_parts(
     Some(chosen.map(|((object, mesh), _)| (*object, mesh)).collect())
 }
 
-/// The parts in an order in which those of one object follow one another.
+/// The parts, ordered so that the parts of one object are consecutive.
 fn grouped(chosen: Vec<(usize, Option<usize>)>) -> Vec<(usize, Option<usize>)> {
-    // The place of an object's parts is that of the first. A part that stands for none is alone.
+    // An object's parts take the place of the first one. A part that stands for no object is alone.
     let mut first = HashMap::new();
     for (place, (_, stands_for)) in chosen.iter().enumerate() {
         if let Some(mesh) = stands_for {

@@ -20,9 +20,9 @@ pub struct SourceFile {
     /// Buffers beside a glTF file that its positions and indices require, with their paths relative
     /// to it, in the document's order.
     pub beside: Vec<(String, Vec<u8>)>,
-    /// XXH3-128 of the file's bytes. If there are buffers beside it, XXH3-128 of a list of hashes,
-    /// each as 16 bytes in little-endian order: that of the file, then those of the buffers. The
-    /// names of the buffers are in the file.
+    /// XXH3-128 of the file's bytes. If there are buffers beside it, XXH3-128 of the hashes of the
+    /// file and then of the buffers, each as 16 bytes in little-endian order. The names of the
+    /// buffers are in the file.
     pub hash: u128,
 }
 
@@ -169,7 +169,7 @@ pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
 /// ```
 ///
 /// # Errors
-/// There is no such file, it is not a regular one, or the system refuses to open it.
+/// There is no such file, it is not a regular one, or it cannot be opened.
 pub fn open_regular(path: &Path) -> std::io::Result<File> {
     check_regular(&std::fs::metadata(path)?)?;
     let mut options = File::options();

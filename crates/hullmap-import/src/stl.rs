@@ -191,7 +191,7 @@ fn read_text<T: MergeKey>(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, L
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let mut tokens = Tokens::new(bytes, 1);
     let mut merger = VertexMerger::<T>::new();
-    // The positions are added at the end. Until then only faces say where an object starts.
+    // The positions are added at the end. Until then only faces determine where an object starts.
     let mut mesh = SourceMesh::new(Positions::Single(Vec::new()), Polygons::default());
     while let Some(word) = tokens.next() {
         if is(word, "solid") {

@@ -297,7 +297,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
                 answer.unwrap();
             };
             step(0.3, -0.01, &mut manifolds);
-            // A triangle under the rim of the cube's face may push it aside, by less.
+            // A triangle under the rim of the cube's face may push it aside, and is less deep.
             let depths: Vec<f32> = manifolds.iter().flat_map(|m| &m.points).map(|point| -point.dist).collect();
             let full = depths.iter().filter(|depth| (**depth - 0.01).abs() < 1e-4).count();
             assert!(full >= 4 && depths.iter().all(|depth| *depth < 0.0101), "{kind:?} {name} {flipped}: {depths:?}");
@@ -306,7 +306,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
                 stamp += 1;
                 point.data = stamp;
             }
-            // Beyond what the coherence test lets pass.
+            // Farther than the coherence test allows.
             step(0.32, -0.012, &mut manifolds);
             let kept = manifolds.iter().flat_map(|m| &m.points).filter(|p| p.data > 0).count();
             assert!(kept >= 4, "{kind:?} {name} {flipped}: {kept} points kept their data");

@@ -18,7 +18,7 @@ use shapes::families;
 /// The window in which shapes are cast.
 const WINDOW: [f32; 2] = [0.25, 1.25];
 
-/// Width of the intervals in which brute force does not look closer.
+/// Width of the intervals that brute force does not subdivide.
 const WIDTH: f64 = 1e-5;
 
 fn hull(points: &[[f32; 3]]) -> BakedHull {
@@ -181,7 +181,7 @@ fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
     for (case, flipped) in [(case, false), (&case.swapped(), true)] {
         let shapes = [&*case.bodies[0].shape, &*case.bodies[1].shape];
         let Some(hit) = case.cast(&HullDispatcher, shapes) else {
-            // A miss by at least what brute force leaves open.
+            // A miss is right if brute force finds no overlap.
             if let Some(first) = truth {
                 let end = window[1];
                 let overlaps = (0..60).any(|i| case.overlaps(first + (end - first) * f64::from(i) / 60.0));
@@ -192,8 +192,8 @@ fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
         };
         counts.hits += usize::from(!flipped);
         let (time, first) = (f64::from(hit.time_of_impact), truth.unwrap_or_else(|| panic!("{what}: no hit")));
-        // Not later than the first meeting: brute force proves it up to `first`, and samples
-        // follow. And as near as the tolerance and rounding to f32 allow.
+        // The time is not later than the first meeting: brute force proves this up to `first`,
+        // samples check the rest. It is as near as the tolerance and rounding to f32 allow.
         let samples = (0..20).map(|i| first + (time - first) * f64::from(i) / 20.0);
         let is_late = time > first && time > window[0] && samples.into_iter().any(|t| case.overlaps(t));
         assert!(!is_late, "{what}: {time} {first}");
@@ -337,7 +337,7 @@ fn time(hit: Option<ShapeCastHit>) -> f32 {
     hit.map_or(f32::INFINITY, |hit| hit.time_of_impact)
 }
 
-/// Half-spaces, which parry does not take: a rod and a ball that turn onto a floor.
+/// Half-spaces, which parry's own casts do not support: a rod and a ball that turn onto a floor.
 #[test]
 fn bodies_turn_onto_a_half_space() {
     let floor = HalfSpace::new(Vector::Y);

@@ -1,7 +1,6 @@
 //! Many configurations or edges in one call, on all threads of the current pool.
 //!
-//! Each run of configurations has its own memory, so answers do not depend on the number of
-//! threads.
+//! Each run of configurations has its own memory: answers do not depend on the number of threads.
 
 use hullmap::{Differentiability, Settings};
 use rayon::prelude::*;
@@ -15,7 +14,6 @@ use crate::robot::Robot;
 /// Configurations of a run: about 1 ms of work.
 const RUN: usize = 256;
 
-/// Edges of a run.
 const RUN_OF_EDGES: usize = 32;
 
 /// Solves rows in runs. `row` solves the row of an index, and gets the memory of its run.

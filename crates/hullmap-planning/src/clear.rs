@@ -1,5 +1,4 @@
-//! Whether an edge in joint space is free: proven for all of its configurations, not only for
-//! samples.
+//! Whether an edge in joint space is free: proven for all configurations, not only for samples.
 //!
 //! # Steps
 //! 1. Test both ends. An end that certainly touches is a hit.
@@ -60,8 +59,7 @@ pub struct EdgeClearance {
     /// Whether the edge is free, and with which clearance; or where the first hit is. Times are
     /// shares of the edge. `support_calls` is 0.
     pub answer: Clearance,
-    /// The colliders that hit each other, or are nearest, the lower index first; `None` if no pair
-    /// is known to be.
+    /// The colliders that hit each other, or are nearest, the lower index first; `None` if unknown.
     pub colliders: Option<[usize; 2]>,
 }
 
@@ -137,8 +135,7 @@ struct Search<'s> {
     /// Sums of the displacements of both ends, for rounding errors.
     magnitudes: [f64; 2],
     margin: f64,
-    /// Pairs are to be proven to be farther apart than this share of the least distance; 0 at
-    /// first.
+    /// Share of the least distance that pairs are to be proven to exceed; 0 at first.
     share: f64,
     resolution: f64,
     budget: u32,
@@ -212,7 +209,8 @@ impl Search<'_> {
         let left = memory.edge.open.len() - first;
         if left > 0 {
             let is_fine = self.until.min(end) - start <= self.resolution;
-            // Up to the first hit, as far as it matters; and to the end, where only hits matter.
+            // Stop at this width if a hit follows in the interval, or if an earlier interval is
+            // open: then only hits matter.
             let is_last = is_fine && (self.until <= end || self.open_from.is_some());
             if depth == 0 || is_last {
                 self.open_from.get_or_insert(start);
@@ -239,8 +237,7 @@ impl Search<'_> {
         memory.edge.stamp += 1;
     }
 
-    /// Upper bound of how far a body moves in the interval by the joints of its path from `shared`
-    /// on.
+    /// Upper bound of how far the joints of its path from `shared` on move a body in the interval.
     fn motion(&self, body: usize, shared: usize, memory: &mut Memory) -> f64 {
         if memory.edge.stamps[body] != memory.edge.stamp {
             let robot = self.robot;
@@ -339,6 +336,6 @@ impl Search<'_> {
 struct Queried {
     /// Lower bound of its distance, with allowance for rounding.
     lower: f64,
-    /// Whether it is certainly within the margin.
+    /// Whether the distance is certainly within the margin.
     is_hit: bool,
 }

@@ -19,8 +19,7 @@ use crate::robot::{BodyOrObstacle, Robot};
 /// Clearance of a robot in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RobotClearance {
-    /// Lower bound of the clearance of the whole robot, with allowance for rounding: no pair is
-    /// nearer.
+    /// Lower bound of the clearance of the robot, with allowance for rounding: no pair is nearer.
     ///
     /// The clearance is the least distance of all pairs that are tested. If pairs overlap, it is
     /// the negative depth of the deepest pair. It is infinite if there is no pair.

@@ -52,7 +52,7 @@ pub enum PlanningError {
         /// Number of poses.
         found: usize,
     },
-    /// A joint's position is not a number, or too large to have a meaning.
+    /// A joint's position is NaN or out of range.
     #[error("joint `{joint}`: {value} is no position; pass finite numbers below 1e15")]
     Position {
         /// The name of the joint.

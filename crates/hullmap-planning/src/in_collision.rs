@@ -31,8 +31,7 @@ impl Robot {
         Ok(self.touching_pair(margin, memory).is_some())
     }
 
-    /// All pairs of colliders that touch in a configuration. Use it to allow pairs that touch by
-    /// design.
+    /// All pairs of colliders that touch in a configuration: to allow pairs that touch by design.
     ///
     /// # Errors
     /// As for [`in_collision`](Self::in_collision).

@@ -1,9 +1,9 @@
 //! Collision queries of whole robots for motion planning, on exact convex hulls.
 //!
-//! A [`Robot`] is read from a URDF or MJCF file. For a configuration of its joints, queries return
-//! whether it touches itself or an obstacle, and its clearance, with the pair that decides and the
-//! derivatives with respect to the joints. For an edge in joint space, they prove whether all of
-//! its configurations are free.
+//! A [`Robot`] is read from a URDF, MJCF or SDF file. For a configuration of its joints, queries
+//! return whether it touches itself or an obstacle, and its clearance, with the pair that decides
+//! and the derivatives with respect to the joints. For an edge in joint space, they prove whether
+//! all of its configurations are free.
 //!
 //! | module | concept |
 //! |---|---|

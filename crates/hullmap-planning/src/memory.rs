@@ -1,5 +1,4 @@
-//! What a thread keeps from one configuration to the next: caches, and memory for intermediate
-//! results.
+//! A thread's memory between configurations: caches, and space for intermediate results.
 
 use glam::DVec3;
 use hullmap_robot::Frame;
@@ -9,7 +8,7 @@ use crate::queries::Caches;
 
 /// Caller-owned memory of a robot's queries, from [`Robot::memory`](crate::Robot::memory). It makes
 /// queries cheaper if configurations are near each other, and changes intervals by no more than
-/// rounding error. One for each thread.
+/// rounding error. Use one for each thread.
 pub struct Memory {
     pub(crate) at: Placement,
     /// The frame of each link with bodies.

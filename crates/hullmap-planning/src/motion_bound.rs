@@ -8,8 +8,8 @@
 //! # The bound
 //! Joint by joint, from the body to the root. Let the points of a body move by at most m as seen
 //! from the frame that joint j moves, and let none of them be farther than r from its axis now.
-//! During the motion, none is farther than r + m. So a turn by up to φ moves it by at most φ (r +
-//! m), as seen from the frame that does not turn, besides m. A slider adds its displacement.
+//! During the motion, none is farther than r + m. So a turn by up to φ adds at most φ (r + m), as
+//! seen from the frame that does not turn. A slider adds its displacement.
 
 use glam::DVec3;
 use hullmap_robot::{Frame, Motion};
@@ -23,12 +23,12 @@ const ROUNDED_UP: f64 = 1.0 + 1e-12;
 /// A turn moves no point farther than the diameter of its circle.
 const MAX_CHORD: f64 = 2.0;
 
-/// Writes to `out`, for each joint of `path`, how far points of a box move at most by that joint
-/// and those after it, as seen from the frame before it; then 0. `spans` bounds how far the
+/// Writes to `out`, for each joint of `path`, the maximum motion of points of a box due to that
+/// joint and all later ones, in the frame before it; then 0. `spans` bounds how far the
 /// displacement of each joint is from its displacement at `at`.
 ///
-/// `frame` is the box's in the world, `bounds` its centre and half edges, and `noise` bounds the
-/// rounding error of its position.
+/// `frame` is the box's frame in the world, `bounds` its centre and half edges, and `noise` bounds
+/// the rounding error of its position.
 pub(crate) fn motions(
     (kinematics, path): (&Kinematics, &[usize]),
     (frame, bounds, noise): (Frame, [DVec3; 2], f64),

@@ -139,7 +139,7 @@ impl Pairing<'_> {
 
     pub(crate) fn contact(&self, settings: &Settings, caches: &mut Caches) -> Found<Contact> {
         let alone = |answer| Found { answer, part: 0 };
-        // A contact that claims nothing.
+        // A contact without information.
         let Some(b_in_a) = self.b_in_a else { return alone(Contact::default()) };
         let apart = alone(Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..Contact::default() });
         match (self.a, self.b) {

@@ -115,7 +115,7 @@ pub struct Robot {
     of_link: Vec<Range<usize>>,
     /// A ball around each link, in its frame.
     balls: Vec<(DVec3, f64)>,
-    /// Pairs of links that are never tested: neighbours, and those that the description excludes.
+    /// Pairs of links that are never tested: neighbours, and pairs that the description excludes.
     untested: BTreeSet<[usize; 2]>,
     /// Pairs of colliders that may touch.
     allowed: BTreeSet<[usize; 2]>,
@@ -436,8 +436,7 @@ impl Robot {
         }
     }
 
-    /// Lower bound of the distance of a couple, by the balls around links, with allowance for
-    /// rounding.
+    /// Lower bound of a couple's distance, by the balls around links, with allowance for rounding.
     pub(crate) fn couple_gap(&self, couple: &Couple, memory: &Memory) -> f64 {
         let (centre, radius, noise) = (memory.centres[couple.b], self.balls[couple.b].1, memory.noise[couple.b]);
         match couple.a {
@@ -448,7 +447,7 @@ impl Robot {
         }
     }
 
-    /// The same for a pair, from the balls around bodies.
+    /// Lower bound of the distance of a pair, by the balls around bodies.
     pub(crate) fn pair_gap(&self, pair: &Pair, memory: &Memory) -> f64 {
         let centre = |body: &Body| memory.links[body.link].apply(body.ball.0);
         let b = &self.bodies[pair.b];
@@ -462,8 +461,7 @@ impl Robot {
         }
     }
 
-    /// Upper bound of the distance of two bodies, by points inside of them; `None` if it is not
-    /// known.
+    /// Upper bound of the distance of two bodies, by points inside of them; `None` if not known.
     pub(crate) fn reach(&self, pair: &Pair, memory: &Memory) -> Option<f64> {
         let inside =
             |body: usize| self.body_frame(body, memory).apply(self.bodies[body].convex.shape().interior_point());

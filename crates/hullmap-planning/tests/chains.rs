@@ -1,4 +1,4 @@
-//! Robots whose answers are known: a chain with a formula, and random chains, which samples judge.
+//! Queries of robots: a chain with a formula, and random chains, checked by samples.
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -143,8 +143,7 @@ fn wrong_configurations_are_errors() {
     assert!(arm.in_collision_at(&[Pose::IDENTITY], 0.0, &mut memory).is_err());
 }
 
-/// A random tree of links, with hinges, sliders, two joints on a link, and joints that follow
-/// others.
+/// A random tree of links, with hinges, sliders, two joints on a link, and following joints.
 fn random_text(random: &mut SplitMix64) -> String {
     let mut number = |low: f64, high: f64| format!("{:.4}", random.between(low, high));
     let count = 5;
@@ -195,7 +194,7 @@ fn forward_kinematics_are_those_of_the_chain() {
     }
 }
 
-/// Edges of random robots, judged by samples of the clearance, which are certified by themselves.
+/// Edges of random robots, checked by samples of the clearance, which is certified.
 #[test]
 fn samples_never_contradict_an_edge() {
     let seed = 40;
@@ -351,8 +350,7 @@ fn parts_that_are_apart_have_no_depth() {
     let bytes = hullmap_bake::write_pack(&[cube(0.0), cube(3.0)], &Default::default()).unwrap();
     let shape = ObstacleShape::Compound(std::sync::Arc::new(hullmap::Pack::from_bytes(&bytes).unwrap()));
     arm.add_obstacles([Obstacle { name: "cubes".to_owned(), shape, pose: Pose::IDENTITY }]).unwrap();
-    // The balls at the base and at the tip overlap, and the tip is inside of the box around the
-    // cubes.
+    // The balls at base and tip overlap, and the tip is inside of the box around the cubes.
     let found = arm.clearance(&[0.0, 3.1], &Settings::default(), &mut arm.memory()).unwrap();
     let truth = 2.0 * 1.55_f64.cos() - 0.3;
     assert!(found.lower <= truth && truth <= found.upper && found.upper - found.lower < 1e-4, "{truth} {found:?}");

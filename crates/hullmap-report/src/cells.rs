@@ -230,8 +230,7 @@ impl Drawing<'_> {
         let (x, y) = (on_face(cell.face, self.index.vector(at, 1)), on_face(cell.face, self.index.vector(at + 6, 1)));
         let (start, rate) = (self.index.number(at + 12), self.index.number(at + 14));
         let word = |step: usize| slots[step];
-        // The first step starts at the minimum angle, and the last ends at the maximum: a full
-        // turn.
+        // The first step starts at the minimum angle, the last ends at the maximum: a full turn.
         let (first_angle, last_angle) = (-1.0, fan::TURN - 1.0);
         if slots.first() != slots.last() {
             self.ray(cell, x, y, first_angle);
@@ -292,8 +291,7 @@ impl Drawing<'_> {
         let is_on = |point: [f64; 2]| height.value(point).abs() <= ON_LINE * size;
         let on: Vec<[f64; 2]> = outline.iter().copied().filter(|&point| is_on(point)).collect();
         if let (Some(&from), Some(&to)) = (on.first(), on.last()) {
-            // If corners coincide there are more than two: the ends are the two farthest from each
-            // other.
+            // If corners coincide there are more than two: the ends are the two farthest apart.
             let far =
                 on.iter().copied().fold(to, |far, point| if gap(from, point) > gap(from, far) { point } else { far });
             self.line(face, [from, far], depth);

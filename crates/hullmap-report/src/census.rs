@@ -23,7 +23,7 @@ const DIRECTION_BUDGET: usize = 400_000;
 /// Maximum dot products for timing scans, over all hulls of a page: a fraction of a second.
 const SCAN_BUDGET: usize = 40_000_000;
 
-/// Maximum number of timed scans of a hull. The mean of more is no steadier.
+/// Maximum number of timed scans of a hull. More do not make the mean steadier.
 const MAX_SCANS: usize = 10_000;
 
 /// Cosine and sine of the golden angle, π (3 − √5). Repeated rotation by it needs no sine, whose
@@ -39,7 +39,7 @@ pub struct Census {
     pub candidates: Vec<[u64; 2]>,
     /// Pairs of a number of nodes and the number of queries that read it.
     pub nodes: Vec<[u64; 2]>,
-    /// Mean number of dot products, including those with padding lanes.
+    /// Mean number of dot products, including padding lanes.
     pub mean_dots: f64,
 }
 
@@ -106,8 +106,7 @@ pub struct Pace {
     pub scan: Duration,
 }
 
-/// Times queries and scans in these directions, shuffled so that neighbours do not follow one
-/// another.
+/// Times queries and scans in these directions, shuffled so that none follows its neighbour.
 pub fn pace(hull: &Hull, directions: &[Vec3], hull_count: usize) -> Pace {
     let count = directions.len();
     let step = stride(count);

@@ -56,7 +56,7 @@ pub struct EncodedMesh {
     pub corners: usize,
 }
 
-/// Corners of a mesh, of which those in each cell of a grid are merged.
+/// Corners of a mesh, merged within each cell of a grid.
 struct GridCorners {
     points: Vec<[f32; 3]>,
     /// Their indices in the whole mesh.
@@ -118,7 +118,7 @@ impl DisplayMesh {
         self.cells_for(limit).map_or_else(|| self.clone(), |cells| self.merged(cells))
     }
 
-    /// The same, and groups of edges with the corners of the thinned mesh.
+    /// [`with_at_most`](Self::with_at_most), and `groups` with the corners of the thinned mesh.
     pub fn with_groups(&self, limit: usize, groups: &[Vec<[u32; 2]>]) -> (Self, Vec<Vec<[u32; 2]>>) {
         let Some(cells) = self.cells_for(limit) else { return (self.clone(), groups.to_vec()) };
         let new = self.corners_of_grid(cells).new;
@@ -144,7 +144,7 @@ impl DisplayMesh {
         Some(coarse)
     }
 
-    /// The corners that are left if those in each cell of a grid are merged.
+    /// The corners that are left after merging within each cell of a grid.
     fn corners_of_grid(&self, cells: u32) -> GridCorners {
         let [low, high] = self.bounds();
         let longest = (0..3).map(|axis| f64::from(high[axis]) - f64::from(low[axis])).fold(0.0, f64::max);
@@ -209,7 +209,7 @@ mod tests {
     fn hulls_are_closed() {
         let (pack, _) = baked(cloud(200), IndexKind::None);
         let mesh = whole(&pack);
-        // Euler: triangles are twice the vertices less four.
+        // Euler: there are twice as many triangles as vertices, minus four.
         assert_eq!(mesh.triangles.len(), 2 * mesh.points.len() - 4);
         assert!(mesh.edges.len() <= 3 * mesh.points.len() - 6);
         // The neighbours are the twin.

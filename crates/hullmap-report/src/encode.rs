@@ -21,7 +21,7 @@ pub fn runs(numbers: &[u32]) -> String {
     joined_runs(numbers.iter().map(|number| (1, *number)))
 }
 
-/// The same for pairs of a count and a number. Equal numbers in a row are joined.
+/// [`runs`] of pairs of a count and a number. Equal numbers in a row are joined.
 pub fn joined_runs(counted: impl IntoIterator<Item = (u64, u32)>) -> String {
     let mut bytes = Vec::new();
     let mut before = 0_i64;

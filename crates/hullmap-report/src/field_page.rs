@@ -22,7 +22,6 @@ const MAX_PIXELS: usize = 1024;
 /// Index of the colour of holes. The other indices are grey, from black to white.
 const HOLE: u8 = 255;
 
-/// Colour of holes.
 const HOLE_COLOUR: [u8; 3] = [0xd0, 0x34, 0x2c];
 
 /// Unit vector to the light: from the upper left, and from above.

@@ -239,8 +239,7 @@ mod tests {
                 assert_eq!(cube::locate(dir.map(|c| c as f32)).face, index as u32, "{}", face.name);
                 assert_eq!(face.point(dir), [x, y]);
             }
-            // Right, up and outward are a right-handed frame: nothing is mirrored, seen from
-            // outside.
+            // Right, up and outward are a right-handed frame: from outside, nothing is mirrored.
             let [right, up, out] = [face.right, face.up, face.middle].map(|v| glam::DVec3::from(v.map(f64::from)));
             assert_eq!(right.cross(up), out, "{}", face.name);
         }

@@ -23,7 +23,7 @@ pub fn escape(text: &str) -> String {
 /// U+FFFD.
 pub fn plain(text: &str) -> String {
     let shown = |c: char| match c {
-        // U+2400 and on picture the characters below a space.
+        // U+2400 to U+241F are pictures of the control characters.
         '\0'..'\u{20}' => char::from_u32(0x2400 + u32::from(c)).unwrap_or(' '),
         '\u{7f}'..='\u{9f}' => '\u{2421}',
         '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => '\u{fffd}',

@@ -1,5 +1,5 @@
-//! Reader of a hull's direction index: the leaf of a direction, found as the runtime finds it, but
-//! slowly and plainly.
+//! Reader of a hull's direction index: the leaf of a direction, by the rules of the runtime, but
+//! slow and simple.
 //!
 //! The runtime does not expose its index, so this reads the same words from the file's bytes, after
 //! the file has passed all checks. Directions are located as described in `docs/FORMAT.md`.
@@ -41,7 +41,7 @@ pub enum ReadError {
     },
 }
 
-/// Parts of a pack that the report reads from its bytes, because the runtime does not expose it.
+/// Parts of a pack that the report reads from its bytes, because the runtime does not expose them.
 #[derive(Debug)]
 pub struct Contents {
     /// The direction index of each hull.
@@ -62,7 +62,7 @@ impl Contents {
     }
 
     /// The contents of an open pack, from a copy of its bytes. `None` if they cannot be read, which
-    /// an open pack that was checked excludes.
+    /// cannot happen for an open pack that was checked.
     pub fn of_pack(pack: &Pack) -> Option<Self> {
         let mut bytes = AlignedVec::<HEADER_LEN>::new();
         bytes.extend_from_slice(pack.bytes());
@@ -98,11 +98,9 @@ impl Contents {
 /// A direction index.
 #[derive(Clone, Debug)]
 pub struct IndexReader {
-    /// Its kind.
     pub kind: IndexKind,
     /// Number of blocks of a plain leaf.
     pub leaf_blocks: u32,
-    /// Its words.
     pub words: Vec<u32>,
     /// The vertex in each lane of each block.
     pub blocks: Vec<[u32; LANES]>,

@@ -92,7 +92,7 @@ pub struct VerifiedHull {
 /// Estimates of how the parts of one object fit together; `None` for what was not measured.
 #[derive(Clone, Debug, Default)]
 pub struct PartsEstimates {
-    /// Sum of the parts' volumes less the volume of their union, relative to the latter.
+    /// Sum of the parts' volumes minus the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
     /// Error of `overlap`.
     pub overlap_error: Option<f64>,

@@ -5,8 +5,7 @@
 //! in as an [`Input`].
 //!
 //! 1. [`analyse`] counts what queries cost and gathers what the page draws.
-//! 2. [`pack_page`] makes one page of the analysis; [`folder_page`] lists many packs, one [`Card`]
-//!    each.
+//! 2. [`pack_page`] makes one page of the analysis; [`folder_page`] lists packs, a [`Card`] each.
 //!
 //! | module | concept |
 //! |---|---|

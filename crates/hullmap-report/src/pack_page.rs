@@ -80,7 +80,7 @@ pub enum Verdict {
     ExactForTheStoredHull,
     /// A triangle mesh, and its source was not found.
     ExactForTheStoredTriangles,
-    /// No hull is simplified; or a triangle mesh is that of its source.
+    /// No hull is simplified; or a triangle mesh equals its source.
     Exact,
     /// It has parts that differ from their mesh.
     WithinItsBounds,

@@ -5,7 +5,7 @@ use crate::html::{escape, fill, link};
 const HEAD: &str = include_str!("page/head.html");
 const FOOT: &str = include_str!("page/foot.html");
 const STYLE: &str = include_str!("page/style.css");
-/// What the policy of a page with scripts allows, besides that of all pages.
+/// What the policy of pages with scripts allows in addition to the policy of all pages.
 const SCRIPT_SOURCE: &str = include_str!("page/script-source.txt");
 const FAULTS: &str = include_str!("page/faults.js");
 
@@ -15,7 +15,7 @@ pub struct Page {
     pub kind: &'static str,
     /// The command that writes it.
     pub generator: &'static str,
-    /// Style of this kind alone, after that of all pages.
+    /// Style of this kind alone, after the style of all pages.
     pub style: &'static str,
     /// Template of what is below the title.
     pub contents: &'static str,

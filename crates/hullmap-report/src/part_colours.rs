@@ -1,7 +1,7 @@
 //! Colours of parts: the same in the pictures and in the table of parts.
 //!
-//! Seven hues that readers with any colour vision can distinguish, in three lightnesses. A part has
-//! another colour than the parts whose boxes touch its own, while there are enough.
+//! Seven hues that readers with any colour vision can distinguish, in three lightnesses. Parts
+//! whose boxes touch have different colours, while there are enough.
 //!
 //! # Reference
 //! Okabe, Ito, "Color universal design", 2008. The yellow is darker here, so that it stands out

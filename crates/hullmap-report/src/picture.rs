@@ -61,7 +61,7 @@ pub fn picture_of_parts(parts: &[DisplayMesh], colours: &[usize], up: Up) -> Str
     format!("data:image/png;base64,{}", base64(&png(&pixels, &shades, u8::MAX)))
 }
 
-/// The pixels of shapes, each with its colour. A group of shapes is in front of those before it.
+/// The pixels of shapes, each with its colour. A group of shapes is in front of earlier groups.
 fn draw(groups: &[Vec<(&DisplayMesh, usize)>], up: Up) -> Vec<u8> {
     let seen = |point: [f32; 3]| seen(point, up);
     let all = || groups.iter().flatten().map(|(shape, _)| *shape);

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::DisplayMesh;
 use crate::input::Remarks;
 
-/// A robot, as it was and as it became. Lengths are in metres, angles in radians.
+/// A robot before and after editing. Lengths are in metres, angles in radians.
 #[derive(Debug, Default)]
 pub struct Robot {
     /// The description.
@@ -18,13 +18,13 @@ pub struct Robot {
     pub meshes: Vec<DisplayMesh>,
     /// Its links.
     pub links: Vec<Link>,
-    /// Its joints, except fixed ones. Those of one link are in the order in which they move it.
+    /// Its joints, except fixed ones. Joints of one link are in the order in which they move it.
     pub joints: Vec<Joint>,
     /// Pairs of links that touch in the neutral pose, before or after.
     pub touching: Vec<Touching>,
     /// Pairs of links whose collisions should be excluded.
     pub excluded: Vec<Excluded>,
-    /// How these were found.
+    /// How the pairs to exclude were found.
     pub exclusion: String,
     /// Faults, warnings and notes.
     pub remarks: Remarks,
@@ -70,7 +70,7 @@ pub struct Link {
 /// A mesh in a link.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// What it is.
+    /// What the mesh is to the link.
     pub layer: Layer,
     /// Index of the mesh.
     pub mesh: usize,
@@ -78,7 +78,7 @@ pub struct Shape {
     pub in_link: [[f64; 3]; 4],
 }
 
-/// What a shape is.
+/// What a mesh is to its link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layer {
@@ -98,7 +98,7 @@ pub enum Motion {
     Hinge,
     /// Along its axis.
     Slide,
-    /// It has no slider.
+    /// A ball joint or a free joint: it has no slider.
     Other,
 }
 
@@ -109,7 +109,7 @@ pub struct Joint {
     pub name: String,
     /// Index of the link that it moves.
     pub link: usize,
-    /// How.
+    /// How it moves the link.
     pub motion: Motion,
     /// Its axis in the frame of the link, of unit length.
     pub axis: [f64; 3],
@@ -135,8 +135,7 @@ pub struct Touching {
     pub links: [usize; 2],
     /// Whether they touch before, and after.
     pub touches: [bool; 2],
-    /// Whether engines do not test them: neighbours in the chain, and pairs that the description
-    /// excludes.
+    /// Whether engines do not test them: neighbours in the chain, and pairs excluded already.
     pub is_untested: bool,
 }
 
@@ -145,6 +144,6 @@ pub struct Touching {
 pub struct Excluded {
     /// Indices of the links.
     pub links: [usize; 2],
-    /// Why, in one word.
+    /// Why they should be excluded, in one word.
     pub reason: &'static str,
 }

@@ -173,7 +173,7 @@ fn mm(length: Option<f64>) -> String {
     length.map_or_else(|| "–".to_owned(), |length| format!("{length:.2}"))
 }
 
-/// The worst of bounds, if any is known.
+/// The worst bound, if any is known.
 fn worst(robot: &Robot, pick: impl Fn(&Link) -> Option<f64>) -> Option<f64> {
     robot.links.iter().filter_map(pick).reduce(f64::max)
 }

@@ -47,7 +47,7 @@ impl DisplayMesh {
         Self::revolved(&[[0.0, -half_length], [radius, -half_length], [0.0, half_length]], &[1])
     }
 
-    /// A capsule about the origin, along z; `half_length` is that between the centres of its caps.
+    /// A capsule along z; `half_length` is half of the distance between the centres of its caps.
     pub fn capsule(radius: f64, half_length: f64) -> Self {
         let cap = |up: f64| {
             (0..=RINGS).map(move |ring| {
@@ -60,7 +60,7 @@ impl DisplayMesh {
     }
 
     /// A solid of revolution about z. The profile goes up from the axis to the axis: a radius and a
-    /// height each. The edges are those of the rings `drawn`, and four lines between them.
+    /// height each. Its edges are the rings `drawn`, and four lines between them.
     fn revolved(profile: &[[f64; 2]], drawn: &[usize]) -> Self {
         let mut mesh = Self::default();
         let index = |ring: usize, segment: usize| (ring * SEGMENTS + segment % SEGMENTS) as u32;

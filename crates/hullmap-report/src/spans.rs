@@ -5,7 +5,7 @@
 //! 2. These heights are linear along the row. Take the last pixel at which none of them is small.
 //! 3. Compute the heights there as well. If all are large at both ends, they are large between
 //!    them, so the answer is the same.
-//! 4. Other pixels are queries.
+//! 4. Query the other pixels.
 
 use glam::{DVec3, Vec3};
 use hullmap::Hull;
@@ -46,9 +46,9 @@ impl Scan {
         (LEAST_REACH..=MOST_REACH).contains(&reach).then_some(Self { vertices, certain: CERTAIN * reach })
     }
 
-    /// The answers of `pixel` for `0..count`, of which not all are computed, as runs: number of
-    /// pixels and answer. The directions of the pixels are evenly spaced on a line, except for
-    /// rounding to f32.
+    /// The answers of `pixel` for `0..count` as runs: number of pixels and answer. Not all answers
+    /// are computed. The directions of the pixels are evenly spaced on a line, except for rounding
+    /// to f32.
     pub fn row<A>(
         &self,
         count: u32,

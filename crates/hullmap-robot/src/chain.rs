@@ -1,8 +1,7 @@
 //! The kinematic chain of a description: which joint moves which link, and forward kinematics.
 //!
 //! A link is placed in its parent by a frame at rest, then by each of its joints, in their order.
-//! This is MuJoCo's model. URDF and SDF are a special case, with at most one or two joints per
-//! link.
+//! This is MuJoCo's model. URDF and SDF are a special case: at most one or two joints per link.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/modeling.html#kinematic-tree>
@@ -63,7 +62,7 @@ pub struct Joint {
     pub name: String,
     /// Index of the link that it moves.
     pub link: usize,
-    /// How.
+    /// How it moves the link.
     pub motion: Motion,
     /// Its axis in the frame of the link, of unit length.
     pub axis: DVec3,
@@ -71,11 +70,11 @@ pub struct Joint {
     pub anchor: DVec3,
     /// Minimum and maximum of its position; of a ball, of the angle. `None` if it is not limited.
     pub limits: Option<[f64; 2]>,
-    /// Its position while the link is at rest. The displacement is the position less this.
+    /// Its position while the link is at rest. The displacement is the position minus this.
     pub reference: f64,
     /// Its position in the neutral pose.
     pub neutral: f64,
-    /// What it follows.
+    /// The joint that it follows, if any.
     pub coupling: Option<Coupling>,
 }
 
@@ -100,7 +99,7 @@ impl Joint {
 pub enum Displacement {
     /// In radians or metres.
     Scalar(f64),
-    /// Of a ball.
+    /// Rotation of a ball.
     Turn(DQuat),
 }
 
@@ -109,9 +108,9 @@ pub enum Displacement {
 pub struct Chain {
     /// One for each link of the description.
     pub links: Vec<Placement>,
-    /// The joints that are not fixed. Those of one link are in the order in which they move it.
+    /// The joints that are not fixed. Joints of one link are in the order in which they move it.
     pub joints: Vec<Joint>,
-    /// What was not understood, and what is shown instead.
+    /// What could not be modelled, and what is done instead.
     pub notes: Vec<String>,
     /// The root of each link's tree, or a link nearer to it.
     towards_root: Vec<usize>,
@@ -124,8 +123,7 @@ impl Chain {
         Self { links: vec![root; link_count], towards_root: (0..link_count).collect(), ..Self::default() }
     }
 
-    /// The root of a link's tree. Paths are halved on the way, so that a long chain takes linear
-    /// time.
+    /// The root of a link's tree. Paths are halved on the way: a long chain takes linear time.
     fn root(&mut self, mut link: usize) -> usize {
         while self.towards_root[link] != link {
             self.towards_root[link] = self.towards_root[self.towards_root[link]];
@@ -157,13 +155,13 @@ impl Chain {
         let mut is_ordered = vec![false; self.joints.len()];
         order.into_iter().for_each(|joint| is_ordered[joint] = true);
         for (joint, _) in self.joints.iter_mut().zip(is_ordered).filter(|(_, is_ordered)| !is_ordered) {
-            self.notes.push(format!("joint `{}` follows itself by way of others; it moves alone here", joint.name));
+            self.notes.push(format!("joint `{}` follows itself through others; it moves alone here", joint.name));
             joint.coupling = None;
         }
         self
     }
 
-    /// The joints, leaders before those that follow them. Circular ones are left out.
+    /// The joints, each leader before its followers. Joints of circular couplings are left out.
     pub fn coupling_order(&self) -> Vec<usize> {
         let mut followers = vec![Vec::new(); self.joints.len()];
         let mut order = Vec::new();
@@ -250,7 +248,7 @@ impl Chain {
         self.towards(|link| !is_free[link])
     }
 
-    /// For each link, the nearest ancestor that is reached while `goes_on`.
+    /// For each link, itself or the nearest ancestor for which `goes_on` is false; else the root.
     fn towards(&self, goes_on: impl Fn(usize) -> bool) -> Vec<usize> {
         let next = |link: usize| self.links[link].parent.filter(|_| goes_on(link));
         let mut found: Vec<Option<usize>> = vec![None; self.links.len()];

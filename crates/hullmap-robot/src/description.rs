@@ -80,7 +80,7 @@ pub struct Link {
     pub line: u32,
     /// What collides.
     pub collisions: Vec<Shape>,
-    /// What is drawn only.
+    /// What is only drawn.
     pub visuals: Vec<Shape>,
     /// Where its element starts.
     pub(crate) at: usize,
@@ -136,7 +136,7 @@ pub struct MeshUse {
     /// The frame in which the mesh is drawn and scaled, relative to the frame of its file: `refpos`
     /// and `refquat` of MJCF.
     pub reference: Frame,
-    /// The part of the file that is meant, of SDF; `None` for the whole file.
+    /// The part of the file to use, in SDF; `None` for the whole file.
     pub submesh: Option<Submesh>,
 }
 
@@ -155,7 +155,7 @@ impl MeshUse {
         self.reference.inverse().apply(vertex) * DVec3::from_array(self.scale)
     }
 
-    /// The greatest factor: a length of the mesh is at most that many times longer in the robot.
+    /// The greatest factor: lengths in the robot are at most this many times lengths in the mesh.
     pub fn stretch(&self) -> f64 {
         self.scale.iter().fold(0.0, |max: f64, factor| max.max(factor.abs()))
     }
@@ -248,9 +248,8 @@ impl Description {
         self.mesh_names.strips.then(|| target.join(&self.mesh_names.folder))
     }
 
-    /// The name by which the description, written to the folder `target`, names a mesh. Both paths
-    /// are absolute. A mesh in a package or model is named as such, if the description names others
-    /// so.
+    /// The name of a mesh in the description, if the description is written to the folder `target`.
+    /// Both paths are absolute. If other meshes are named by package or model, so is this one.
     ///
     /// # Errors
     /// There is no such name, for instance because the mesh is on another drive.
@@ -261,7 +260,7 @@ impl Description {
         }
         let in_package = names.scheme.and_then(|scheme| {
             let (package, below) = package_of(scheme, mesh)?;
-            // The description may be read from elsewhere, unless it is in the package too.
+            // A mesh is named by package only if the description is in the same package.
             let own = package_of(scheme, &target.join("x"))?.0;
             let below = below.to_str()?.replace('\\', "/");
             (own == package).then(|| format!("{}{package}/{below}", scheme.prefix()))
@@ -297,7 +296,6 @@ pub(crate) fn scale(text: Option<&str>) -> Result<[f64; 3], String> {
     factors.ok_or_else(|| format!("the scale `{text}` is not three numbers other than 0; correct it"))
 }
 
-/// The use of a mesh by a file in `folder`.
 pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places, folder: &Path) -> MeshUse {
     let (scale, fault) = match scale(scale_text) {
         Ok(scale) => (scale, None),

@@ -83,7 +83,7 @@ impl Document {
             RobotError::rejected(path, None, message)
         })?;
         let too_deep = |at: usize| {
-            let message = format!("elements are nested deeper than {MAX_DEPTH}; this is no robot description");
+            let message = format!("elements are nested deeper than {MAX_DEPTH}; this is not a robot description");
             RobotError::rejected(path, Some(line_of(&text, at)), message)
         };
         let prepared = match prepared(&text) {
@@ -143,7 +143,7 @@ impl Document {
                         .to_owned()
                 }
                 roxmltree::Error::NodesLimitReached => {
-                    format!("has more than {MAX_NODES} nodes; this is no robot description")
+                    format!("has more than {MAX_NODES} nodes; this is not a robot description")
                 }
                 error => format!("invalid XML: {error}; correct the file"),
             };

@@ -23,8 +23,8 @@ impl Edit {
     }
 }
 
-/// The edits by their places. Insertions at one place keep their order. An edit inside of a span
-/// that another one replaces is dropped: of an element that is removed, say.
+/// The edits by their places. Insertions at one place keep their order. An edit inside a span that
+/// another edit replaces is dropped, for instance in a removed element.
 pub fn in_order(mut edits: Vec<Edit>) -> Vec<Edit> {
     // An insertion before a replacement at the same place; of two replacements, the longer first.
     edits.sort_by_key(|edit| (edit.span.start, !edit.span.is_empty(), usize::MAX - edit.span.end));
@@ -37,7 +37,7 @@ pub fn in_order(mut edits: Vec<Edit>) -> Vec<Edit> {
     edits
 }
 
-/// The part `within` of a text, edited. All edits lie inside of it.
+/// The edited text of the span `within`, which contains all edits.
 pub fn edited(text: &str, within: Range<usize>, edits: Vec<Edit>) -> String {
     let mut result = String::with_capacity(within.len());
     let mut at = within.start;

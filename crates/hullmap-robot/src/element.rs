@@ -7,8 +7,7 @@ use roxmltree::Node;
 
 use crate::edit::Edit;
 
-/// The text of an attribute's value: characters that XML gives a meaning are escaped, and those
-/// that it does not allow are replaced.
+/// The text of an attribute's value: special characters are escaped, forbidden ones replaced.
 ///
 /// ```
 /// assert_eq!(hullmap_robot::escaped("a<b>\n"), "a&lt;b&gt;_");
@@ -83,7 +82,7 @@ pub fn rename(node: Node, text: &str, name: &str) -> Vec<Edit> {
 pub fn lead(node: Node, text: &str) -> Range<usize> {
     let start = node.range().start;
     let before = text[..start].trim_end_matches([' ', '\t', '\r', '\n']).len();
-    // The last line end only: blank lines above belong to what is above.
+    // Only the last line end: blank lines belong to what is above.
     let line = text[before..start].rfind('\n').map_or(start, |at| before + at);
     let line = if line > before && text.as_bytes()[line - 1] == b'\r' { line - 1 } else { line };
     line..start
@@ -94,7 +93,7 @@ pub fn removed(node: Node, text: &str) -> Edit {
     Edit::replace(lead(node, text).start..node.range().end, "")
 }
 
-/// The first of `name`, `name_2`, `name_3`, … that is not taken; it is then.
+/// Returns the first of `name`, `name_2`, `name_3`, … that is not in `taken`, and adds it there.
 pub fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
     let numbered = (2_u32..).map(|number| format!("{name}_{number}"));
     let free = std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken.contains(name));

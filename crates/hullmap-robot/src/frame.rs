@@ -17,8 +17,7 @@ impl Frame {
     /// The parent's frame itself.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
-    /// A frame at a translation, with rotations about the fixed axes x, y and z, in this order, in
-    /// radians.
+    /// A frame at a translation, rotated about the fixed axes x, y, z, in this order, in radians.
     pub fn of_xyz_rpy([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Self {
         let rotation = DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll);
         Self { rotation, translation: DVec3::new(x, y, z) }

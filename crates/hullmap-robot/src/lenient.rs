@@ -1,7 +1,7 @@
 //! XML as robot programs read it: TinyXML accepts some texts that XML 1.0 does not allow.
 //!
 //! [`prepared`] replaces such texts by others of the same length, so that spans stay valid. Only
-//! the parser sees the result; edits apply to the original text.
+//! the parser reads the result; edits apply to the original text.
 //!
 //! | accepted | replaced by |
 //! |---|---|
@@ -13,7 +13,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// Maximum depth of nested elements. Descriptions have less than 100.
+/// Maximum depth of nested elements. Descriptions have fewer than 100.
 pub const MAX_DEPTH: usize = 1000;
 
 /// Elements are nested deeper than [`MAX_DEPTH`]; the place where.
@@ -73,7 +73,7 @@ pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
     Ok(if blank.is_empty() { Cow::Borrowed(text) } else { Cow::Owned(blanked(text, &blank)) })
 }
 
-/// The place behind a tag's `>`; those in quotes do not count.
+/// The place after the `>` that ends a tag. `>` in quotes is skipped.
 fn end_of_tag(bytes: &[u8], start: usize) -> usize {
     let mut quote = None;
     for (at, &byte) in bytes.iter().enumerate().skip(start) {
@@ -101,8 +101,7 @@ fn blanked(text: &str, places: &[std::ops::Range<usize>]) -> String {
     String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
 }
 
-/// The text with `prefix:` replaced by `prefix_`, where a name of an element or attribute may
-/// begin.
+/// The text with `prefix:` replaced by `prefix_`, where an element or attribute may begin.
 pub fn without_prefix(text: &str, prefix: &str) -> String {
     let marked = format!("{prefix}:");
     let places: BTreeSet<usize> = text

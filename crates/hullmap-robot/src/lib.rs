@@ -1,5 +1,4 @@
-//! Robot descriptions: finds the collision geometry of URDF, MJCF and SDF files, and edits it in
-//! place.
+//! Robot descriptions: finds collision geometry in URDF, MJCF and SDF files, and edits it in place.
 //!
 //! 1. [`Description::read`] reads a file, and the files that it includes. [`Places`] has the
 //!    folders of meshes and packages. The result lists links, their collisions and visuals.

@@ -28,7 +28,7 @@ pub(crate) struct Dialect {
     pub(crate) submesh: fn(Node) -> Option<Submesh>,
     /// The pose of an element in its link; `None` if it is not known.
     pub(crate) pose: fn(Node) -> Option<Frame>,
-    /// The numbers of an attribute or element of a primitive; none if there is no such.
+    /// The numbers of an attribute or element of a primitive; empty if it is missing.
     pub(crate) sizes: fn(Node, &str) -> Vec<f64>,
     /// The mass that a link states.
     pub(crate) mass: fn(Node) -> Option<f64>,

@@ -27,8 +27,8 @@ impl Neighbours {
         self.rigid[a] == self.rigid[b]
     }
 
-    /// Whether two links are connected by one joint, or by none. The world is no neighbour, nor is
-    /// what is rigidly connected to it, as in MuJoCo.
+    /// Whether two links are connected by one joint, or by none. As in MuJoCo, the world and links
+    /// that are rigidly connected to it are not neighbours.
     pub fn are_adjacent(&self, [a, b]: [usize; 2]) -> bool {
         let is_world = |link: usize| self.is_world[self.rigid[link]];
         self.are_rigid([a, b]) || self.are_joined([a, b]) && !is_world(a) && !is_world(b)
@@ -46,8 +46,7 @@ impl Neighbours {
         self.parent[a] == Some(own_b) || self.parent[b] == Some(own_a)
     }
 
-    /// All pairs of links of one robot for which `has_pieces` holds. The world is not a part of
-    /// any.
+    /// All pairs of links of one robot for which `has_pieces` holds. The world belongs to no robot.
     pub fn pairs(&self, has_pieces: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
         let chosen = |link: &usize| has_pieces(*link) && !self.is_world[*link];
         let chosen: Vec<usize> = (0..self.rigid.len()).filter(chosen).collect();

@@ -48,7 +48,7 @@ impl Scheme {
         }
     }
 
-    /// The file by which its folders are known.
+    /// The file that marks its folders.
     fn mark(self) -> &'static str {
         match self {
             Self::Package => "package.xml",
@@ -113,7 +113,7 @@ impl Places {
             Ok(real) if real.is_file() => Ok(path),
             Ok(_) => Err(Unresolved::Failed(format!("`{name}` is not a regular file; name a mesh"))),
             Err(_) => {
-                // The nearest folder that exists decides whether the place may be known.
+                // The error reveals a missing file only if its nearest existing folder may be read.
                 let above = path.ancestors().skip(1).find_map(|above| above.canonicalize().ok());
                 match above {
                     Some(above) if is_inside(&above) => Err(Unresolved::Failed(format!(
@@ -127,7 +127,7 @@ impl Places {
 
     /// The path of `PACKAGE/REST`.
     fn in_package(&self, scheme: Scheme, rest: &str, folder: &Path) -> Result<PathBuf, Unresolved> {
-        // Three slashes are as usual as two.
+        // `package:///` is as common as `package://`.
         let rest = rest.trim_start_matches('/');
         let (package, below) = rest.split_once('/').unwrap_or((rest, ""));
         let not_found = || {
@@ -144,8 +144,8 @@ impl Places {
         file.or_else(|| folders.first().map(|folder| folder.join(below))).ok_or_else(not_found)
     }
 
-    /// The folders that may be this package, the most certain first: those that `--package-path`
-    /// names, those above the description that have the mark, and those that have only the name.
+    /// Folders that may be this package, the most certain first: from `--package-path`, then
+    /// folders above the description with the mark, then folders with only the name.
     fn folders_of(&self, scheme: Scheme, package: &str, folder: &Path) -> Vec<PathBuf> {
         let is_named = |folder: &Path| folder.file_name().is_some_and(|name| name == package);
         let is_package = |folder: &Path| {

@@ -100,7 +100,7 @@ fn mass(link: Node) -> Option<f64> {
 /// The edits that make these changes.
 ///
 /// # Errors
-/// The document cannot be parsed, which it was before.
+/// The document can no longer be parsed.
 pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
     let tree = document.parse()?;
     let nodes: BTreeMap<usize, Node> =

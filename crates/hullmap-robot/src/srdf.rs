@@ -43,7 +43,7 @@ pub fn srdf(robot: &str, comment: &str, pairs: &[DisabledPair]) -> String {
 /// The pairs of links that an SRDF file disables, by the names of the links.
 ///
 /// # Errors
-/// The file cannot be read, is not SRDF, or an element names no two links.
+/// The file cannot be read, is not SRDF, or an element does not name two links.
 pub fn disabled_pairs(path: &Path) -> Result<Vec<[String; 2]>, RobotError> {
     let document = Document::read(path)?;
     let tree = document.parse()?;
@@ -57,7 +57,7 @@ pub fn disabled_pairs(path: &Path) -> Result<Vec<[String; 2]>, RobotError> {
         match (link("link1"), link("link2")) {
             (Some(a), Some(b)) => Ok([a, b]),
             _ => {
-                Err(document.error(node.range().start, "`disable_collisions` names no two links; add link1 and link2"))
+                Err(document.error(node.range().start, "`disable_collisions` must name two links; add link1 and link2"))
             }
         }
     });

@@ -48,7 +48,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
 /// The edits that make these changes.
 ///
 /// # Errors
-/// The document cannot be parsed, which it was before.
+/// The document can no longer be parsed.
 pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
     let tree = document.parse()?;
     let nodes: BTreeMap<usize, Node> =
@@ -120,7 +120,7 @@ fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3
     edits
 }
 
-/// The first mesh in place of the old one, and a copy of the element for each other.
+/// The first mesh replaces the old one. Each other mesh gets a copy of the element.
 fn replace(node: Node, text: &str, meshes: &[String], mut copy: impl FnMut(usize, &String) -> String) -> Vec<Edit> {
     let Some((first, others)) = meshes.split_first() else { return Vec::new() };
     let mut edits: Vec<Edit> = mesh_of(node).map(|mesh| set(mesh, text, "filename", first)).into_iter().collect();

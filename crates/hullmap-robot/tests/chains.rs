@@ -12,7 +12,7 @@ fn read(text: &str) -> Description {
     Description::read(&file, &Places::default()).unwrap()
 }
 
-/// Where a point of a link is, with these displacements of the joints that follow none.
+/// Position of a point of a link, for displacements of the joints that follow no other.
 fn point(robot: &Description, link: &str, at: [f64; 3], displacements: &[f64]) -> DVec3 {
     let mut all: Vec<Displacement> = displacements.iter().copied().map(Displacement::Scalar).collect();
     all.resize(robot.chain.joints.len(), Displacement::Scalar(0.0));
@@ -119,7 +119,7 @@ fn sdf() {
     assert_eq!(robot.chain.joints[2].coupling.unwrap().follow(1.0), 2.0);
     let notes = robot.chain.notes.join("\n");
     assert!(
-        notes.contains("joint `bad`: its child is no link") && notes.contains("names no joint that moves"),
+        notes.contains("joint `bad`: its child is not a link") && notes.contains("names no joint that moves"),
         "{notes}"
     );
 }

@@ -166,8 +166,7 @@ fn sdf_inertia() {
     assert_eq!(found, expected);
 }
 
-/// ROS programs skip any number of slashes behind `package:`, and TinyXML ignores what follows the
-/// root.
+/// ROS programs skip all slashes behind `package:`, and TinyXML ignores what follows the root.
 #[test]
 fn third_slashes_and_second_end_tags_are_read_as_by_others() {
     let text = "<robot name='r'>\n <link name='l'><collision><geometry>\
@@ -251,7 +250,6 @@ fn mjcf() {
     let texts = changed(&description, &[replace(2, 2, &["z.obj"])]);
     let geom = "<geom type='mesh' mesh='z' group=\"3\" mass=\"0\"/>\n  <geom type='mesh' mesh='a' contype=\"0\" conaffinity=\"0\"/>";
     assert_eq!(texts[1], PART.replace("<geom type='mesh' mesh='a'/>", geom));
-    // From a visual.
     let change = Change::FromVisual { link: 3, visual: 0, meshes: Some(meshes(&["v.obj"])) };
     let text = changed(&description, &[change]).remove(0);
     let geom = "<geom class=\"vis\" mesh=\"bee\" name=\"drawn\"/>";

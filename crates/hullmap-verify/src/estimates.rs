@@ -10,15 +10,15 @@ use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 use serde::{Deserialize, Serialize};
 
-/// Maximum number of parts of an object that are compared with each other. Anybody may have written
-/// a pack, and the time grows with the square of their number.
+/// Maximum number of parts of an object that are compared with each other. A pack may be hostile,
+/// and the time grows with the square of the number.
 const MAX_PARTS: usize = 4096;
 
 /// Estimates of how the parts of one object fit together. Field names are the JSON's; `None` if
 /// something was not measured. Lengths are in source units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct PartsEstimates {
-    /// Sum of the parts' volumes less the volume of their union, relative to the latter.
+    /// Sum of the parts' volumes minus the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
     /// Error of `overlap`: twice its standard deviation.
     #[serde(default)]
@@ -69,7 +69,7 @@ fn symmetry(parts: &[&Hull]) -> Option<MirrorPlane> {
 
 impl PartsEstimates {
     /// The estimates of `parts` that stand for `mesh`, and the mean protrusion of each part.
-    /// `solid` is that from which protrusion counts, and `volume` that of the mesh's own, if it is
+    /// Protrusion counts from `solid`; `volume` is the volume of the mesh's own solid, if it is
     /// known. After the deadline, voids are estimated coarsely.
     pub fn new(
         mesh: &PointSet,
@@ -91,7 +91,7 @@ impl PartsEstimates {
             symmetry: symmetry(parts),
             ..Self::default()
         };
-        // Unreachable space is not the mesh's.
+        // Unreachable space does not belong to the mesh's own solid.
         let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
         let own = own.as_ref().unwrap_or(solid);
         if cover.is_some_and(|cover| cover.fill) && own.kind() == SolidKind::Watertight {
@@ -115,7 +115,7 @@ impl PartsEstimates {
         Some(VoidsShare { share: self.voids?, error: self.voids_error? })
     }
 
-    /// What a sentence states of them, if the parts were compared.
+    /// The estimates for a sentence about the parts, if the parts were compared.
     pub fn looseness(&self) -> Option<Looseness> {
         Some(Looseness {
             overlap: self.overlap?,

@@ -1,4 +1,4 @@
-//! Judges how parts fit their mesh: looks for a point that refutes a recorded bound.
+//! Judges how parts fit their mesh: searches for a point that refutes a recorded bound.
 //!
 //! It shares no measurement with the baker. Distances from parts come from the runtime solver,
 //! distances from the solid from [`TriangleSoup`]. The claim is refuted by one point, which is
@@ -51,8 +51,8 @@ const ROUNDING: f64 = 4e-12;
 /// Distance of the recorded point of greatest protrusion from the part, relative to the diagonal.
 const ON_PART: f64 = 1e-6;
 
-/// Depth of a cavity below which it is ignored, relative to the protrusion, and to the diagonal:
-/// those of the file format, with room for rounding.
+/// Depth of a cavity below which it is ignored, relative to the protrusion, and to the diagonal: as
+/// in the file format, with an allowance for rounding.
 const CAVITY: [f64; 2] = [0.1001, 1.001e-3];
 
 /// A point that refutes a claim, and its distance.
@@ -161,8 +161,7 @@ impl Judge {
         sampled(&points, claim, value, confirm).or_else(|| search(&self.triangles, claim, measure, confirm))
     }
 
-    /// The point of the surface that the baker finds to be farthest from all hulls, if it is on the
-    /// surface.
+    /// The point of the surface that the baker finds farthest from all hulls, if it is on it.
     fn least_covered(&self, mesh: &PointSet, hulls: &[Hull]) -> Option<DVec3> {
         let parts = hulls.par_iter().map(rebuilt).collect::<Option<Vec<_>>>()?;
         let at = uncovered(mesh, &parts.iter().collect::<Vec<_>>()).at;
@@ -204,7 +203,7 @@ impl Judge {
             .or_else(|| sampled(&inside(&vertices), cavity, value, confirm))
     }
 
-    /// One of `points` of a primitive that is farther than `claim` from the solid.
+    /// A point of `points` of a primitive that is farther than `claim` from the solid.
     pub fn farther(&self, points: &[DVec3], claim: f64) -> Option<Witness> {
         let value = |p: DVec3| if self.soup.seems_inside(p) { 0.0 } else { self.soup.gap(p) - self.rounding };
         sampled(points, claim, value, |p| self.soup.is_outside(p))
@@ -401,8 +400,7 @@ mod tests {
         let pack = pack(vec![part(&mesh, &all)], &mesh);
         let (hull, judge) = (pack.hull(0).unwrap(), Judge::new(&mesh, &Solid::new(&mesh)));
         assert_eq!((judge.kind(), hull.solid()), (SolidKind::Watertight, Some(SolidKind::Watertight)));
-        // The face from (3, 1) to (1, 2) is farthest from the solid where both arms are equally
-        // far.
+        // The face from (3, 1) to (1, 2) is farthest from the solid where both arms are as far.
         let truth = 2.0 / 3.0;
         let (claimed, at) = (hull.protrusion().unwrap(), hull.protrusion_at().unwrap());
         assert!((truth..1.006 * truth).contains(&claimed), "{claimed}");

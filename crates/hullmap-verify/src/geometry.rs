@@ -1,5 +1,4 @@
-//! Vertices and faces of a hull as lists, as `bake inspect` prints them and `bake export` writes
-//! them.
+//! Vertices and faces of a hull as lists, for `bake inspect` and `bake export`.
 
 use hullmap::Hull;
 use hullmap_bake::{PointSet, hull};
@@ -23,8 +22,8 @@ pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
     built.map_or_else(Vec::new, |built| built.faces)
 }
 
-/// The convex hull of a hull's vertices, as the baker builds it; `None` if they have none. It has
-/// the same vertices, unless they are not those of a convex hull.
+/// The convex hull of a hull's vertices, as the baker builds it; `None` if there is none. It has
+/// the same vertices if they are the vertices of a convex hull.
 pub fn rebuilt(hull: &Hull) -> Option<hull::Hull> {
     let positions = positions(hull);
     let source_vertices = (0..positions.len() as u32).collect();

@@ -1,5 +1,4 @@
-//! Measures how convex parts fit their meshes, and verifies packs and triangle meshes against their
-//! sources.
+//! Measures the fit of convex parts, and verifies packs and triangle meshes against their sources.
 //!
 //! | module | concept |
 //! |---|---|
@@ -14,8 +13,8 @@
 //! | [`geometry`] | vertices and faces of a hull as lists |
 //! | [`random`] | seeded directions and points |
 //!
-//! What it compares with is computed independently of the baker, as far as it can be: by brute
-//! force, in f64. It depends neither on options nor on files of the command.
+//! Reference values are computed independently of the baker as far as possible: by brute force, in
+//! f64. The crate depends neither on options nor on files of the command.
 
 #![forbid(unsafe_code)]
 

@@ -14,8 +14,8 @@ use hullmap_bake::number::rounded;
 /// mesh's diagonal.
 const ROUNDING: f64 = 1e-9;
 
-/// Why the mass that the first of an object's hulls records is not that of its mesh; `None` if it
-/// is, or if nothing is recorded. `computed` is the mass of the mesh's solid.
+/// Why the recorded mass of an object is not the mass of its mesh; `None` if it is, or if none is
+/// recorded. `first` is the object's first hull, `computed` the mass of the mesh's solid.
 pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option<String> {
     let recorded = first.mesh_mass_properties(1.0)?;
     let name = &mesh.name;
@@ -37,7 +37,7 @@ pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option
     }
     let difference = inertia(computed) - recorded.inertia;
     if !difference.to_cols_array().iter().all(|entry| entry.abs() <= room * size * size) {
-        return Some(format!("the inertia that the pack records is not that of {name}"));
+        return Some(format!("the recorded inertia is not the inertia of {name}"));
     }
     None
 }
@@ -45,8 +45,8 @@ pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option
 /// Difference from the recorded share that rounding may explain. Numbers of records are f32.
 const SHARE_ROUNDING: f64 = 1e-6;
 
-/// Why the voids that the first of an object's hulls records are not those of its parts; `None` if
-/// they are, or if nothing is recorded. `computed` are the voids of the parts in the pack.
+/// Why the recorded voids of an object are not the voids of its parts; `None` if they are, or if
+/// none are recorded. `first` is the object's first hull; `computed` are the voids of the parts.
 pub fn voids_problem(first: &Hull, name: &str, computed: Option<VoidsShare>) -> Option<String> {
     let recorded = first.voids()?;
     let Some(computed) = computed else {

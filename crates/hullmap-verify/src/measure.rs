@@ -76,7 +76,7 @@ pub fn parts(
     measured
 }
 
-/// Whether the decomposition made a part. Otherwise its points are those of its mesh.
+/// Whether the decomposition made a part. Otherwise its points are the points of its mesh.
 pub fn is_cut(part: &Part) -> bool {
     matches!(part.points, Cow::Owned(_))
 }
@@ -141,7 +141,7 @@ fn record(
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit, deadline));
     let estimates =
         solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume, deadline).0);
-    // One part leaves nothing.
+    // Voids are recorded only for several parts.
     if let [first, _, ..] = own {
         first.voids = estimates.as_ref().and_then(|estimates| estimates.voids_share());
     }
@@ -152,8 +152,8 @@ fn record(
     estimates
 }
 
-/// Records the primitives that may replace parts, and returns a note on their number. The limit is
-/// the maximum error; with a maximum number of parts, what the parts reach.
+/// Records the primitives that may replace parts, and returns a note on their number. They protrude
+/// by at most the maximum error; with a maximum number of parts, by at most as much as the parts.
 fn record_primitives(mesh: &PointSet, own: &mut [BakedHull], cover: &Cover) -> Option<Remark> {
     let fits: Vec<Fit> = own.iter().filter_map(|baked| baked.fit).collect();
     if fits.len() < own.len() {
@@ -169,7 +169,7 @@ fn record_primitives(mesh: &PointSet, own: &mut [BakedHull], cover: &Cover) -> O
 }
 
 /// Adds the summary of an object, and remarks on what an engine cannot use. `cover` are the
-/// parameters with which the parts were made, `estimates` those of a mesh that was divided.
+/// parameters with which the parts were made, `estimates` the estimates for a divided mesh.
 fn judge(
     name: &str,
     diagonal: f64,

@@ -8,8 +8,7 @@ use crate::support::REGRET_LIMIT;
 use crate::truth::{Points, dot};
 use hullmap_bake::number::rounded;
 
-/// Difference between the supports of a hull and of its source, over all tested directions;
-/// lengths.
+/// Difference between the supports of a hull and its source, over all tested directions; lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outside {
     /// Minimum; negative if the source protrudes from the hull.
@@ -20,7 +19,7 @@ pub struct Outside {
     pub diameter: f64,
 }
 
-/// Support of the hull's vertices minus that of the source's points, in all `directions`, which
+/// Support of the hull's vertices minus support of the source's points, in all `directions`, which
 /// must be finite and non-zero. Complexity: O((vertices + points) · directions), on all threads of
 /// the pool.
 pub fn measure_outside(vertices: &[Vec3], source: &Points, directions: &[Vec3]) -> Outside {
@@ -60,7 +59,7 @@ impl Outside {
 pub fn to_point(hull: &Hull, p: DVec3) -> Distance {
     match Pose::from_translation(p) {
         Ok(pose) => distance(hull, &Dot, pose, &Settings::default(), &mut Cache::new()),
-        // A point that is not finite is not known to be anywhere.
+        // Nothing is known about a point that is not finite.
         Err(_) => Distance { lower: 0.0, upper: f64::INFINITY, ..Distance::default() },
     }
 }

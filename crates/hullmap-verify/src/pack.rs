@@ -7,8 +7,9 @@
 //!    and stay within its recorded outer error.
 //! 4. No point of an object's surface may lie farther outside its parts than recorded, and no part
 //!    may protrude farther from its solid than recorded.
-//! 5. The recorded mass must be that of the mesh, and the recorded voids those of the parts. A
-//!    primitive must contain the surface in its part, and protrude no farther than recorded.
+//! 5. The recorded mass must be the mass of the mesh, and the recorded voids the voids of the
+//!    parts. A primitive must contain the surface in its part, and protrude no farther than
+//!    recorded.
 //! 6. Parts that a physics engine cannot use well pass with warnings.
 
 use std::collections::HashSet;
@@ -351,7 +352,7 @@ fn verify_fit(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &
     }
 }
 
-/// Refutes recorded bounds, if a point refutes them.
+/// Reports recorded bounds that a point refutes.
 fn judge(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
     let judge = Judge::new(mesh, &solid_of(mesh, cover));
     let name = &mesh.name;
@@ -479,8 +480,7 @@ fn query_problems(measured: &Measurement, worst: Cost) -> Vec<String> {
     problems
 }
 
-/// Number of hull vertices that differ from their recorded source vertices, bit by bit. −0 equals
-/// +0.
+/// Number of hull vertices that differ from their recorded source vertices, in bits. −0 equals +0.
 ///
 /// A vertex without a source vertex must be one of the part's other points. The vertices of a
 /// simplified hull have no source vertices.

@@ -23,8 +23,8 @@ pub struct PartsFindings {
 }
 
 /// Compares the parts of one object with each other, and with their mesh if it is known; `volume`
-/// is that of its solid. `cover` are the parameters that the pack records. `None` for a hull that
-/// is not a part, or the only part of an object that was not cut.
+/// is the volume of its solid. `cover` are the parameters that the pack records. `None` for a hull
+/// that is not a part, or the only part of an object that was not cut.
 pub fn findings(
     hulls: &[Hull],
     mesh: Option<&PointSet>,

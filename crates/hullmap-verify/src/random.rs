@@ -34,8 +34,7 @@ impl SplitMix {
         loop {
             let point = DVec3::new(self.signed(), self.signed(), self.signed());
             let length_sq = point.length_squared();
-            // The ball fills more than half of the cube, so the loop ends after two draws on
-            // average.
+            // The ball fills more than half of the cube: fewer than two draws on average.
             if length_sq <= 1.0 && length_sq > 1e-6 {
                 return point;
             }

@@ -1,5 +1,4 @@
-//! The triangles that bound the solid of a mesh: nearest triangle, crossings of a ray, and winding
-//! number.
+//! The triangles that bound the solid of a mesh: nearest triangle, ray crossings, winding number.
 //!
 //! Only the definition of the solid comes from the baker: which triangles close its holes.
 //! Distances and winding numbers are computed independently, by another tree of boxes and the sum
@@ -22,7 +21,7 @@ pub type Triangle = [DVec3; 3];
 /// Number of triangles in a leaf of the tree.
 const LEAF: usize = 4;
 
-/// Directions of the rays that guess on which side a point is: none along common edges.
+/// Directions of the rays by which the side of a point is guessed: none along common edges.
 const RAYS: [DVec3; 2] = [DVec3::new(0.283, -0.617, 0.734), DVec3::new(-0.541, 0.327, 0.775)];
 
 /// Minimum length of an array of triangles that is summed on several threads.
@@ -38,7 +37,7 @@ struct Node {
     second: u32,
 }
 
-/// Triangles of a mesh, and those that close it.
+/// Triangles of a mesh, and triangles that close it.
 pub struct TriangleSoup {
     kind: SolidKind,
     /// In the order of the tree's leaves.
@@ -61,7 +60,7 @@ impl TriangleSoup {
             key.sort_unstable();
             key[0] != key[1] && key[1] != key[2] && seen.insert(key)
         };
-        // Closing triangles count even where they repeat one.
+        // Closing triangles count even if they repeat another one.
         let (own, closing) = all.split_at(mesh_count.min(all.len()));
         let winding: Vec<Triangle> = own.iter().filter(is_new).chain(closing).copied().collect();
         let mut triangles: Vec<(Triangle, bool)> =
@@ -136,7 +135,7 @@ impl TriangleSoup {
     }
 
     /// Winding number as the signed number of triangles that a ray crosses. Repeated triangles
-    /// count, so a mesh with such is left to the solid angles.
+    /// count, so a mesh that has some is left to the solid angles.
     fn crossings(&self, p: DVec3, direction: DVec3) -> i32 {
         let inverse = direction.recip();
         let (mut sum, mut stack) = (0, vec![0_usize]);
@@ -156,7 +155,7 @@ impl TriangleSoup {
     }
 }
 
-/// Builds the node over a range of triangles, and those below it.
+/// Builds the node over a range of triangles, and the nodes below it.
 fn grow(triangles: &mut [(Triangle, bool)], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
     let own = &mut triangles[range.clone()];
     let corners = || own.iter().flat_map(|(triangle, _)| triangle);

@@ -1,7 +1,7 @@
 //! Whether a hull's support queries are exact, measured against every source point.
 //!
-//! Its direction index is proven before ([`index`](crate::index)): every query finds the support
-//! vertex of the stored hull.
+//! Its direction index has been proven before ([`index`](crate::index)): every query finds the
+//! support vertex of the stored hull.
 //!
 //! `regret(d) = (max over the source points of v·d − got·d) / (|d| · diameter)`, in f64 on the
 //! stored f32 numbers. A hull that lost a source point has a large regret in that point's
@@ -102,7 +102,7 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
     let dir = dir.to_array().map(f64::from);
     let loss = greatest - dot(got.to_array().map(f64::from), dir);
     if loss == 0.0 {
-        // Also a hull that is one point, of diameter 0.
+        // A hull that is one point has the diameter 0.
         return 0.0;
     }
     let regret = (loss / (dot(dir, dir).sqrt() * diameter)).abs();

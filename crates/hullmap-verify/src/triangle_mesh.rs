@@ -4,7 +4,7 @@
 //! 1. Compare each triangle with the one of the source that it names, and the materials.
 //! 2. Recompute counts, neighbours and classes of edges and vertices: by maps instead of a sort,
 //!    and by angles instead of heights.
-//! 3. Compare rays and nearest points with those of the source's triangles, one by one.
+//! 3. Compare rays and nearest points with all triangles of the source, one by one.
 //!
 //! # Reference
 //! Möller, Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
@@ -22,8 +22,8 @@ use serde::Serialize;
 use crate::random::SplitMix;
 use crate::soup::closest;
 
-/// Maximum number of tests of a triangle, by rays and by points: some seconds. Fewer are made on a
-/// mesh of more triangles, but at least [`LEAST`].
+/// Maximum number of tests of a triangle, by rays and by points, which take seconds. A large mesh
+/// gets fewer rays and points, but at least [`LEAST`].
 const TESTS: usize = 200_000_000;
 
 /// Minimum number of rays, and of points.
@@ -201,8 +201,9 @@ fn compare_triangles(mesh: &TriangleMesh, source: &SourceTriangles, findings: &m
         }
         match is_used.get_mut(from) {
             Some(is_used) if !*is_used => *is_used = true,
-            _ => findings
-                .add(|| format!("triangle {index}: triangle {from} of the source is there twice, or not at all")),
+            _ => {
+                findings.add(|| format!("triangle {index}: triangle {from} of the source occurs twice, or not at all"))
+            }
         }
         let material = source.materials.get(from).copied().unwrap_or_default();
         findings.compare(&format!("material of triangle {index}"), mesh.material(index), Some(material));
@@ -227,7 +228,7 @@ fn compare_surface(mesh: &TriangleMesh, triangles: &[[DVec3; 3]], findings: &mut
         of.sort_unstable();
         of
     };
-    // Triangles that are no part of the surface: those with an equal corner, and repeated ones.
+    // Triangles that are not part of the surface: two corners are equal, or it is repeated.
     let (mut first, mut duplicate) = (HashMap::new(), 0);
     let mut is_part = vec![true; corners.len()];
     for (index, own) in corners.iter().enumerate() {
@@ -277,7 +278,7 @@ fn compare_surface(mesh: &TriangleMesh, triangles: &[[DVec3; 3]], findings: &mut
         }
     }
     for (index, own) in corners.iter().enumerate().filter(|(index, _)| !is_part[*index]) {
-        let what = format!("edges of triangle {index} {own:?}, which is no part of the surface");
+        let what = format!("edges of triangle {index} {own:?}, which is not part of the surface");
         findings.compare(&what, mesh.edge_classes(index), Some([EdgeClass::Border; 3]));
     }
     for (vertex, class) in at_vertices.into_iter().enumerate() {
@@ -286,7 +287,7 @@ fn compare_surface(mesh: &TriangleMesh, triangles: &[[DVec3; 3]], findings: &mut
     }
 }
 
-/// Whether the corners of a triangle are on a line. The coordinates are those of f32, so products
+/// Whether the corners of a triangle are on a line. The coordinates are f32 numbers, so products
 /// of three differences may round; exact predicates decide.
 fn is_on_a_line(triangle: &[DVec3; 3]) -> bool {
     [[0, 1], [1, 2], [2, 0]].iter().all(|[x, y]| {
@@ -328,13 +329,13 @@ fn between(triangles: &[[DVec3; 3]], corners: &[[u32; 3]], a: (usize, usize), b:
     }
 }
 
-/// What a ray does, by brute force.
+/// Hits of a ray, by brute force.
 struct RayTruth {
     /// The first t at which it certainly hits a triangle; infinite if it hits none.
     sure: f64,
     /// The times at which it may hit a triangle, with their errors.
     possible: Vec<(f64, f64)>,
-    /// Whether it is nearly parallel to a triangle that it may hit.
+    /// Whether the ray is nearly parallel to a triangle that it may hit.
     is_doubtful: bool,
 }
 
@@ -430,7 +431,7 @@ fn is_near_line(origin: DVec3, direction: DVec3, [a, b, c]: &[DVec3; 3], scale: 
     let length = |side: &[DVec3; 2]| side[0].distance(side[1]);
     let [from, to] = sides.into_iter().max_by(|x, y| length(x).total_cmp(&length(y))).unwrap_or([*a, *b]);
     let height = (*b - *a).cross(*c - *a).length() / from.distance(to).max(f64::MIN_POSITIVE);
-    // Seen along the ray, which is a point there.
+    // Project along the ray, which becomes a point.
     let [p, from, to] = [origin, from, to].map(|x| x - along * x.dot(along));
     closest(&[from, to, to], p).distance(p) <= height + GRAZE * scale
 }

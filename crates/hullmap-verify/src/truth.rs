@@ -5,9 +5,9 @@
 //! sign of a zero), but is computed faster:
 //!
 //! 1. Duplicate points are dropped, and the others sorted along a Morton curve, in blocks.
-//! 2. For a direction, every block gets a bound: the dot product with that corner of its bounding
-//!    box which lies farthest. Products are exact and floating-point addition is monotone, so with
-//!    the operations in the same order no point of the block has a *computed* dot product above the
+//! 2. For a direction, every block gets a bound: the dot product with the farthest corner of its
+//!    bounding box. Products are exact and floating-point addition is monotone, so with the
+//!    operations in the same order no point of the block has a *computed* dot product above the
 //!    computed bound. No margin is needed.
 //! 3. The block with the maximum bound is scanned, then every other whose bound is above the best
 //!    so far.
@@ -46,7 +46,7 @@ impl Points {
         distinct.sort_unstable_by_key(|p| p.map(f32::to_bits));
         distinct.dedup();
         sort_along_morton_curve(&mut distinct);
-        // Whole blocks; the last point again cannot change a maximum.
+        // Fill the last block: repeating a point cannot change a maximum.
         let last = distinct[distinct.len() - 1];
         distinct.resize(distinct.len().next_multiple_of(BLOCK), last);
 
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use crate::random::SplitMix;
 
-    /// The same maximum, one dot product after the other.
+    /// Maximum dot product, computed one by one.
     fn slow(positions: &[[f32; 3]], dir: Vec3) -> f64 {
         let dir = dir.to_array().map(f64::from);
         positions.iter().map(|p| dot(p.map(f64::from), dir)).fold(f64::NEG_INFINITY, f64::max)

@@ -9,7 +9,7 @@ use parry3d_f64::{
     shape::ConvexPolyhedron,
 };
 
-/// A baked solid as parry's convex polyhedron. Panics if parry refuses the mesh.
+/// A baked solid as parry's convex polyhedron. Panics if parry rejects the mesh.
 pub fn polyhedron(hull: &Hull) -> ConvexPolyhedron {
     let points: Vec<_> = hull.vertices().map(|v| v.as_dvec3()).collect();
     let mut triangles = Vec::new();

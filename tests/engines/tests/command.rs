@@ -47,8 +47,7 @@ fn agrees_with_parry(meshes: &Path, small: &str, large: &str) {
     let mut text = format!("# {small} against {large}\n");
     for _ in 0..POSES {
         let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
-        // The second is at least fifty times as large: about half of these offsets put the first
-        // into it.
+        // The second is at least fifty times as large: about half of the offsets are in it.
         let offset = DVec3::from_array(rng.direction()) * (rng.between(0.1, 0.55) * b.diameter());
         let pose = Pose::new(a.centroid() - rotation * b.centroid() + offset, rotation).unwrap();
         let (t, q) = (pose.translation(), pose.rotation());

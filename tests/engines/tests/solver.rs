@@ -136,7 +136,7 @@ fn check_pair(pack_a: &Pack, pack_b: &Pack, rng: &mut SplitMix64, tally: &mut Ta
     }
 }
 
-/// Maximum ratio of support calls with the cache of the previous frame to those without: for
+/// Maximum ratio of support calls with the cache of the previous frame to calls without it: for
 /// contact, distance and intersection.
 const WARM_SHARES: [f64; 3] = [0.5, 0.65, 0.9];
 

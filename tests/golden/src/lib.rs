@@ -14,7 +14,7 @@ pub mod bits;
 pub mod golden;
 pub mod packs;
 
-// It has compiled the solver for the types of the answers.
+// It compiles the solver for the types of the answers, so that this package need not.
 use hullmap_testkit as _;
 
 /// The golden file, relative to this package.

@@ -68,7 +68,7 @@ pub fn files(set: Set) -> Vec<(&'static str, Vec<u8>)> {
     recipes.iter().map(bake).collect()
 }
 
-/// The surface of a hull, and the same at half the size in it: two shells that overlap.
+/// Two nested shells: the surface of a hull, and the same at half the size inside it.
 fn nested(baked: &BakedHull) -> PointSet {
     let outer = &baked.hull.vertices;
     let positions: Vec<[f32; 3]> = outer.iter().copied().chain(outer.iter().map(|p| p.map(|c| c * 0.5))).collect();

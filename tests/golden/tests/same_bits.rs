@@ -44,7 +44,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
     }
 }
 
-/// If changed hashes were not detected, the test above would be vacuous.
+/// If the variable had no effect, the test above would be vacuous.
 #[test]
 #[cfg(not(miri))]
 fn the_variable_chooses_the_instructions() {

@@ -1,4 +1,4 @@
-//! What several of the programs need.
+//! Functions that several of the programs use.
 
 use std::path::{Path, PathBuf};
 

@@ -25,7 +25,7 @@ pub enum Floor {
     TriangleMesh,
     /// Nine discs of 500 sides, which overlap.
     Compound,
-    /// The mesh of 800 triangles as a baked surface. parry's own shapes are those of
+    /// The mesh of 800 triangles as a baked surface. parry's own shapes are the same as for
     /// [`TriangleMesh`](Self::TriangleMesh).
     BakedMesh,
     /// A flat height field of 800 triangles.
@@ -87,8 +87,7 @@ impl Floor {
         }
     }
 
-    /// The floor's collider. Panics if parry refuses the triangle mesh, or the terrain was not
-    /// loaded.
+    /// The floor's collider. Panics if parry rejects the mesh, or the terrain was not loaded.
     pub fn collider(self, way: Way) -> ColliderBuilder {
         let down = Vector::new(0.0, -0.5, 0.0);
         match self {

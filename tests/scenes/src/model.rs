@@ -1,5 +1,4 @@
-//! Bodies of the scenes: a baked hull, or several convex parts, and parry's hulls of the same
-//! points.
+//! Bodies of the scenes: a baked hull, or convex parts, and parry's hulls of the same points.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,9 +17,9 @@ use crate::way::Way;
 pub struct Model {
     /// Name in a table.
     pub name: String,
-    /// The baked hull; of a body of parts, that of all of them.
+    /// The baked hull; for a body of parts, the hull of all of them.
     pub hull: SharedHull,
-    /// The baked hulls of the parts; of a convex body, its own.
+    /// The baked hulls of the parts; for a convex body, its only hull.
     pub parts: Vec<SharedHull>,
     parry: SharedShape,
 }
@@ -28,14 +27,14 @@ pub struct Model {
 impl Model {
     /// The hull of `points`, which are moved and scaled: the centre of their box becomes the
     /// origin, and its longest side `size`. `None` if the hull is flat. Panics if the points cannot
-    /// be baked, or parry refuses them.
+    /// be baked, or parry rejects them.
     pub fn sized(name: &str, points: &[[f32; 3]], size: f32) -> Option<Self> {
         let moved: Vec<[f32; 3]> = points.iter().map(centred(points, size)).collect();
         Self::new(name, &moved)
     }
 
     /// A body of convex parts, each given by its points, moved and scaled as by [`Self::sized`].
-    /// Flat parts are left out. `None` if all are flat. Panics as that does.
+    /// Flat parts are left out. `None` if all are flat. Panics as [`Self::sized`] does.
     pub fn of_parts(name: &str, parts: &[Vec<[f32; 3]>], size: f32) -> Option<Self> {
         let whole = Self::sized(name, &parts.concat(), size)?;
         let all = parts.concat();
@@ -48,14 +47,14 @@ impl Model {
     }
 
     /// The hull of `points` as they are. `None` if it is flat. Panics if the points cannot be
-    /// baked, or parry refuses them.
+    /// baked, or parry rejects them.
     pub fn new(name: &str, points: &[[f32; 3]]) -> Option<Self> {
         let pack: Arc<Pack> = Arc::new(packs::tree_pack(points));
         let hull = pack.shared_hull(0).expect("one hull");
         if hull.hull().rank() < 3 {
             return None;
         }
-        // From the hull's vertices: of all points of a detailed mesh, parry's algorithm may panic.
+        // parry's algorithm may panic on all points of a detailed mesh, so it gets the vertices.
         let vertices: Vec<Vector> = hull.hull().vertices().collect();
         let parry = SharedShape::convex_hull(&vertices)
             .or_else(|| Some(SharedShape::new(BakedHull::new(hull.clone()).to_convex_polyhedron()?)))

@@ -54,7 +54,7 @@ impl Relief {
     }
 
     /// The relief of a scanned body around its axis z, laid out on a plane: a mesh of 3,200
-    /// triangles of 0.5 m. The distances from the centre within 40° of the axis, less the
+    /// triangles of 0.5 m. The distances from the centre within 40° of the axis, minus the
     /// paraboloid that fits them best, become heights. Panics if the file cannot be read, or a ray
     /// from the centre misses the mesh.
     pub fn of_scan(path: &Path) -> Self {

@@ -24,7 +24,7 @@ pub struct Outcome {
     pub lost: bool,
     /// Maximum depth of a point of the body below the floor, over all steps.
     pub deepest: f32,
-    /// The same at the end.
+    /// Maximum depth at the end.
     pub final_depth: f32,
     /// Energy gained, in J/kg: the greatest rise of the body's energy above an earlier value, for
     /// half a second or longer. At the earlier time, depth in the floor counts as height: the way
@@ -38,7 +38,7 @@ impl Outcome {
     /// Depth in the floor at which a body counts as stuck: Rapier's own tolerance, 5 mm.
     pub const STUCK: f32 = 0.005;
 
-    /// Energy in J/kg that counts as gained: that of a body 1 mm higher.
+    /// Energy in J/kg that counts as gained: the energy of a body that is 1 mm higher.
     pub const GAIN: f32 = 0.01;
 
     /// Whether the body is in the floor for good.
@@ -59,7 +59,7 @@ pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way
     world.insert_collider(floor.collider(way), None);
     let [top, lowest] = floor.heights();
     let height = top + model.depth_below_origin(rotation) + 0.5 * size;
-    // Off the edges of the triangle mesh and of the compound's parts.
+    // Not above edges of the triangle mesh or of the compound's parts.
     let at = Vector::new(0.31, height, 0.17);
     let body = RigidBodyBuilder::dynamic().pose(Pose::from_parts(at, rotation));
     let (body, _) = world.insert(body, ColliderBuilder::new(model.shape(way)));

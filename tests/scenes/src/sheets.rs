@@ -52,8 +52,7 @@ impl Heights {
         BakedSurface::joined([(y_up(), field)]).expect("one tile")
     }
 
-    /// parry's field of the same heights, with y up, and its pose. Its triangles have the other
-    /// diagonal.
+    /// parry's field of the same heights, with y up and the other diagonal, and its pose.
     pub fn of_parry(&self) -> (Pose, SharedShape) {
         let Layout { columns, rows, .. } = self.layout;
         // parry's rows are along z, which is −y here, and its field is centred.

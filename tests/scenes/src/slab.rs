@@ -22,7 +22,7 @@ pub enum Cut {
     Gaps,
     /// The grid, with tops that differ by up to 1 µm.
     Steps,
-    /// The grid, with parts that extend into their neighbours by 0.2 m, as those of a cover do.
+    /// The grid, with parts that extend into their neighbours by 0.2 m, as the parts of a cover do.
     Overlap,
 }
 

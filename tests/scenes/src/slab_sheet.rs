@@ -21,9 +21,9 @@ const OUTSIDE: f32 = 1e-5;
 pub enum Form {
     /// Convex parts.
     Hulls,
-    /// One triangle mesh: what a slab of these parts shows.
+    /// One triangle mesh: the outside of a slab of these parts.
     Mesh,
-    /// The same, with the walls between the parts, which are inside the slab.
+    /// [`Mesh`](Self::Mesh) with the walls between the parts, which are inside the slab.
     Walls,
     /// One height field, of cells that differ from cut to cut.
     Field,
@@ -109,7 +109,7 @@ pub fn colliders(form: Form, cut: Cut, slope: Quat, way: Way) -> Vec<SharedShape
     surface.tiles().iter().map(alone).collect()
 }
 
-/// Whether a triangle is on the outside of the slab, before that is turned.
+/// Whether a triangle is on the outside of the slab, before the slab is turned.
 fn is_outside(corners: [Vector; 3]) -> bool {
     let sides = [(Vector::X, HALF), (-Vector::X, HALF), (Vector::Z, HALF), (-Vector::Z, HALF), (Vector::Y, 0.0)];
     let bottom = (-Vector::Y, THICKNESS);
@@ -117,8 +117,8 @@ fn is_outside(corners: [Vector; 3]) -> bool {
     sides.into_iter().chain([bottom]).any(|(dir, reach)| near(dir, reach))
 }
 
-/// Triangles of the parts whose centres are at an x that is taken, turned by `slope`. `shows`
-/// decides which triangles are included.
+/// Triangles of the parts whose x `takes` accepts, turned by `slope`. `shows` decides which
+/// triangles are included.
 fn mesh(cut: Cut, slope: Quat, takes: impl Fn(f64) -> bool, shows: impl Fn([Vector; 3]) -> bool) -> BakedSurface {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     for part in cut.parts() {
@@ -137,9 +137,9 @@ fn mesh(cut: Cut, slope: Quat, takes: impl Fn(f64) -> bool, shows: impl Fn([Vect
     sheets::mesh(&positions, &corners)
 }
 
-/// The top of the slab between two x as a field with z up. The cells of each cut are others: 8 × 8,
-/// with both diagonals, narrow ones, and heights that differ by up to 1 µm. Two fields have a gap
-/// of 1 µm, or overlap by a cell of 0.2 m, where the parts of the cut do.
+/// The top of the slab between two x as a field with z up. Each cut has other cells: 8 × 8, with
+/// both diagonals, narrow ones, and heights that differ by up to 1 µm. Where the parts of the cut
+/// have a gap of 1 µm, or overlap by a cell of 0.2 m, two fields do, too.
 fn field(cut: Cut, [start, end]: [f64; 2]) -> Heights {
     let mut rng = SplitMix64::new(17);
     let (spacing, diagonal) = match cut {

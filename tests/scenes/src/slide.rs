@@ -78,8 +78,7 @@ impl Slider {
         matches!(self, Self::Sphere | Self::Ball | Self::Cylinder)
     }
 
-    /// The shape, about its origin. Its lowest point is 0.5 m below. Panics if a hull cannot be
-    /// baked.
+    /// The shape, about its origin. Its lowest point is 0.5 m below. Panics if a bake fails.
     pub fn shape(self, way: Way) -> SharedShape {
         let solid = |points: &[[f32; 3]]| Model::new("body", points).expect("a solid").shape(way);
         match self {
@@ -207,7 +206,7 @@ impl Slide {
     }
 }
 
-/// How a trajectory differs from that on the whole slab.
+/// How a trajectory differs from the trajectory on the whole slab.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deviation {
     /// Maximum difference in height, in metres.

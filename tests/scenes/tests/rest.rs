@@ -113,8 +113,8 @@ fn small_bodies_on_a_cuboid() {
     most_come_to_rest(Floor::Cuboid, 0.1);
 }
 
-/// Half of the bodies of a pit stayed awake in mode A, since one that rocks keeps those awake that
-/// touch it.
+/// Half of the bodies of a pit stayed awake in mode A, since a body that rocks keeps bodies awake
+/// that touch it.
 #[test]
 fn a_pile_comes_to_rest() {
     let models = models(1.0);

@@ -84,7 +84,7 @@ fn a_world_goes_on_after_saving_and_loading() {
             loaded.step();
             reset.step();
             assert_eq!(farthest(&reset, &loaded), 0.0, "{}: after {} steps", way.name(), step + 1);
-            // A body may meet another one step later, and then takes another way. Most do not.
+            // A body may meet another one step later, and then takes another path. Most do not.
             let mut apart: Vec<f32> =
                 positions(&world).iter().zip(positions(&loaded)).map(|(p, q)| p.distance(q)).collect();
             apart.sort_by(f32::total_cmp);

@@ -12,7 +12,7 @@ fn no_stumble(slider: Slider, height: f32, speed: f32, kicks: usize) {
     no_stumble_on(slider, &[Form::Hulls], height, speed, kicks);
 }
 
-/// The same for slabs of triangle meshes and height fields.
+/// [`no_stumble`] on slabs of triangle meshes and height fields.
 fn no_stumble_on_sheets(slider: Slider, height: f32, speed: f32, kicks: usize) {
     no_stumble_on(slider, &Form::ALL[1..], height, speed, kicks);
 }
@@ -77,19 +77,19 @@ fn a_ball_rolls() {
     no_stumble(Slider::Ball, 0.2, 0.2, 0);
 }
 
-/// It has corners, over which it bounces by 2 to 5 mm on the whole slab as well.
+/// The sphere has corners, over which it bounces by 2 to 5 mm on the whole slab as well.
 #[test]
 fn a_sphere_of_2048_vertices_rolls() {
     no_stumble(Slider::Sphere, 5.0, 2.5, 2);
 }
 
-/// As above.
+/// The cylinder has corners, too.
 #[test]
 fn a_cylinder_rolls() {
     no_stumble(Slider::Cylinder, 5.0, 2.5, 2);
 }
 
-/// Without the correction, bodies topple: the slab is one that shows it.
+/// Without the correction, bodies topple on this slab, so the tests above are not vacuous.
 #[test]
 fn parrys_own_hulls_stumble() {
     let run =

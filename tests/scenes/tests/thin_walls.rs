@@ -27,8 +27,8 @@ fn walls(way: Way) -> Vec<(&'static str, SharedShape, f32)> {
     ]
 }
 
-/// Of the rods that fly towards a wall, whose front is at this x, how many are in it or behind it
-/// after the step in which they arrive, and of how many the middle gets behind it within a second.
+/// Rods fly towards a wall whose front is at this x. Returns how many are in it or behind it after
+/// the step in which they arrive, and how many have their middle behind it within a second.
 fn passed(way: Way, wall: &SharedShape, front: f32, count: usize) -> [usize; 2] {
     let rod = cuboid([0.5, 0.01, 0.01]);
     let mut rng = SplitMix64::new(40);

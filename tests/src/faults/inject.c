@@ -13,7 +13,7 @@
  *   full=N      as errno=N, also for all later calls that create, extend or sync a file
  *
  * Writes a line to LOG for each numbered call: name, path, second path, requested bytes and result,
- * separated by tabs. The exit code is that of the program; 137 if it was killed, 125 if this
+ * separated by tabs. The exit code is the program's; 137 if it was killed, 125 if this
  * machine does not permit tracing.
  *
  * Uses ptrace, because some libraries make system calls without libc.

@@ -86,8 +86,7 @@ fn work(binary: &Path, killed: &AtomicUsize, count: usize, seed: u64) -> Tally {
     project.put(&project.old);
     let start = Instant::now();
     let _ = spawn(&project).wait_with_output();
-    // Adjusted so that about one bake in four ends before it is killed. Kills then reach every
-    // moment.
+    // Adjusted so that about one bake in four ends before it is killed: kills reach every moment.
     let mut longest = start.elapsed();
     while killed.load(Relaxed) < count {
         project.put(&project.old);

@@ -66,8 +66,7 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Operations of an undisturbed bake of the project on the disk, on one thread. Panics if the bake
-/// fails.
+/// Operations of an undisturbed bake of the project on the disk, on one thread. Panics on failure.
 pub fn record(project: &Project, injector: &Injector) -> Vec<Op> {
     project.put(&project.old);
     let words: Vec<&str> = WORDS.into_iter().chain(["--jobs", "1"]).collect();

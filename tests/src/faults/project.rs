@@ -146,8 +146,7 @@ impl Project {
         names.filter(|name| self.old.get(*name) != self.new.get(*name))
     }
 
-    /// Replaces the contents of the output folder by `files`. Panics if something else uses the
-    /// folder.
+    /// Replaces the output folder's contents by `files`. Panics if something else uses the folder.
     pub fn put(&self, files: &Files) {
         let out = self.path("o");
         if out.exists() {
@@ -226,8 +225,7 @@ impl Project {
         }
     }
 
-    /// Whether the orphan is there. A build may leave it if it cannot be sure that its source is
-    /// gone.
+    /// Whether the orphan is there. A build may leave it if it is not sure that its source is gone.
     fn is_orphan_left(&self, files: &Files) -> bool {
         files.contains_key("o/gone.hullmap")
     }

@@ -35,8 +35,7 @@ pub fn unpack(archive: &[u8]) -> io::Result<Vec<Input>> {
     archive.entries()?.map(read).collect()
 }
 
-/// The archive of these inputs, sorted by name. Fails if a name is too long for the archive's
-/// format.
+/// The archive of these inputs, sorted by name. Fails if a name is too long for its format.
 pub fn pack(mut inputs: Vec<Input>) -> io::Result<Vec<u8>> {
     inputs.sort();
     let mut archive = tar::Builder::new(GzEncoder::new(Vec::new(), Compression::best()));

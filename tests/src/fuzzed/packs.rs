@@ -36,7 +36,7 @@ pub fn open_sheets(data: &[u8]) {
 }
 
 fn try_kind(data: &[u8], (front, inquiry): &Kind) {
-    // Whether the file opens is not the question.
+    // The file may be rejected.
     let _ = inquiry.run(data);
     if data.len() < HEADER_LEN {
         return;

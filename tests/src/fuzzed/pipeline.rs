@@ -19,9 +19,9 @@ const READ_DIRECTIONS: usize = 16;
 /// Maximum regret that counts as exact.
 const EXACT: f64 = 2e-7;
 
-/// Bakes, writes, opens and queries a pack: every support point of a hull must equal that of its
-/// source points. Panics if points cannot be baked, a pack does not open or contradicts itself, or
-/// an answer is not exact.
+/// Bakes, writes, opens and queries a pack: every support point of a hull must equal the support
+/// point of its source points. Panics if points cannot be baked, a pack does not open or
+/// contradicts itself, or an answer is not exact.
 pub fn build_open_verify(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let index = index(&mut bytes);

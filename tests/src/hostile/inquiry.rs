@@ -88,8 +88,7 @@ impl Inquiry {
         self.require(pack.hull_count() > 0, || "an opened pack has no hull".to_owned());
         self.require(pack.hull(pack.hull_count()).is_err(), || "there is a hull past the last one".to_owned());
         black_box((pack.source_path(), pack.options(), pack.header(), pack.byte_len()));
-        // Redundant data in the file may disagree. Then answers are wrong, but must still be in
-        // range.
+        // Redundant data may disagree. Then answers are wrong, but must still be in range.
         let agrees = self.is_judged && pack.check_repeats().is_ok();
         let hulls = pack.hulls().count();
         for (index, hull) in pack.hulls().enumerate() {

@@ -29,7 +29,7 @@ use hullmap_format::{archive::LANES, slot::Slot, walk::Cost};
 use hullmap_testkit::packs::{self, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
-/// Maximum ratio of the slowest query on a malicious pack to that on an honest pack of that size.
+/// Maximum time of the slowest query on a malicious pack, relative to an honest pack of that size.
 pub const MAX_RATIO: f64 = 100.0;
 
 /// Maximum exponent of the time of the slowest query over the size of the pack.
@@ -256,7 +256,7 @@ fn one_list(count: usize) -> BakedHull {
 mod tests {
     use super::*;
 
-    /// Otherwise their times would say nothing about the checks.
+    /// Times of packs that are rejected, or of another size, would be meaningless.
     #[test]
     fn all_open_and_have_the_requested_size() {
         for large in Large::ALL {

@@ -120,8 +120,7 @@ fn recentred() -> Vec<PointSet> {
     vec![set("left", Family::Rock), set("right", Family::Sphere)]
 }
 
-/// A hull that reaches beyond its source, as simplification produces them: no vertex is a source
-/// vertex.
+/// A hull that reaches beyond its source, as if simplified: no vertex is a source vertex.
 fn simplified() -> Sample {
     let mut set = point_set("simplified", &Family::Rock.points(12, 2));
     set.source_vertices.fill(NO_SOURCE_VERTEX);

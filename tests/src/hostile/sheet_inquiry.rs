@@ -23,7 +23,7 @@ const PLACES: [([f64; 3], [f64; 4]); 8] = [
     ([0.7, 0.5, 1e-9], [0.0, 0.0, 1.0, 0.0]),
 ];
 
-/// Maximum number of triangles of a sheet that is queried with itself: all pairs may have to be.
+/// Maximum number of triangles of a sheet that is queried with itself, which may test all pairs.
 const MAX_AGAINST_ITSELF: usize = 128;
 
 /// Queries at a number of places.

@@ -45,8 +45,7 @@ impl Tally {
     }
 
     /// Asserts that neither outcome is rare. Otherwise one half of the requirement is not tested.
-    /// Panics if fewer than a twentieth of the files opened, or fewer than a twentieth were
-    /// rejected.
+    /// Panics if fewer than a twentieth of the files opened, or were rejected.
     pub fn assert_representative(&self) {
         assert!(self.opened * 20 > self.tried && self.rejected() * 20 > self.tried, "{self}");
     }

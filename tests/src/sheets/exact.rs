@@ -21,8 +21,8 @@ fn cross(a: Whole, b: Whole) -> Whole {
 /// solid's surface alone (`Equal`), or of its inside (`Less`).
 ///
 /// The axes are the normals of all triangles of vertices, and the cross products of all edges of
-/// the triangle and segments of the solid: those of all faces of the Minkowski difference, and
-/// others.
+/// the triangle and segments of the solid. They include the normals of all faces of the Minkowski
+/// difference.
 pub fn gap(triangle: &[Whole; 3], solid: &[Whole]) -> Ordering {
     let [a, b, c] = *triangle;
     let sides = [minus(b, a), minus(c, b), minus(a, c)];

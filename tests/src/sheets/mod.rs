@@ -74,8 +74,8 @@ struct Judge<'s> {
     name: String,
 }
 
-/// Range of times in which the first meeting is: from the earliest that is possible to that of the
-/// first certain one.
+/// Range of the time of the first meeting: from the earliest possible time to the time of the first
+/// certain meeting.
 #[derive(Clone, Copy)]
 struct First {
     possible: f64,
@@ -304,12 +304,12 @@ impl Judge<'_> {
     }
 }
 
-/// The earliest t at which a ray may cross a triangle, and that at which it certainly does.
+/// The earliest t at which a ray may cross a triangle, and the t at which it certainly does.
 fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3], slack: f64) -> (f64, f64) {
     const NEVER: (f64, f64) = (f64::INFINITY, f64::INFINITY);
     let (normal, dir) = ((b - a).cross(c - a).normalize(), ray.direction());
     let (slope, height) = (normal.dot(dir), normal.dot(a - ray.origin()));
-    // Off by rounding: of a needle, the normal is off by more.
+    // Rounding error, which is larger for the normal of a needle.
     let longest = (b - a).length().max(c.distance(a));
     let sine = (b - a).cross(c - a).length() / (longest * longest);
     let error = slack / sine.min(1.0);
@@ -331,8 +331,8 @@ fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3], slack: f64) -> (f64, f64) {
     }
 }
 
-/// The earliest time at which a body that moves may meet a triangle, and that at which it certainly
-/// does: when it is in the slabs of all axes.
+/// The earliest time at which a body that moves may meet a triangle, and the time at which it
+/// certainly does: when it is in the slabs of all axes.
 fn meeting(triangle: &[DVec3; 3], body: &[DVec3], velocity: DVec3, slack: f64) -> (f64, f64) {
     let [a, b, c] = *triangle;
     let sides = [b - a, c - b, a - c];
@@ -390,7 +390,7 @@ fn from_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     if is_over { edges.min((p - a).dot(normal).abs()) } else { edges }
 }
 
-/// Number of times that a surface winds around a point: its solid angle over that of the sphere.
+/// Number of times that a surface winds around a point: its solid angle over the sphere's.
 /// Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.
 fn winding(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
     let angle = |corners: &[DVec3; 3]| {

@@ -21,7 +21,7 @@ pub enum Kind {
     Far,
     /// As `Random`, a million times smaller.
     Tiny,
-    /// A triangle of 10 km beside those of 1 m.
+    /// A triangle of 10 km beside triangles of 1 m.
     Huge,
     /// Closed boxes that overlap, with whole coordinates.
     Closed,
@@ -146,7 +146,7 @@ impl Scene {
             let (u, v) = (rng.unit(), rng.unit());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             let on = a + (b - a) * u + (c - a) * v;
-            // Of a long triangle, mostly near the others.
+            // For a long triangle, half of the time near the others.
             let on = if self.kind == Kind::Huge && rng.below(2) == 0 { on * 1e-3 } else { on };
             (on - self.origin) / self.unit + vector(rng) * rng.between(0.0, 1.5)
         };

@@ -23,8 +23,7 @@ const SIZES: [f64; 7] = [1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e6];
 const FAR: [f64; 3] = [1.0, -0.7, 0.4];
 const FAR_SIZES: f64 = 50.0;
 
-/// Thicknesses of slivers, relative to their length. Below 5e-8 a hull is baked as a polygon or a
-/// segment.
+/// Thicknesses of slivers, relative to their length. Below 5e-8 a hull is a polygon or a segment.
 const THICKNESSES: [f64; 5] = [1e-2, 1e-4, 1e-6, 2e-7, 1e-8];
 
 /// Families of shapes, and the numbers of points of each.

@@ -47,8 +47,7 @@ impl Claims<'_> {
 /// underflow.
 const SLOWER: [i32; 3] = [-100, -500, -900];
 
-/// The same cast at a speed that is less by a power of two: only the times differ, and by that
-/// power.
+/// The same cast, slower by a power of two: only the times differ, and by that power.
 pub(super) fn same_when_slow(
     judge: &mut Claims<'_>,
     rng: &mut SplitMix64,

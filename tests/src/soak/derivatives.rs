@@ -9,8 +9,8 @@
 //! | normal and points of a distance or a depth | the same answers, which the soak of pairs judges |
 //!
 //! Differences are taken with two step lengths. Where they disagree, there is a kink within the
-//! step: such a derivative is counted, and not judged. Poses are random, and not those of the soak
-//! of pairs.
+//! step: such a derivative is counted, and not judged. Poses are random, and differ from the
+//! soak of pairs.
 
 use glam::{DQuat, DVec3};
 use hullmap::{
@@ -39,7 +39,7 @@ const STEP: f64 = 1e-4;
 /// Settings of the answers that are differentiated.
 const EXACT: Settings = Settings { tolerance: 0.0, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
 
-/// A hull as a polytope, and its size; `None` if the truths do not take it.
+/// A hull as a polytope, and its size; `None` if the truths do not support it.
 fn polytope(body: &Body<'_>) -> Option<(Polytope, f64)> {
     let Solid::Hull(hull) = &body.solid else { return None };
     let takes = |hull: &Hull<'_>| matches!(body.kind, Kind::Game | Kind::Family) && hull.vertices().len() <= VERTICES;

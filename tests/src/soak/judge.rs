@@ -6,7 +6,7 @@
 //! | overlapping | the reported common point is inside both, by their face planes |
 //! | upper bound of the depth | along the reported normal, the reaches overlap by no more |
 //! | lower bound of the depth | no tested direction separates the shapes by a shorter translation |
-//! | points of a contact or of a distance | they are in their shapes, on the support planes of the normal to within the interval, and along the normal as far from each other as the interval says |
+//! | points of a contact or of a distance | they are in their shapes, on the support planes of the normal to within the interval, and along the normal as far from each other as the interval states |
 //! | lower bound of the distance | along the reported normal, the reaches leave a gap no smaller |
 //! | upper bound of the distance | the reported points are inside their shapes, and no farther apart |
 //!
@@ -48,8 +48,8 @@ const UNIT: f64 = 1e-14;
 /// error: shapes up to 16 units thick count as flat.
 pub(super) const TOUCHING_ROUNDINGS: f64 = 20.0;
 
-/// The same in units of the greatest length times the f64 epsilon, for shapes that are solved by
-/// their cores.
+/// [`TOUCHING_ROUNDINGS`] in units of the greatest length times the f64 epsilon, for shapes that
+/// are solved by their cores.
 const TOUCHING_UNITS: f64 = 640.0;
 
 /// Maximum distance, relative to the greatest length, of the two points of touching shapes. The

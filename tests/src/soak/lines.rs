@@ -164,7 +164,6 @@ fn judge_passage(judge: &mut Claims<'_>, answer: &Answer, path: &Path, truth: &P
     }
 }
 
-/// Judges a ray at the first body.
 pub(super) fn judge_ray(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let body = pair.bodies[0];
     let middle = Pose::from_translation(target(rng, body)).expect("finite");

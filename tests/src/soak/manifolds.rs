@@ -42,7 +42,7 @@ const OFF_SURFACE: f64 = 2e-6;
 /// the faces of thin shapes far from there.
 const F32: f64 = 2.0 * f32::EPSILON as f64;
 
-/// The same where two edges cross: clipping has a slack of 1e-6, which a sharp corner amplifies.
+/// [`OFF_SURFACE`] where edges cross: clipping has a slack of 1e-6, which a sharp corner amplifies.
 const CROSSING: f64 = 2e-5;
 
 /// A pair is extreme if one of its shapes is thinner than this, relative to its outer radius, or
@@ -136,7 +136,7 @@ struct Update<'s, 'p> {
     b: &'s Body<'p>,
     floor: Option<&'s Floor>,
     pose: Pose,
-    /// As a length.
+    /// A length.
     prediction: f64,
     /// The smaller outer radius.
     reach: f64,

@@ -63,8 +63,7 @@ impl Model {
             return Self::new(Core::Points { points, planes: Vec::new(), edges: Vec::new() });
         }
         let Polytope { points, normals, edges } = Polytope::new(hull);
-        // A sliver's normal may be noise, but a plane with all points behind it still bounds the
-        // hull.
+        // A sliver's normal may be noise, but a plane in front of all points still bounds the hull.
         let planes = normals.into_iter().map(|n| (n, reach(&points, n))).collect();
         Self::new(Core::Points { points, planes, edges })
     }

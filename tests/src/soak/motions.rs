@@ -13,7 +13,7 @@
 //! One query in four is about a half-space and a shape.
 //!
 //! At one time the pair is in a pose of the soak of pairs, so most motions graze, or lead to a
-//! contact of faces or edges. The judge has the poses from rotations of its own.
+//! contact of faces or edges. The judge computes the poses by rotations of its own.
 
 use std::f64::consts::PI;
 

@@ -106,7 +106,6 @@ impl Polynomial {
     }
 }
 
-/// A vector of polynomials.
 type Vector = [Polynomial; 3];
 
 fn dot(a: &Vector, b: &Vector) -> Polynomial {
@@ -149,7 +148,7 @@ struct Mover {
     axis: [i64; 3],
 }
 
-/// Both, and their common angle.
+/// Both movers, and their common angle.
 struct Case {
     movers: [Mover; 2],
     /// θ, in radians; 0 if neither turns.
@@ -283,7 +282,7 @@ impl Case {
         Separated::Surely
     }
 
-    /// Whether the hulls share a point at time `t`, where the rotation is that of its half angle in
+    /// Whether the hulls share a point at time `t`, where the rotation is by its half angle in
     /// f64: by the separating axis test in integers.
     fn meets(&self, t: f64) -> bool {
         let half = self.half_angle(t);

@@ -1,5 +1,4 @@
-//! Small hulls and boxes in degenerate poses, and a judge that compares the solver with their exact
-//! depth.
+//! Small hulls and boxes in degenerate poses; the solver is compared with their exact depth.
 
 use std::{cmp::Ordering, collections::BTreeMap, fmt};
 
@@ -147,11 +146,10 @@ pub struct Count {
     pub answers: u64,
     /// Answers of the separating axis test among them.
     pub by_facets: u64,
-    /// Largest distance of a witness point from the surface of its hull, over the size of the
-    /// query.
+    /// Largest distance of a witness point from the surface of its hull, over the query's size.
     pub worst_witness: f64,
-    /// Largest distance of a witness point from that of the other hull moved by the depth along the
-    /// normal, beyond the width of the interval, over the size of the query.
+    /// Largest distance of a witness point from the witness point of the other hull, moved by the
+    /// depth along the normal, beyond the width of the interval, over the size of the query.
     pub worst_offset: f64,
 }
 

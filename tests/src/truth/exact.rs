@@ -172,7 +172,6 @@ impl Depth {
         self.compare_with(&Dyadic::new(length), &Dyadic::new(1.0))
     }
 
-    /// Compares with height / √`scale_sq`.
     fn compare_with(&self, height: &Dyadic, scale_sq: &Dyadic) -> Ordering {
         let (own, other) = (self.sign(), height.sign());
         if own != other || own == Ordering::Equal {
@@ -232,8 +231,7 @@ fn exact_minimum(a: &Body, b: &Body, scale: &Dyadic) -> Depth {
     let mut consider = |e: DVec3, f: DVec3, source: Source| {
         let n = e.cross(f);
         let [e, f] = [e.length(), f.length()];
-        // A difference of two points has the error of both; the angle between the factors magnifies
-        // it.
+        // A difference of points has the error of both; the angle of the factors magnifies it.
         let direction_error = 4.0 * ERROR * size * (1.0 / e + 1.0 / f) * (e * f / n.length());
         // A direction that f64 cannot represent is kept. NaN takes the other branch.
         if direction_error < UNKNOWN {

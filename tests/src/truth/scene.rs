@@ -32,7 +32,7 @@ const FAMILIES: [(Family, &[usize]); 11] = [
     (Family::Needle, &[8, 24, 60]),
 ];
 
-/// The same for detailed hulls.
+/// Families of detailed hulls, and the numbers of points of each.
 const DETAILED: [(Family, &[usize]); 7] = [
     (Family::Sphere, &[512, 2_000]),
     (Family::ClusteredEllipsoid, &[512, 2_000]),

@@ -1,8 +1,8 @@
 //! Where a moving hull enters another, by all facets of their Minkowski difference.
 //!
 //! # Reference
-//! Cyrus, Beck 1978: a line is clipped by every facet's plane. The facets are those of
-//! [`depth`](crate::depth).
+//! Cyrus, Beck 1978: a line is clipped by every facet's plane. [`depth`](crate::depth) finds the
+//! facets.
 
 use std::ops::ControlFlow;
 
@@ -48,7 +48,7 @@ impl Passage {
         self.enter[1].max(0.0) <= self.exit[0].min(limit)
     }
 
-    /// Whether they certainly share none.
+    /// Whether they certainly share no point.
     pub fn certainly_misses(&self, limit: f64) -> bool {
         self.enter[0].max(0.0) > self.exit[1].min(limit)
     }

@@ -1,6 +1,6 @@
 //! Distance of two hulls by Wolfe's algorithm, with a certificate: two points, and two parallel
-//! planes between the hulls. However these were found, the distance is at most the points' and at
-//! least the planes'.
+//! planes between the hulls. However they were found, the distance is at most the distance of the
+//! points, and at least the distance of the planes.
 //!
 //! # Reference
 //! P. Wolfe, "Finding the nearest point in a polytope", Mathematical Programming 11, 1976.

@@ -42,8 +42,8 @@ pub struct Polytope {
 }
 
 impl Polytope {
-    /// The hull's own vertices and faces. The faces are exactly planar, so their normals are those
-    /// of the hull. Panics if the hull has no faces: a segment or a point.
+    /// The hull's own vertices and faces. The faces are exactly planar, so their normals are the
+    /// hull's. Panics if the hull has no faces: a segment or a point.
     pub fn new(hull: &Hull<'_>) -> Self {
         let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
         let faces: Vec<Vec<usize>> = hull.faces().map(|face| face.map(|v| v as usize).collect()).collect();
@@ -79,7 +79,7 @@ impl Polytope {
         Self { points, normals, edges }
     }
 
-    /// In A's frame, given B's pose in it.
+    /// The polytope in A's frame, given B's pose in it.
     pub fn placed(&self, b_in_a: Pose) -> Self {
         let (turn, shift) = (DMat3::from_quat(b_in_a.rotation()), b_in_a.translation());
         Self {

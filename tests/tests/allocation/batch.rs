@@ -141,7 +141,7 @@ fn nothing_is_allocated_for_a_pair() {
         println!("{threads} threads: {least} allocations for {} answers", 4 * PAIRS);
         assert!(least < PAIRS / 20, "{threads} threads: {least} allocations");
     }
-    // The counter counts allocations.
+    // Control: the counter counts an allocation.
     let region = Region::new(ALLOCATOR);
     drop(std::hint::black_box(vec![0_u8; 100]));
     assert!(region.change().allocations > 0);
@@ -160,8 +160,8 @@ fn nothing_is_allocated_for_a_pair() {
     assert!(least > 900, "updates without an allocation: {least} of 1000");
 }
 
-/// The same where queries are in flight, or fetch memory ahead: the shapes are larger than the
-/// caches, since each copy counts as another shape.
+/// Queries are in flight, or fetch memory ahead: the shapes are larger than the caches, since each
+/// copy counts as another shape.
 #[test]
 fn nothing_is_allocated_for_a_pair_in_flight() {
     let _alone = alone();

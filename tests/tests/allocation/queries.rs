@@ -46,7 +46,7 @@ fn pose(rng: &mut SplitMix64) -> Pose {
 fn queries_allocate_nothing() {
     let _alone = alone();
     println!("seed {SEED:#x}");
-    // The counter counts allocations.
+    // Control: the counter counts an allocation.
     assert!(allocations(|_| drop(black_box(vec![0_u8; 100]))) >= ROUNDS);
 
     let opened: Vec<Pack> = packs::ALL_INDICES

@@ -133,7 +133,7 @@ fn bytes_depend_only_on_sources_and_options() {
         }
         assert_eq!(other.len(), first.len());
     }
-    // Nothing about the machine: neither the output folder nor the input folder.
+    // The bytes contain neither the output folder nor the input folder.
     let root = workspace();
     for folder in [root.as_path(), bakes[0].1.path()] {
         let needle = folder.to_str().unwrap().as_bytes();

@@ -66,8 +66,7 @@ fn meshes() -> TempDir {
 fn builds_are_within_every_limit_of_their_engine() {
     let folder = meshes();
     for (engine, limits) in LIMITS {
-        // Parts have the number of vertices that is within every limit, so that two engines are
-        // enough.
+        // Parts have a number of vertices that is within every limit, so two engines are enough.
         let options: &[&str] = if ["physx-gpu", "box3d"].contains(&engine) { &["", "--decompose"] } else { &[""] };
         for options in options {
             let line = format!("build . --out p --index none --for-engine {engine} {options} --quiet");
@@ -80,15 +79,15 @@ fn builds_are_within_every_limit_of_their_engine() {
                     assert!(found.iter().zip(limits).all(|(a, b)| *a <= b), "{engine}, {name}: {found:?}, {limits:?}");
                 }
             }
-            // It contains its source, and the bound on its error is that of any simplified hull.
+            // It contains its source, and has a bound on its error like any simplified hull.
             bake(&folder, &format!("verify p --budget {engine} --directions 200")).expect(0);
         }
         fs::remove_dir_all(folder.path().join("p")).unwrap();
     }
 }
 
-/// 84 vertices, 44 faces and 126 edges are within the limits of box3d, though 44 triangulated
-/// vertices are the most that always are.
+/// 84 vertices, 44 faces and 126 edges are within the limits of box3d, though only hulls of at most
+/// 44 vertices always are.
 #[test]
 fn hulls_that_fit_stay_exact() {
     let folder = meshes();

@@ -86,8 +86,8 @@ fn descriptions(help: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// Fields of an object and of the objects in it, as `hulls[].index.kind`; `empty` are those without
-/// a value.
+/// Fields of an object and of the objects in it, as `hulls[].index.kind`; `empty` are the fields
+/// without a value.
 fn fields(value: &Value, prefix: &str, found: &mut BTreeSet<String>, empty: &mut BTreeSet<String>) {
     match value {
         Value::Null => _ = empty.insert(prefix.to_owned()),
@@ -131,7 +131,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     fs::write(folder.path().join("r.urdf"), robot).unwrap();
     fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
-    // A heading "field" followed by more words is that of another kind of object.
+    // A heading "field" followed by more words belongs to another kind of object.
     for (name, lines) in [
         (
             "build",

@@ -1,4 +1,4 @@
-//! `bake export`: exported hulls bake to the same hull, engines find the names that they look for,
+//! `bake export`: exported hulls bake to the same hull, engines find the names that they expect,
 //! and untrusted names do no harm.
 
 use std::collections::BTreeSet;
@@ -29,7 +29,6 @@ fn open(folder: &TempDir, path: &str) -> Pack {
     Pack::open(folder.path().join(path)).unwrap()
 }
 
-/// A pack of these point sets at `path`.
 fn write_pack(folder: &TempDir, path: &str, sets: &[PointSet]) {
     let bytes = packs::bytes(sets, IndexKind::None, &SourceRecord::default()).unwrap();
     fs::write(folder.path().join(path), bytes).unwrap();
@@ -226,7 +225,7 @@ fn robots_weigh_as_much_as_their_mesh() {
     // Without its last face, the mesh bounds no solid.
     bake(&folder, "build open.obj --out . --quiet").expect(0);
     let run = bake(&folder, "export open.hullmap --for mjcf --out o").expect(0);
-    assert!(run.stderr.contains("the mass is that of the hull, because the pack does not record"), "{}", run.stderr);
+    assert!(run.stderr.contains("the mass comes from the hull, because the pack does not record"), "{}", run.stderr);
     let text = fs::read_to_string(folder.path().join("o/open.xml")).unwrap();
     assert_near(&numbers(&text, "mass"), &[7000.0]);
 }
@@ -321,7 +320,7 @@ fn packs_and_folders_are_exported_at_once() {
     assert_eq!(lines.len(), 3);
     assert!(lines.iter().all(|line| line["hulls"][0]["name"] == "right" && line["hulls"][1].is_null()));
 
-    // One that fails does not stop the others, and what exists is kept.
+    // A pack that fails does not stop the others, and existing files are kept.
     fs::remove_file(folder.path().join("out/a.obj")).unwrap();
     fs::write(folder.path().join("packs/deep/damaged.hullmap"), "no pack").unwrap();
     let run = bake(&folder, "export packs c.hullmap --format obj --out out").expect(2);
@@ -431,7 +430,7 @@ fn wrong_usage_names_the_remedy() {
     assert_eq!(listed(folder.path()), ["file", "folder", "x.hullmap"]);
 }
 
-/// The mesh that a pack was baked from often has the name that one would give to the export.
+/// The source of a pack often has the name that a user would give to the export.
 #[test]
 fn existing_files_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -453,7 +452,7 @@ fn existing_files_are_kept() {
     assert!(fs::read_to_string(folder.path().join("x.obj")).unwrap().contains("o b\n"));
 }
 
-/// Whoever wrote a pack chose the names in it.
+/// The names in a pack are untrusted.
 #[test]
 fn untrusted_names_do_no_harm() {
     let folder = tempfile::tempdir().unwrap();

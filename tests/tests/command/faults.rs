@@ -197,8 +197,7 @@ fn unreadable_options_are_an_error() {
     }
 }
 
-/// A source counted as missing if the status of its folder could not be read, and its pack was
-/// removed.
+/// A source whose folder's status could not be read counted as missing; its pack was removed.
 #[test]
 fn no_pack_is_pruned_on_a_broken_disk() {
     let Some(injector) = injector() else { return };

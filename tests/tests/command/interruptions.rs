@@ -127,8 +127,7 @@ fn ctrl_c_leaves_the_output_of_a_decomposition_as_it_was() {
     assert!(stderr.contains("interrupted"), "{stderr}");
 }
 
-/// A kill cannot be caught. The next bake removes the leftovers, but not the files of a running
-/// bake.
+/// A kill cannot be caught. The next bake removes leftovers, but not files of a running bake.
 #[test]
 fn leftovers_of_a_killed_bake_are_removed_by_the_next() {
     let folder = meshes(12, 2000);

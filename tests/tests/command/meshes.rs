@@ -3,20 +3,20 @@
 //!
 //! # Vertex counts
 //! The manifest describes the decimal numbers in the file, read in f64. A pack holds them rounded
-//! to f32, and its hull is exactly that of the rounded points. Rounding can push a vertex into the
-//! hull of the others, or out of it. Also, Qhull merges facets that are coplanar within its
+//! to f32, and its hull is exactly the hull of the rounded points. Rounding can push a vertex into
+//! the hull of the others, or out of it. Also, Qhull merges facets that are coplanar within its
 //! rounding error, and their vertices with them. So three counts are compared:
 //!
-//! 1. the manifest's;
-//! 2. that of the exact hull of the decimal points, computed here. It may exceed the first by
+//! 1. the count in the manifest;
+//! 2. the count of the exact hull of the decimal points, computed here. It may exceed the first by
 //!    vertices that protrude from the hull of the others by less than [`MERGED`];
-//! 3. the pack's. A vertex of only one of the second and third hull must lie within δ of the
-//!    surface of the other, where δ is the maximum distance by which rounding to f32 moves a point
-//!    of the mesh. The two hulls lie within δ of each other.
+//! 3. the count in the pack. A vertex of only one of the second and third hull must lie within δ of
+//!    the surface of the other, where δ is the maximum distance by which rounding to f32 moves a
+//!    point of the mesh. The two hulls lie within δ of each other.
 //!
 //! The three counts agree on all meshes except `manifold_Offset1`. It lies five diameters from the
 //! origin, where f32 is coarse (δ is 3e-7 of the diameter), and has rows of nearly coplanar
-//! vertices: Qhull counts 231, the exact hull of the decimal points has 232, and that of the
+//! vertices: Qhull counts 231, the exact hull of the decimal points has 232, and the hull of the
 //! rounded points 222.
 
 use std::{
@@ -159,8 +159,7 @@ fn every_mesh_bakes_verifies_and_agrees_with_the_manifest() {
     }
 }
 
-/// The Cornell box has four vertices that no face uses. So has the bunny, and 60 of them are on its
-/// hull.
+/// The Cornell box has four vertices without a face. So has the bunny, and 60 are on its hull.
 #[test]
 fn unreferenced_vertices_count_with_vertices_all() {
     let mut seen = 0;

@@ -49,7 +49,7 @@ fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
 }
 
-/// The error that a number of parts allows is stated, as is an error that time did not allow.
+/// A note states the error with few parts; a warning, that of a decomposition out of time.
 #[test]
 fn decomposed_meshes_state_the_error_that_was_reached() {
     let folder = tempfile::tempdir().unwrap();
@@ -236,8 +236,7 @@ fn problems(rows: &[serde_json::Value]) -> String {
     rows.iter().map(|row| row["problems"].to_string()).collect()
 }
 
-/// A recorded bound is at most 0.5 % above the truth, so 1.5 % less is at least 1 % below the
-/// truth.
+/// A recorded bound is at most 0.5 % above the truth: 1.5 % less is at least 1 % below it.
 const OVERSTATED: f64 = 0.985;
 
 /// Asserts that a pack passes, and fails if it claims that its parts cover more, or protrude less,
@@ -282,7 +281,7 @@ fn overstated_covers_and_protrusions_fail() {
     assert_claims_are_tight(&folder, &file, false);
 }
 
-/// The recorded mass of the U is that of its three bars, and a pack that records another is
+/// The recorded mass of the U is the mass of its three bars, and a pack that records another is
 /// rejected. The truth is the sum of three boxes.
 #[test]
 fn a_wrong_mass_fails_verify() {
@@ -316,7 +315,7 @@ fn a_wrong_mass_fails_verify() {
     let wrong = changed(&file, |pack| &pack.masses[0].centroid[1], &(centre.y + 1e-6).to_le_bytes());
     assert!(verified(&wrong, 1).contains("the centre of mass of x is at 1.5 "));
     let wrong = changed(&file, |pack| &pack.masses[0].second_moments[0], &(second.x * 1.001).to_le_bytes());
-    assert!(verified(&wrong, 1).contains("the inertia that the pack records is not that of x"));
+    assert!(verified(&wrong, 1).contains("the recorded inertia is not the inertia of x"));
 }
 
 /// The recorded voids are computed again, and a pack that records others is rejected. The parts of
@@ -378,8 +377,7 @@ fn thin_parts_pass_with_a_warning_and_a_remedy() {
     }
 }
 
-/// Six slabs around a hollow, as the collision parts of a solid cube: the hollow is an eighth of
-/// it.
+/// The collision parts of a solid cube: six slabs around a hollow that is an eighth of it.
 #[test]
 fn voids_and_overlap_are_stated() {
     let folder = tempfile::tempdir().unwrap();
@@ -511,8 +509,7 @@ fn packs_made_by_hand_are_judged_as_well() {
     assert!(problems(&rows).contains("is recorded as sheet, but it is watertight"), "{rows:?}");
 }
 
-/// Collision parts that come with their mesh are measured against it; without it they claim
-/// nothing.
+/// Collision parts with a mesh are measured against it; without one they claim nothing.
 #[test]
 fn collision_parts_with_their_mesh_are_measured() {
     let folder = tempfile::tempdir().unwrap();
@@ -557,8 +554,7 @@ fn collision_parts_with_their_mesh_are_measured() {
     verify_edited(&folder, &file, OVERSTATED, |record| &record.protrusion, 1);
 }
 
-/// With a whole pack on one side or both, `bake query` answers for the deciding pair of hulls, and
-/// names it.
+/// With whole packs, `bake query` answers for the deciding pair of hulls, and names it.
 #[test]
 fn the_command_queries_whole_packs() {
     let folder = tempfile::tempdir().unwrap();

@@ -162,8 +162,7 @@ fn packs_without_a_source_are_named_and_removed_only_with_prune() {
     bake(&folder, "build in --out o --check --prune").expect(0);
 }
 
-/// A copy at another depth resolves its source's path elsewhere. It was removed although its source
-/// existed.
+/// A copy at another depth misses its source's path. It was removed although the source existed.
 #[test]
 fn a_pack_that_was_copied_or_moved_is_not_pruned() {
     let folder = folder(&[("art/props/cube.obj", CUBE), ("art/props/gone.obj", CUBE), ("art/rock.obj", CUBE)]);
@@ -286,7 +285,7 @@ fn rules_that_match_nothing_are_warnings() {
     assert!(run.stderr.contains("in/a.obj: is a file"), "{}", run.stderr);
 }
 
-/// `--max-parts 4` without `--decompose` baked whole hulls, without a word.
+/// `--max-parts 4` without `--decompose` baked whole hulls, without a message.
 #[test]
 fn options_without_effect_are_errors() {
     let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", CUBE)]);

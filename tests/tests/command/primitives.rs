@@ -56,7 +56,6 @@ fn rounded(half: f64) -> Mesh {
     lathe(&profile, 32)
 }
 
-/// The numbers of the attribute of an element.
 fn numbers(element: &str, attribute: &str) -> Vec<f64> {
     let (_, rest) = element.split_once(&format!(" {attribute}=\"")).unwrap_or_else(|| panic!("{element}"));
     rest.split('"').next().unwrap().split(' ').map(|number| number.parse().unwrap()).collect()

@@ -122,7 +122,6 @@ fn baked(assets: &[&str], more: &[&str]) -> TempDir {
     folder
 }
 
-/// The page of one pack.
 fn page(folder: &TempDir, pack: &str) -> PathBuf {
     let run = run(folder, &["report", &format!("packs/{pack}.hullmap"), "--out", "page.html"]).expect(0);
     assert!(run.stdout.starts_with("page.html: "), "{run:?}");
@@ -150,8 +149,7 @@ fn a_page_draws_mesh_hull_and_map() {
         let loaded = load(browser, &page(&folder, asset), &[]);
         loaded.assert_sound();
         assert_eq!(loaded.attribute("html ", "data-webgl"), "true");
-        // A dot is a dot, a line a line; all else fills a fair part of its canvas, and never all of
-        // it.
+        // A dot is a dot, a line a line; all else fills a fair part of its canvas, never all.
         let least = match asset {
             "single_point" => 1e-4,
             "segment" => 5e-4,
@@ -518,8 +516,7 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
     let data = data(&page);
     assert_eq!(data["hulls"].as_array().unwrap().len(), parts);
     assert!(data["hulls"].as_array().unwrap().iter().all(|hull| hull["hull"]["shown"].as_u64().unwrap() > 0));
-    // The whole mesh is shown next to the parts: 12 quads, two ends of 10 triangles, and the loose
-    // one.
+    // The whole mesh is beside the parts: 12 quads, two ends of 10 triangles, and the loose one.
     assert_eq!((data["meshes"].as_array().unwrap().len(), data["meshes"][0]["whole"].as_u64()), (1, Some(45)));
     let verified = column(&page, OF_VERIFICATION, "result");
     // Parts that protrude are not called exact.
@@ -546,8 +543,7 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
         assert!(page.contains(&format!("</strong> {text}</li>")), "{text}");
     }
 
-    // The ends have the gaps of the comb, so as many parts as it takes do: a fan from an end's
-    // first corner would close them.
+    // The ends keep the gaps of the comb. A fan from an end's first corner would close them.
     run(&folder, &["build", "u.obj", "--out", "gap", "--decompose"]).expect(0);
     let volumes = run(&folder, &["inspect", "gap", "--json"]).expect(0).json();
     let hulls = volumes[0]["hulls"].as_array().unwrap();

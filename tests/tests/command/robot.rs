@@ -79,7 +79,7 @@ fn a_second_run_changes_nothing_and_neither_does_one_on_the_output() {
     assert_eq!(stale.json()[0]["status"], "stale", "{}", stale.stdout);
 }
 
-/// Of the output, removing what was added and renaming hulls gives the input.
+/// Removing additions from the output, and renaming its hulls, gives the input.
 #[test]
 fn only_collisions_change() {
     let folder = robots();

@@ -41,7 +41,6 @@ fn chunks(file: &[u8]) -> (String, Vec<u8>) {
     (String::from_utf8(text.to_vec()).unwrap(), file[28 + text.len()..].to_vec())
 }
 
-/// Whether `new` is `old` with insertions.
 fn has_insertions_only(old: &str, new: &str) -> bool {
     let mut rest = new.bytes();
     old.trim_end().bytes().all(|byte| rest.any(|other| other == byte))
@@ -67,7 +66,7 @@ fn everything_else_keeps_its_bytes_and_colliders_come_back() {
         let out = fs::read(folder.path().join("out.glb")).unwrap();
         let (text, bytes) = chunks(&out);
         assert!(bytes.starts_with(&old_bytes), "{target}: render data changed");
-        // Of all that the file had, only the length of its buffer is another.
+        // Only the length of the file's buffer has changed.
         let length = |text: &str| text.split("\"buffers\":[{\"byteLength\":").nth(1).unwrap()[..].to_owned();
         let digits = |text: &str| length(text).find('}').map(|end| length(text)[..end].to_owned()).unwrap();
         let adapted = old_text.replace(
@@ -91,7 +90,7 @@ fn everything_else_keeps_its_bytes_and_colliders_come_back() {
                 assert_eq!(hull, &after[name], "{target}: {name}");
             }
         }
-        // A file with colliders is not given more of them.
+        // A file with colliders gets no more of them.
         let again = "export model.hullmap --into out.glb --out more.glb --for";
         let run = bake(&folder, &format!("{again} {target}")).expect(1);
         assert!(run.stderr.contains("already has") && !folder.path().join("more.glb").exists(), "{run:?}");
@@ -113,7 +112,7 @@ fn written(folder: &TempDir, name: &str) -> Value {
 }
 
 /// The node `drum` is below `arm`, so both are one body. Masses are in kilograms of the file's
-/// units, whatever those of the pack.
+/// units, whatever the units of the pack.
 #[test]
 fn bodies_have_the_mass_of_their_meshes() {
     let folder = tempfile::tempdir().unwrap();
@@ -257,8 +256,7 @@ fn into(folder: &TempDir, text: &str) -> Run {
     run
 }
 
-/// Documents that are wrong or unusual: an error that states the place, or a file that readers
-/// accept.
+/// Documents that are wrong or unusual: an error with the place, or a file that readers accept.
 #[test]
 fn hostile_documents_are_rejected_or_kept_whole() {
     let folder = tempfile::tempdir().unwrap();
@@ -320,7 +318,7 @@ fn hostile_documents_are_rejected_or_kept_whole() {
     assert!(run.code != 0 && run.stderr.contains("secret.bin"), "{run:?}");
 }
 
-/// Names with quotes, line breaks and other characters stay what they are.
+/// Names with quotes, line breaks and other characters are kept.
 #[test]
 fn names_of_all_kinds_are_kept() {
     let folder = tempfile::tempdir().unwrap();

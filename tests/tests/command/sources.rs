@@ -154,7 +154,7 @@ fn a_glb_of_another_format_is_reported() {
     assert!(run.stderr.contains("a.glb: not a glTF document: expected `{`, or `glTF` as in GLB"), "{}", run.stderr);
 }
 
-/// "53 baked, 0 failed", and nothing about 53 meshes in another format.
+/// The build reported "53 baked, 0 failed", and did not mention 53 meshes in another format.
 #[test]
 fn meshes_of_other_formats_are_counted_and_listed() {
     let folder = folder();

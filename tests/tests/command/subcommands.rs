@@ -191,7 +191,7 @@ fn warnings_are_shown_again_while_a_pack_is_fresh() {
     assert_eq!(warnings(&row), [Value::Null; 0]);
 }
 
-/// A pack may come from anywhere: what it keeps as warnings is bounded, and forges no line.
+/// A pack may be hostile: its recorded warnings are bounded, and forge no line.
 #[test]
 fn untrusted_warnings_do_no_harm() {
     let folder = folder(&[("in/cube.obj", CUBE)]);
@@ -306,8 +306,7 @@ fn verify_finds_a_wrong_index() {
     let file = fs::read(&path).unwrap();
     let is_block = |word: u32| matches!(Slot::decode(word), Slot::Block(block) if block < 100);
     let (mut opened, mut found) = (0, 0);
-    // A word that only looks like a leaf does not open when it is changed, or has
-    // little effect.
+    // A word that only looks like a leaf is rejected when it is changed, or has little effect.
     for at in (64..file.len()).step_by(4) {
         let word = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
         if !is_block(word) {

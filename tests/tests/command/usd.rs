@@ -1,5 +1,4 @@
-//! `bake export --for usd`: a layer over a stage. `tests/usd/check.py` reads such layers by
-//! OpenUSD.
+//! `bake export --for usd`: a layer over a stage. `tests/usd/check.py` reads such layers.
 
 use std::fs;
 
@@ -29,7 +28,7 @@ fn hulls_of_all_packs_are_beside_their_meshes() {
     let line = "export a.hullmap b.hullmap --for usd --prim /World/chair --asset ./chair.usd";
     let run = bake(&folder, &format!("{line} --meters-per-unit 0.01 --stage-up y --out deep/hulls.usda")).expect(0);
     assert!(run.stdout.starts_with("deep/hulls.usda: 3 hulls, 12 vertices, 12 triangles"), "{run:?}");
-    assert!(run.stderr.contains("/World/chair/seat: the mass is that of its hulls"), "{run:?}");
+    assert!(run.stderr.contains("/World/chair/seat: the mass comes from its hulls"), "{run:?}");
     let text = fs::read_to_string(folder.path().join("deep/hulls.usda")).unwrap();
     for part in [
         "#usda 1.0\n(\n    defaultPrim = \"World\"\n",
@@ -45,7 +44,7 @@ fn hulls_of_all_packs_are_beside_their_meshes() {
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    // The density is that of water, in cubic centimetres.
+    // The density is the density of water, in cubic centimetres.
     let mass: f64 = text.split("physics:mass = ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
     assert!((mass / (0.1 / 6.0 * 1e-3) - 1.0).abs() < 1e-6, "{mass}");
     let run = bake(&folder, &format!("{line} --out deep/hulls.usda")).expect(2);
@@ -54,7 +53,7 @@ fn hulls_of_all_packs_are_beside_their_meshes() {
     assert!(printed.contains("metersPerUnit = 1\n") && printed.contains("upAxis = \"Z\"\n"), "{printed}");
 }
 
-/// Whoever wrote a pack chose the names in it.
+/// The names in a pack are untrusted.
 #[test]
 fn untrusted_names_stay_names() {
     let folder = tempfile::tempdir().unwrap();

@@ -39,7 +39,7 @@ const INDICES: [IndexKind; 5] = [
     IndexKind::None,
 ];
 
-/// Directions that a hull may get wrong: those of [`directions::all`], and every face's normal.
+/// Directions that a hull may get wrong: [`directions::all`], and every face's normal.
 fn all_directions(hull: &Hull) -> Vec<Vec3> {
     let mut dirs = directions::all(hull, DIRECTIONS, SEED);
     let vertices: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();

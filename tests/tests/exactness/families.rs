@@ -1,5 +1,4 @@
-//! Support queries against brute force over the source points, in the directions where an index can
-//! go wrong.
+//! Support queries against brute force over the source points, where an index can go wrong.
 //!
 //! The tests cover every family of shapes, turned, scaled and moved; every index; both instruction
 //! sets; f32 and f64; with and without hints. The samples are counted, so that no test is vacuous:
@@ -29,9 +28,8 @@ const EXACT: f64 = 2e-7;
 /// units of u and v, is not listed there. A unit of u is at most a radian.
 const SLIVERS: f64 = 8e-15;
 
-/// The same around a fan's axis. A cone that reaches less than that beyond two cuts may be listed
-/// by neither side, and the vertex listed instead is as far off as the cuts are from each other
-/// there.
+/// [`SLIVERS`] around a fan's axis. A cone that reaches less than 4e-15 beyond two cuts may be
+/// listed by neither side, and the vertex listed instead is as far off as the cuts are apart there.
 const SLIVERS_AT_AXIS: f64 = 4e-13;
 
 /// Error of the difference of two dot products in f64, relative to the greatest coordinate.
@@ -163,7 +161,7 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
                 if hull_index > 0 {
                     continue;
                 }
-                // The right vertex, that of the direction before, any vertex, and two invalid ones.
+                // The right vertex, the last direction's vertex, any vertex, and two invalid ones.
                 let any = rng.below(hull.vertex_count()) as u32;
                 let (right, invalid) = (got_narrow.index, hull.vertex_count() as u32);
                 for hint in [right, before, any, invalid, u32::MAX] {

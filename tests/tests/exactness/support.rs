@@ -1,5 +1,4 @@
-//! Support queries on baked packs against brute force in f64, over every family of shapes and every
-//! index.
+//! Support queries on baked packs against brute force in f64, over all families and indices.
 
 use hullmap_bake::IndexKind;
 use hullmap_testkit::packs::{ALL_INDICES, pack};

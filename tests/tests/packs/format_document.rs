@@ -396,7 +396,7 @@ fn quads(ours: &reader::Hull, faces: &[&[u32]]) {
     }
 }
 
-/// The edges are those that the document defines. Hulls below rank 3 have no edges.
+/// The edges agree with the document. Hulls below rank 3 have no edges.
 fn edges_of(ours: &reader::Hull, neighbours: &[&[u32]]) {
     assert_eq!(ours.edges.len(), if ours.record.rank == 3 { 3 * ours.neighbours.len() } else { 0 });
     for (v, (around, edges)) in neighbours.iter().zip(ours.edges()).enumerate() {
@@ -466,7 +466,7 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
         let expected = theirs.support(dir);
         assert_eq!(ours.support(d), expected.index, "{}: {dir}", theirs.name());
         assert_eq!(ours.vertices[expected.index as usize], expected.point.to_array());
-        // The cost is that of the direction scaled to a largest coordinate of 1.
+        // The cost belongs to the direction scaled to a largest coordinate of 1.
         let (leaf, cost) = (ours.leaf(reader::scaled(d)), theirs.support_cost(dir));
         assert_eq!((leaf.nodes, leaf.blocks.len() as u32 * 8), (cost.nodes, cost.dots));
 
@@ -717,8 +717,7 @@ fn tables_have_no_gaps() {
     }
 }
 
-/// For f32 directions, fused multiply-adds make no difference (7.4), because the products are
-/// exact.
+/// For f32 directions, fused multiply-adds make no difference (7.4): the products are exact.
 #[test]
 fn products_of_f32_numbers_are_exact() {
     let mut rng = SplitMix64::new(SEED);

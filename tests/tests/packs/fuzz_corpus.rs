@@ -71,7 +71,7 @@ fn the_corpus_is_small() {
     assert!(bytes < 1 << 20, "{bytes} bytes");
 }
 
-/// Otherwise an archive that is packed again would differ although its inputs are the same.
+/// An archive that is packed again has the same bytes if its inputs are the same.
 #[test]
 fn archives_are_what_fuzz_corpus_packs() {
     for (name, _) in TARGETS {

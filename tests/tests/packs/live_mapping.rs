@@ -72,7 +72,7 @@ fn answers(pack: &Pack) -> u64 {
 /// Maps the pack at `path`, to which these tests do write.
 fn map(path: impl AsRef<Path>) -> Result<Pack, OpenError> {
     // SAFETY: the contract does not hold. The tests break it on purpose, in processes of their own,
-    // to observe the consequences. The compiler sees no write to the mapped bytes.
+    // to observe the consequences. No compiled code writes to the mapped bytes.
     unsafe { Pack::map(path) }
 }
 

@@ -34,8 +34,7 @@ fn message(file: &[u8]) -> String {
     error.trim_end_matches("; bake the source again").to_owned()
 }
 
-/// The message after one change to a sample: `$field` is a field of the archive, `$value` its new
-/// value.
+/// The message after one change to a sample: the archive's `$field` gets the value `$value`.
 macro_rules! rejection {
     ($file:expr, $($field:tt)+) => {
         rejection!(@split $file, [] $($field)+)
@@ -120,7 +119,7 @@ fn records() {
     );
 }
 
-/// The mass of a mesh is one that a solid between the hulls can have.
+/// The mass of a mesh must be possible for a solid between the hulls.
 #[test]
 fn masses() {
     let pair = samples::named("meshes, tree");
@@ -211,7 +210,7 @@ fn vertices_faces_and_neighbours() {
     assert_eq!(rejection!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 
-/// Records of voids are of the first parts of objects whose mass is recorded.
+/// Records of voids belong to the first parts of objects whose mass is recorded.
 #[test]
 fn voids() {
     let mesh = shapes::concave::l();
@@ -263,7 +262,7 @@ fn voids() {
     assert!(lean.hull(1).unwrap().voids().is_some_and(|voids| voids.error == 0.125));
 }
 
-/// Records of primitives are of parts that were measured, and can be placed.
+/// Records of primitives belong to parts that were measured, and can be placed.
 #[test]
 fn primitives() {
     let mesh = shapes::concave::l();
@@ -328,7 +327,7 @@ fn primitives() {
     }
 }
 
-/// A lean pack has a version of its own, and nothing of what it leaves out.
+/// A lean pack has a version of its own, and none of the data that it leaves out.
 #[test]
 fn lean_packs() {
     let lean = samples::named("lean, tree");

@@ -31,7 +31,7 @@ fn no_interval_excludes_the_exact_depth() {
     }
 }
 
-/// The exact depth of larger hulls takes longer. Those of more than 32 vertices have no face table.
+/// The exact depth of larger hulls takes longer. Hulls above 32 vertices have no face table.
 #[test]
 fn no_interval_of_larger_hulls_excludes_the_exact_depth() {
     let tally = judge(PAIRS / 2, 100);

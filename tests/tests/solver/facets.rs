@@ -228,8 +228,7 @@ fn depths_contain_the_truth_in_degenerate_poses() {
     }
 }
 
-/// The same for hulls of up to 128 vertices, of which those of more than 32 have no face table. The
-/// depth by all facets takes longer.
+/// Hulls above 32 vertices have no face table. The depth by all facets takes longer.
 #[test]
 fn depths_of_larger_hulls_contain_the_truth() {
     let tally = judge_all(150, 20, 128);

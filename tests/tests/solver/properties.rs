@@ -148,15 +148,13 @@ proptest! {
             near.lower <= near_swapped.upper + slack && near_swapped.lower <= near.upper + slack,
             "{near:?} {near_swapped:?}"
         );
-        // The mirrored normal separates the hulls too, but may differ: two facets may be equally
-        // near.
+        // The mirrored normal separates the hulls too, but may differ: two facets may be as near.
         let mirrored = -b_in_a.transform_vector(swapped.normal);
         let way = way_out(&truth.a, &truth.b, mirrored);
         prop_assert!(way <= if swapped.hit { swapped.depth_upper + slack } else { slack }, "{way} {swapped:?}");
     }
 
-    /// Scaling by a power of two changes no digit of an input, and must change no digit of an
-    /// answer.
+    /// Scaling by a power of two changes no digit of the input, and must change none of the answer.
     #[test]
     fn powers_of_two_change_no_digit(a in points(), b in points(), b_in_a in pose(), exponent in -20..=20) {
         let scale = 2_f64.powi(exponent);
@@ -192,7 +190,7 @@ proptest! {
         );
     }
 
-    /// Other factors round the coordinates to single precision again. The answer is then that of
+    /// Other factors round the coordinates to single precision again. The answer is then for
     /// slightly different hulls.
     #[test]
     fn nothing_depends_on_the_scale(a in points(), b in points(), b_in_a in pose(), larger in any::<bool>()) {
@@ -223,8 +221,7 @@ proptest! {
         }
     }
 
-    /// A cache changes the cost and not the answer, whether it is of the last pose or of another
-    /// pair.
+    /// A cache changes the cost and not the answer, whether of the last pose or of another pair.
     #[test]
     fn warm_answers_equal_cold_ones(
         a in points(),

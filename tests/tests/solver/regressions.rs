@@ -1,5 +1,4 @@
-//! Pairs for which the soak found wrong answers, on baked hulls, whose support points have an
-//! error.
+//! Pairs of baked hulls, whose support points have an error: the soak found wrong answers.
 
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cuboid, Cylinder, Sphere};
@@ -48,8 +47,7 @@ fn depth_of_cores_8e_13_apart() {
 }
 
 /// A segment through a disc 1e9 times its size, and a capsule through a cube's corner, penetrate.
-/// They were reported as touching, because the distance of their cores is within the rounding
-/// error.
+/// They were reported as touching: the distance of their cores is within the rounding error.
 #[test]
 fn thin_penetrating_cores_do_not_merely_touch() {
     let (disc, needle): (&Any<'_>, &Any<'_>) =

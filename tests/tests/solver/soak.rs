@@ -23,8 +23,7 @@ const PAIRS: u64 = 100_000;
 const STRIDE: usize = 32;
 
 /// Maximum shares of undecided, stalled or limited answers, for `intersects`, `contact` and
-/// `distance`: curved shapes that graze each other, and flat shapes thinner than the rounding
-/// error.
+/// `distance`: curved shapes that graze each other, and flat shapes within the rounding error.
 const UNSETTLED: [f64; 3] = [2e-3, 5e-3, 2e-2];
 
 fn judged(clouds: &[Vec<[f32; 3]>], pairs: u64) -> Tally {
@@ -169,7 +168,7 @@ fn screws_of_small_hulls_agree_with_exact_arithmetic() {
     assert!(of("not decided") <= motions / 200, "{:?}", tally.lines);
 }
 
-/// Derivatives of answers about hulls. Those that are not certain are flagged, and almost none are.
+/// Derivatives of answers about hulls. Uncertain ones are flagged, and are very rare.
 #[test]
 fn derivatives_agree_with_central_differences() {
     let stock = Stock::bake(&[], 1);

@@ -1,5 +1,4 @@
-//! Contact manifolds in a small rigid-body simulation: a body that stands on a box remains
-//! standing.
+//! Contact manifolds in a small rigid-body simulation: a body on a box remains standing.
 //!
 //! The simulation is the simplest that physics engines use: semi-implicit Euler, sequential
 //! impulses with warm starting and friction (Catto, "Iterative dynamics with temporal coherence",
@@ -193,7 +192,7 @@ fn prism(n: usize) -> Vec<[f32; 3]> {
     extrusion(&regular_polygon(n, 0.5), -1.0, 1.0).vertices
 }
 
-/// The same after `rotation`, in f32: no cap is flat to the last digit.
+/// `points` after `rotation`, in f32: no cap is flat to the last digit.
 fn turned(points: &[[f32; 3]], rotation: DQuat) -> Vec<[f32; 3]> {
     points.iter().map(|p| (rotation * DVec3::from_array(p.map(f64::from))).as_vec3().to_array()).collect()
 }

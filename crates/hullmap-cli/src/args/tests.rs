@@ -106,8 +106,7 @@ fn poses_may_start_with_a_minus() {
     }
 }
 
-/// `--decompose cover` was a mesh named `cover` that cannot be read, and `bake decompose` an
-/// unknown subcommand.
+/// `--decompose cover` was read as a mesh named `cover`, and `bake decompose` did not exist.
 #[test]
 fn natural_guesses_are_answered_with_the_right_name() {
     for (line, tip) in [
@@ -191,7 +190,7 @@ fn help_fits_a_screen() {
     assert!(long.is_empty(), "{long:#?}");
 }
 
-/// 225 lines without an order: the farm's flags stood between those that everybody needs.
+/// The help had 225 lines without an order: the farm's flags stood between common ones.
 #[test]
 fn help_of_build_is_grouped_by_purpose() {
     let help = error("bake build --help");
@@ -250,7 +249,7 @@ fn help_has_the_name_under_which_the_command_was_started() {
     assert!(!text(&[module, "build", "--help"]).contains("bake build"));
 }
 
-/// The flags are always known, so that a build without the client says how to get it.
+/// The flags always exist, so that a build without the client states how to get it.
 #[test]
 fn a_farm_needs_the_client() {
     let address = "bake build a --out o --remote grpc://localhost:1 --remote-upload";

@@ -1,5 +1,4 @@
-//! `bake query`: intersection, distance or contact of two hulls, packs or triangle meshes, in many
-//! poses.
+//! `bake query`: intersection, distance or contact of hulls, packs or meshes, in many poses.
 
 use hullmap::{Compound, Hull, Pose, TriangleMesh};
 use serde::Serialize;
@@ -120,8 +119,7 @@ fn answer<A: Side, B: Side>(
     Ok(Exit::Done)
 }
 
-/// The poses of `--pose` in their order, then the poses of `--poses`; the identity if neither is
-/// given.
+/// The poses of `--pose` in their order, then those of `--poses`; without both, the identity.
 fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     let mut poses = Vec::new();
     for text in &args.poses {

@@ -40,8 +40,7 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
     Fault { span, message: message.into() }
 }
 
-/// Parses the text of the file at `path`. The error is the first fault in the file, with file and
-/// line.
+/// Parses the text of the file at `path`. The error is the first fault, with file and line.
 pub fn parse(path: &Path, text: &str) -> Result<Config, Failure> {
     let line_of = |at: usize| 1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count();
     let with_line = |fault: Fault| {
@@ -223,8 +222,7 @@ fn unknown(what: &str, name: &str, known: &[&str]) -> String {
     format!("unknown {what} `{name}`; {suggestion}")
 }
 
-/// The known name most similar to `name`, if any is similar enough. Of equally similar names, the
-/// first.
+/// The known name most similar to `name`, if any is similar enough; the first of several.
 fn most_similar<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut best = None;
     let mut max = MIN_SIMILARITY;

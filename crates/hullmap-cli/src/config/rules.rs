@@ -26,7 +26,7 @@ pub(super) struct Rule {
     pub(super) files: Vec<Glob>,
     /// Globs of links of robots. A rule that has some applies to robots only.
     pub(super) links: Vec<Glob>,
-    /// Whether its meshes are left out; `None` if the rule does not say.
+    /// Whether its meshes are left out; `None` if the rule does not state it.
     pub(super) skip: Option<bool>,
     pub(super) layer: OptionLayer,
 }

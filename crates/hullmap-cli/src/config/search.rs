@@ -38,11 +38,10 @@ pub struct Configs {
 /// Settings in `hullmap.toml` for a mesh.
 #[derive(Debug, Default)]
 pub struct Chosen {
-    /// Its options.
     pub layer: OptionLayer,
     /// Whether it is left out.
     pub skips: bool,
-    /// The file that says so, if any.
+    /// The file with these settings, if any.
     pub config: Option<Arc<Config>>,
 }
 
@@ -97,7 +96,7 @@ impl Configs {
         Ok(Chosen { layer, skips, config })
     }
 
-    /// The file that applies to `file` in the canonical `folder`, and the folder of the former.
+    /// The `hullmap.toml` that applies to `file` in the canonical `folder`, and its own folder.
     fn applying(&mut self, folder: &Path, file: &Path) -> Result<(Option<Arc<Config>>, PathBuf), Failure> {
         match &self.choice {
             Choice::None => Ok((None, PathBuf::new())),

@@ -58,8 +58,7 @@ pub struct Unread {
 }
 
 impl Jobs {
-    /// Reports the folders without meshes, and returns the jobs with the exit code that this
-    /// leaves.
+    /// Reports the folders without meshes, and returns the jobs with the resulting exit code.
     pub fn report_empty(self) -> (Vec<Job>, Exit) {
         self.empty.iter().for_each(|folder| terminal::error(without_meshes(folder)));
         (self.jobs, if self.empty.is_empty() { Exit::Done } else { Exit::Usage })

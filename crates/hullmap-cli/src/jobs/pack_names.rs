@@ -39,7 +39,7 @@ pub struct Unnamed<'a> {
 
 /// The packs of all meshes of a build. Complexity: O(meshes), apart from meshes of the same stem.
 pub fn pack_names(meshes: &[Unnamed]) -> Vec<PackName> {
-    // The meshes with a stem, or with a name, in a folder of packs; without case.
+    // The meshes with a stem, or with a name, in a folder of packs; case is ignored.
     let mut by_stem: HashMap<(&Path, String), Vec<usize>> = HashMap::new();
     let mut by_name: HashMap<(&Path, String), Vec<usize>> = HashMap::new();
     let full = |mesh: &Mesh| lower(mesh.source.file_name().map(Path::new));

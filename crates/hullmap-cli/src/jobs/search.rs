@@ -85,7 +85,7 @@ pub fn in_words<'a>(files: impl Iterator<Item = &'a Path>) -> Option<String> {
     Some(words.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
 }
 
-/// Adds the meshes in a folder; returns how many it holds, with those that `filter` leaves out.
+/// Adds the meshes in a folder; returns how many it holds, before `filter` leaves any out.
 fn search_folder(folder: &Path, out: &Path, filter: &mut Filter, found: &mut Found) -> Result<usize, Failure> {
     let mut count = 0;
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {

@@ -1,5 +1,4 @@
-//! Tasks: batches of meshes as JSON, one task per line, that any machine with the same files can
-//! bake.
+//! Tasks: batches of meshes as JSON, one per line, that any machine with the same files can bake.
 //!
 //! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are
 //! relative to the folder where the plan was made; a pack's path is checked before anything is
@@ -97,7 +96,7 @@ impl Task {
     }
 
     /// The jobs of the task, with packs in `out`. Fails if a path leads out of `out`, or this
-    /// version does not know the options.
+    /// version does not have the options.
     pub fn jobs(&self, out: &Path) -> Result<Vec<Job>, String> {
         self.meshes.iter().map(|mesh| mesh.job(out)).collect()
     }
@@ -134,8 +133,7 @@ impl TaskMesh {
 /// Estimated time that each mesh takes, whatever its size: 0.4 ms for a mesh of 8 vertices.
 const MILLIS_PER_MESH: f64 = 0.4;
 
-/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half of it for its
-/// hull.
+/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half for its hull.
 const MILLIS_PER_BYTE: f64 = 6e-5;
 
 /// The next task; `None` at the end. `line` is the number of the last line that was read, and empty

@@ -28,7 +28,7 @@ impl Inertial {
     pub fn new(properties: &MassProperties, up_axis: UpAxis) -> Option<Self> {
         // R I Rᵀ: rotate the columns, then the rows.
         let columns = properties.inertia.to_cols_array_2d().map(|column| rotated(column, up_axis));
-        // Without the sign of a zero.
+        // -0 becomes 0.
         let inertia = rotated_rows(columns, up_axis).map(|row| row.map(|entry| entry + 0.0));
         // NaN takes the failing branch.
         let has_mass = properties.mass > 0.0 && properties.mass < f64::INFINITY;
@@ -59,8 +59,7 @@ pub struct Body {
     pub polygons: Vec<Vec<u32>>,
     /// The primitive that may replace the hull.
     pub primitive: Option<BodyPrimitive>,
-    /// Mass of the mesh of the hull at density 1, if the pack records it. The parts of a mesh have
-    /// the same.
+    /// Mass of the hull's mesh at density 1, if the pack records it; equal for all parts of a mesh.
     pub mesh: Option<Inertial>,
 }
 

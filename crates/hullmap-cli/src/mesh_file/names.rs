@@ -3,7 +3,7 @@
 //!
 //! | target | name |
 //! |---|---|
-//! | OBJ, JSON, GLB | the hull's; in OBJ without characters that end or divide a line |
+//! | OBJ, JSON, GLB | the hull's name; in OBJ without characters that end or divide a line |
 //! | Unreal | `UCX_<render mesh>_<nn>` |
 //! | Godot | `<name>`, without suffixes that Godot reads |
 //! | MJCF, URDF, names of files | letters, digits, `.`, `_` and `-` |
@@ -90,8 +90,7 @@ pub fn unique(names: Vec<String>) -> Vec<String> {
         .collect()
 }
 
-/// Name of the object that a hull belongs to: without the `_part_<nn>` that a decomposition
-/// appends.
+/// Name of the object of a hull: without the `_part_<nn>` that a decomposition appends.
 pub fn object(name: &str, part: u32) -> &str {
     match name.rsplit_once("_part_") {
         Some((object, number)) if number.parse() == Ok(part) => object,
@@ -127,7 +126,7 @@ pub fn godot(names: &[(&str, u32)], node: Option<&str>) -> Vec<String> {
     unique(bare.collect())
 }
 
-/// A name that Godot takes for a node as it is.
+/// A name that Godot accepts unchanged for a node.
 fn node_name(name: &str) -> String {
     let name = token(name).replace('.', "_");
     let folded = name.to_ascii_lowercase();

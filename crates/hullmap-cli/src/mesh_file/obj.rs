@@ -1,5 +1,5 @@
-//! Hulls as OBJ text: an object each, with triangles, or a line or a point element. And triangle
-//! meshes.
+//! Hulls and triangle meshes as OBJ text. Each hull is an object of triangles, or of a line or
+//! point element.
 //!
 //! Coordinates are the shortest decimals that give the same `f32` again, also to a reader that
 //! rounds to `f64` first.
@@ -12,8 +12,7 @@ use super::names::line;
 /// First line of every file, by which `bake robot` recognises its own hulls.
 pub const FIRST_LINE: &str = "# Convex hulls, exported by bake\n";
 
-/// The file. With `has_groups`, each object is also a group, because Unreal makes a mesh of each
-/// group.
+/// The file. With `has_groups`, each object is a group too: Unreal makes a mesh of each group.
 pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
     let mut text = String::from(FIRST_LINE);
     // OBJ counts from 1, over all objects.
@@ -39,8 +38,8 @@ pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The file of a triangle mesh, with the material of each triangle. Numbers are named, since their
-/// names are not known.
+/// The file of a triangle mesh, with the material of each triangle. Materials are named by their
+/// numbers, since their names are not known.
 pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
     let mut text = format!("# Triangle mesh, exported by bake\no {}\n", line(&body.name));
     push_vertices(&mut text, &body.positions);

@@ -1,5 +1,5 @@
 //! Puts written files in place: each is complete or absent, and none replaces another unless the
-//! user says so.
+//! user requests it.
 
 use std::fs;
 use std::io;

@@ -10,7 +10,6 @@ use super::body::Body;
 /// The comment before the triangles, 80 bytes. It must not start with `solid`, as text files do.
 const COMMENT: &[u8] = b"convex hull, exported by bake";
 
-/// The comment of a triangle mesh.
 const COMMENT_OF_TRIANGLES: &[u8] = b"triangle mesh, exported by bake";
 
 /// Bytes of the comment.

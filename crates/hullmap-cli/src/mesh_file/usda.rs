@@ -2,7 +2,7 @@
 //! asset, which stays as it is.
 //!
 //! 1. The metadata of the layer: the asset as its sublayer, the unit and the up axis of the stage.
-//!    A stage takes the latter from its root layer alone, so they are repeated here.
+//!    A stage takes unit and axis from its root layer alone, so they are repeated here.
 //! 2. An `over` for each prim on the way to a group of hulls, and to a collider that is switched
 //!    off (`physics:collisionEnabled`).
 //! 3. A group, an `Xform` with one `Mesh` for each hull: a convex collider of the purpose `guide`.
@@ -11,7 +11,7 @@
 //!
 //! **Mass.** A simulator adds the masses of the colliders of a body. Parts overlap and protrude, so
 //! their own masses would be too large. Each part has a share of the mesh's mass, the mesh's centre
-//! of mass and the same share of the mesh's inertia. The sum is the mesh, exactly, whichever body
+//! of mass and the same share of the mesh's inertia. The sum is exactly the mesh's, whichever body
 //! the colliders belong to.
 //!
 //! **Limits on vertices.** Without them, readers would rebuild each hull with 64 vertices or fewer.
@@ -95,9 +95,9 @@ pub struct UsdGroup<'a> {
 /// The mass of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UsdMass {
-    /// None is written: the simulator computes the mass of each hull.
+    /// No mass is written: the simulator computes the mass of each hull.
     None,
-    /// Of this density, in the stage's unit of mass per cubic unit.
+    /// The mass at this density, in the stage's unit of mass per cubic unit.
     Density {
         /// The density.
         density: f64,
@@ -134,8 +134,7 @@ pub enum UsdError {
     Number(String),
 }
 
-/// The layer as text, and the meshes whose mass is that of their hulls, because their own is not
-/// known.
+/// The layer as text, and the meshes that get the mass of their hulls, for lack of their own.
 ///
 /// # Errors
 /// See [`UsdError`]. Nothing is written for any group if one fails.

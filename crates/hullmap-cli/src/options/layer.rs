@@ -5,8 +5,7 @@ use super::removed::instead_of_option;
 use super::table::{Group, OPTION_COUNT, OPTIONS, position};
 use super::value::Value;
 
-/// The options that one source gives, in the order of the table; `None` for options it does not
-/// mention.
+/// The options that one source gives, in the order of the table; `None` for those it leaves out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OptionLayer {
     pub(super) values: [Option<Value>; OPTION_COUNT],
@@ -49,8 +48,7 @@ impl Clash {
         Self { key, other: "keep_triangles", kind: ClashKind::OfHulls }
     }
 
-    /// What is wrong and what to do; `name` turns a key into the name of the option that the user
-    /// wrote.
+    /// What is wrong and what to do; `name` turns a key into the option's name as it was written.
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
         let (key, other) = (name(self.key), name(self.other));
         match self.kind {
@@ -283,7 +281,7 @@ pub mod tests {
         }
     }
 
-    /// `--max-parts 4` without `--decompose` baked a single hull, without a word.
+    /// `--max-parts 4` without `--decompose` baked a single hull, without a message.
     #[test]
     fn options_without_effect_are_found_across_layers() {
         let unused = |own: &[(&str, &str)], lower: &[&[(&str, &str)]]| {

@@ -110,7 +110,7 @@ mod tests {
 
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
-    /// Packs are fresh by these texts: a change here makes every pack in the world stale.
+    /// These texts decide which packs are fresh: a change here makes all existing packs stale.
     const RECORDS: [(&[(&str, &str)], &str); 28] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),

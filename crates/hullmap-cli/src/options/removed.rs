@@ -5,8 +5,8 @@
 pub const VHACD: &str = "V-HACD was removed; use decompose without a method: it finds fewer parts, with proven \
                          bounds. Parts that another tool made are imported by split auto";
 
-/// Remedy for an option that this version does not have; `None` if earlier ones had none of this
-/// name either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
+/// Remedy for an option that this version does not have; `None` if earlier ones did not have it
+/// either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
     const KEYS: [&str; 9] = [
         "vhacd_concavity",
@@ -22,8 +22,7 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     KEYS.contains(&key.replace('-', "_").as_str()).then_some(VHACD)
 }
 
-/// Remedy for a value that this version does not accept; `None` if earlier ones did not accept it
-/// either.
+/// Remedy for a value that only earlier versions accepted; `None` if none did.
 pub fn instead_of_value(key: &str, value: &str) -> Option<&'static str> {
     (key == "decompose" && value == "vhacd").then_some(VHACD)
 }

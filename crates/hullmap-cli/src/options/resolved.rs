@@ -38,8 +38,7 @@ pub enum RecordSource {
 }
 
 impl OptionLayer {
-    /// The options, with their defaults for those that this layer does not give or that do not
-    /// apply.
+    /// The options, with defaults for options that this layer does not give or that do not apply.
     pub fn resolve(&self) -> BuildOptions {
         let mut resolved = self.clone();
         let method = self.method();
@@ -158,7 +157,7 @@ impl BuildOptions {
         budget(self.word("for_engine"))
     }
 
-    /// A number of vertices, or less if an engine is sure to accept only fewer.
+    /// The smaller number: `vertices`, or the most that an engine certainly accepts.
     pub fn within_budget(&self, vertices: u32) -> u32 {
         self.budget().map_or(vertices, |budget| vertices.min(budget.sure_vertices()))
     }

@@ -1,5 +1,5 @@
 //! The table of all options that shape packs and triangle meshes: key, accepted values, default,
-//! help. Those of height fields are in `args/height_field.rs`.
+//! help. The options of height fields are in `args/height_field.rs`.
 //!
 //! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
 //! come from this table. An option that is recorded changes the hulls. Flags that apply to a whole
@@ -86,7 +86,6 @@ pub enum Group {
 /// How a pack records an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// Always.
     Always,
     /// Only if it differs from its default: options that are newer than the first packs.
     IfChanged,

@@ -80,7 +80,7 @@ impl Syntax {
                 number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite())
                     .map(Value::Percent)
             }
-            // Of a mesh in metres.
+            // Lengths of a mesh in metres.
             Self::LengthOrNone if text.ends_with("mm") => {
                 number(text[..text.len() - 2].trim_end(), |&x: &f64| x / 1000.0 > 0.0 && x.is_finite())
                     .map(|millimetres| Value::Number(millimetres / 1000.0))
@@ -108,7 +108,7 @@ impl Syntax {
     }
 }
 
-/// The number in `text`, if it is accepted. NaN must not be.
+/// The number in `text`, if it is accepted. `is_accepted` must reject NaN.
 fn number<T: FromStr>(text: &str, is_accepted: impl Fn(&T) -> bool) -> Option<T> {
     text.parse().ok().filter(is_accepted)
 }

@@ -127,7 +127,7 @@ impl<'j> Batch<'j> {
         }
         let outputs = members.iter().map(|member| member.pack.clone()).chain([RESULTS.to_owned()]).collect();
         let mut task = Task::new(0, Path::new(OUT), meshes);
-        // Sizes and hashes are already the inputs'.
+        // The inputs state sizes and hashes already.
         task.key = String::new();
         let task = Blob::of(serde_json::to_vec(&task).ok()?);
         files.push(InputFile { path: "task.jsonl".to_owned(), blob: task, is_executable: false });

@@ -171,7 +171,7 @@ pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(Str
             notes: row.notes.iter().map(there).collect(),
             warnings: row.warnings.iter().map(there).collect(),
             error: row.error.as_ref().map(there),
-            // Different for everybody.
+            // It differs from machine to machine.
             reason: None,
             origin: None,
             millis: 0.0,

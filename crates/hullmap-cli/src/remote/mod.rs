@@ -155,7 +155,6 @@ impl Farm<'_> {
         answers.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
     }
 
-    /// The answer to a batch.
     fn answer<'a>(&self, batch: &'a Batch<'a>) -> Result<Answer<'a>, Failure> {
         match self.deliver(batch) {
             Ok(delivered) => Ok((batch, delivered)),
@@ -173,7 +172,8 @@ impl Farm<'_> {
         }
     }
 
-    /// The results of a batch, from the cache or from a worker; none if neither is to make them.
+    /// The results of a batch, from the cache or from a worker; empty if the cache lacks them and
+    /// workers are not used.
     fn deliver(&self, batch: &Batch) -> Result<Delivered, RemoteError> {
         let (digest, executes) = (&batch.action.digest, !self.remote.cache_only);
         let mut again = self.build.force;
@@ -191,8 +191,7 @@ impl Farm<'_> {
         answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback)
     }
 
-    /// Uploads the results of batches that were baked here, except for those that
-    /// [`answer::files`] leaves out.
+    /// Uploads the results of batches baked here, unless [`answer::files`] leaves them out.
     fn publish(&self, batches: &[&Batch], results: &Results) -> Result<(), Failure> {
         for batch in batches {
             let Some(files) = answer::files(batch, results, self.build) else { continue };

@@ -1,5 +1,4 @@
-//! Freshness: whether a pack is what a bake would write, judged by its bytes and never by time
-//! stamps.
+//! Freshness: whether a pack is what a bake would write, judged by its bytes, never by time stamps.
 //!
 //! Here, a triangle mesh counts as a pack. A pack is fresh if its header holds this format version
 //! and the hash of the source's bytes; if it records the options and the source's path; and if it
@@ -90,7 +89,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
     }
 }
 
-/// Recorded options, with today's names.
+/// Recorded options, with their current names.
 fn shown(recorded: &str) -> String {
     BuildOptions::from_recorded(recorded).map_or_else(|| recorded.to_owned(), |options| options.in_words())
 }

@@ -11,8 +11,8 @@ use hullmap_bake::{IndexChoice, IndexKind};
 use crate::jobs::Job;
 
 /// Memory per byte of an OBJ file. Measured: 17 to 20 for 100,000 and more points that all lie on
-/// the hull. When it was 25 to 31, memory that the allocator retains from files of other threads
-/// made it up to 59, and up to 105 for 15,000 points.
+/// the hull. An earlier version took 25 to 31, and with memory that the allocator retains from
+/// files of other threads up to 59, or up to 105 for 15,000 points.
 const PER_TEXT_BYTE: u64 = 128;
 
 /// Memory per byte of the other formats and their buffers, where a point takes as little as 12

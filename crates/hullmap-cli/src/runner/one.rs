@@ -95,8 +95,8 @@ impl Build<'_> {
     }
 
     /// Puts a pack in place that was baked elsewhere from a source with this XXH3-128, and
-    /// completes its row. It is accepted only if it is what a bake would call fresh, and with
-    /// `--verify` if its hulls match the source.
+    /// completes its row. It is accepted only if it is fresh, and with `--verify` if its hulls
+    /// match the source.
     #[cfg(feature = "remote")]
     pub fn place(&self, job: &Job, source_hash: u128, bytes: &[u8], mut row: Row) -> (Row, Exit) {
         let start = Instant::now();

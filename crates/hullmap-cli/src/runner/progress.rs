@@ -19,7 +19,7 @@ const BARS_AFTER: Duration = Duration::from_millis(300);
 /// Time after which a file in progress is shown by name.
 const NAME_AFTER: Duration = Duration::from_millis(300);
 
-/// Maximum number of files shown by name: those in progress longest.
+/// Maximum number of files shown by name: the files in progress longest.
 const MAX_NAMES: usize = 6;
 
 /// Time between two lines without a terminal, so that logs stay short.

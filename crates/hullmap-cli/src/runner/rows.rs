@@ -62,7 +62,7 @@ impl Status {
 /// Maximum number of objects in a row. Rows of a batch travel in one blob of bounded size.
 pub const MAX_OBJECTS: usize = 1000;
 
-/// Result of one file. Field names are the JSON's; `None` if the file did not get that far.
+/// Result of one file. Field names are the JSON's; `None` if the file did not reach that step.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// The mesh; for an orphan, its former path.
@@ -109,8 +109,7 @@ pub struct Row {
     pub warnings: Vec<String>,
     /// Why it failed.
     pub error: Option<String>,
-    /// Whether it failed because of an error in the baker, not in the mesh. Such a failure is not
-    /// shared.
+    /// Whether the baker is at fault, and not the mesh. Such a failure is not shared.
     #[serde(skip)]
     pub is_internal: bool,
 }

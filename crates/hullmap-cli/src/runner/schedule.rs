@@ -113,8 +113,7 @@ mod tests {
                 } else {
                     peak.fetch_max(now, Ordering::SeqCst);
                 }
-                // Inner work on the same pool, and a wait in which a thread may take on another
-                // item.
+                // Inner work on the same pool, and a wait in which a thread may take another item.
                 let sum: u64 = (0..2000_u64).into_par_iter().map(|number| number % 7).sum();
                 std::thread::sleep(Duration::from_micros(50));
                 in_flight.fetch_sub(costs[at], Ordering::SeqCst);

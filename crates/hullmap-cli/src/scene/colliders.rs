@@ -118,7 +118,7 @@ pub fn add(file: &GltfFile, colliders: &[Collider], motions: &[Motion], form: &F
     file.with(text, &added)
 }
 
-/// Whether a number is finite as one of 32 bits. NaN is not.
+/// Whether a number is finite in f32. NaN is not.
 fn is_in_range(number: f64) -> bool {
     number.abs() <= f64::from(f32::MAX)
 }
@@ -133,7 +133,7 @@ fn check_range(collider: &Collider) -> Result<(), String> {
     };
     let node = collider.node.map_or_else(|| "the scene".to_owned(), |node| format!("node {node}"));
     Err(format!(
-        "hull {}: a coordinate in {node} is {found:e}, which 32 bits do not hold; the node is scaled by too little: apply \
+        "hull {}: a coordinate in {node} is {found:e}, too large for 32 bits; the node is scaled by too little: apply \
          its scale to its mesh",
         collider.body.name
     ))
@@ -218,8 +218,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Where new bytes go: to the end of the BIN chunk, if that is the first buffer or may become
-    /// it.
+    /// Where new bytes go: to the end of the BIN chunk, if it is or may become the first buffer.
     fn buffer(&self, file: &GltfFile) -> Result<Buffer, String> {
         let buffers = &self.old[List::Buffers as usize];
         let is_chunk = match buffers.first() {
@@ -365,7 +364,7 @@ impl<'a> Writer<'a> {
     fn add_motion(&mut self, motion: &Motion, form: &Form) -> Result<(), String> {
         let numbers = [motion.mass].into_iter().chain(motion.center.to_array()).chain(motion.moments.to_array());
         if let Some(found) = numbers.into_iter().find(|number| !is_in_range(*number)) {
-            let fault = format!("its mass, centre or inertia is {found:e}, which 32 bits do not hold");
+            let fault = format!("its mass, centre or inertia is {found:e}, too large for 32 bits");
             return Err(format!("node {}: {fault}; scale the node less, or pass --static", motion.node));
         }
         let mut described = json!({
@@ -579,6 +578,6 @@ mod tests {
             let error = add(scale, 0.0).unwrap_err();
             assert!(error.starts_with("hull stone: a coordinate in the scene is "), "{error}");
         }
-        assert!(add(DVec3::ONE, 1e39).unwrap_err().contains("which 32 bits do not hold"));
+        assert!(add(DVec3::ONE, 1e39).unwrap_err().contains("too large for 32 bits"));
     }
 }

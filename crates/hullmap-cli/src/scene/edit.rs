@@ -1,5 +1,4 @@
-//! Insertions into JSON text. Everything else keeps its bytes: order, white space, numbers, unknown
-//! members.
+//! Insertions into JSON text. All else keeps its bytes: order, spaces, numbers, unknown members.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -2,7 +2,7 @@
 //!
 //! A rotation in the plane of two axes makes the element of the tensor that joins them 0. Such
 //! rotations, one pair of axes after the other, converge quadratically to a diagonal tensor. The
-//! power iteration of the decomposition is not used: it needs no more than a few digits.
+//! power iteration of the decomposition is not used, because it gives only a few digits.
 //!
 //! # Reference
 //! Golub and Van Loan, "Matrix Computations", section 8.5.

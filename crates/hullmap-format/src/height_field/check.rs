@@ -1,7 +1,7 @@
 //! Checks of a height field: whether it meets the requirements that the runtime relies on.
 //!
 //! The grid has as many heights as it states, all finite, at coordinates that rise, and the ranges
-//! of the tree are the tightest ones. A query then visits each node at most once, and misses no
+//! of the tree are the tightest ones. So a query visits each node at most once, and misses no
 //! triangle.
 
 use rkyv::rend::u16_le;

@@ -1,10 +1,10 @@
 //! The tree over the cells of a height field, without pointers.
 //!
-//! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Each level divides
-//! one axis in two, the one along which nodes have more cells; of equal ones, x. So first the
+//! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Each level divides one
+//! axis in two: the one along which nodes have more cells, or x if both are equal. So first the
 //! longer axis is divided, then x and y take turns. The binary digits of a node's position in its
-//! level are the positions p of its columns and q of its rows: of n columns, those from ⌊p n / 2ᵈ⌋
-//! to ⌊(p + 1) n / 2ᵈ⌋, if d levels divide x.
+//! level give its positions p along x and q along y. If d levels divide x, its columns are ⌊p n /
+//! 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋ of n columns.
 //!
 //! *Blocks* are the nodes of the first level in which no node has more than 2 × 2 cells. Below, a
 //! block of two rows is divided into them, a row of two cells into these, and a cell into its two
@@ -33,7 +33,7 @@ pub struct Pyramid {
     is_tall: bool,
 }
 
-/// What a node of the tree has.
+/// Cells or triangle below a node of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
     /// At least one cell: a rectangle of them.
@@ -42,7 +42,7 @@ pub enum Extent {
     Triangle(usize),
 }
 
-/// A rectangle of cells: the first column and the one after the last, and the same of the rows.
+/// A rectangle of cells: the first column and the one after the last, and likewise for rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cells {
     /// Columns.
@@ -90,7 +90,7 @@ impl Pyramid {
         this
     }
 
-    /// Number of nodes with a stored range: those before all others.
+    /// Number of nodes with a stored range, which come first.
     pub fn stored_count(&self) -> usize {
         (2_usize << self.stored) - 1
     }
@@ -112,7 +112,7 @@ impl Pyramid {
         node.saturating_mul(2).saturating_add(1)
     }
 
-    /// What a node has; `None` if the tree has no such node.
+    /// Extent of a node; `None` if the tree has no such node.
     #[inline]
     pub fn extent(&self, node: u32) -> Option<Extent> {
         let at = node.checked_add(1)?;
@@ -129,7 +129,7 @@ impl Pyramid {
         self.stored
     }
 
-    /// How many levels divide x, and how many y, down to a level that is not below the blocks.
+    /// Numbers of levels that divide x and y, down to a level that is not below the blocks.
     #[inline]
     pub fn divisions(&self, level: u32) -> [u32; 2] {
         let lead = self.lead.min(level);
@@ -137,8 +137,8 @@ impl Pyramid {
         if self.is_tall { [x, y + lead] } else { [x + lead, y] }
     }
 
-    /// How many of `turns` levels after the lead divide x, and how many y. x comes first, unless
-    /// the lead was along x and y is now the longer one.
+    /// Numbers of the `turns` levels after the lead that divide x and y. x comes first, unless the
+    /// lead was along x and y is now the longer axis.
     #[inline]
     fn turns(&self, turns: u32) -> [u32; 2] {
         let x = if self.is_tall { turns.div_ceil(2) } else { turns / 2 };
@@ -158,7 +158,7 @@ impl Pyramid {
         (1 << level) - 1 + (first << turns | rest)
     }
 
-    /// Whether the digits for x are the odd ones of a position.
+    /// Whether the odd digits of a position are its digits for x.
     #[inline]
     fn x_is_odd(&self, turns: u32) -> bool {
         turns.is_multiple_of(2) == self.is_tall
@@ -178,7 +178,7 @@ impl Pyramid {
         Cells { columns: share(across, x_levels, x), rows: share(along, y_levels, y) }
     }
 
-    /// What a node `below` levels below a block has. The last digits of its position are its path.
+    /// Extent of a node, `below` levels below a block. Its path is the last digits of its position.
     #[inline]
     fn within_block(&self, block: Cells, below: u32, position: u32) -> Option<Extent> {
         let Cells { columns: [left, right], rows: [bottom, top] } = block;

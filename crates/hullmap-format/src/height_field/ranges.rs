@@ -31,7 +31,7 @@ pub fn is_marked(holes: &[u8], cell: usize) -> bool {
     holes.get(cell / 8).is_some_and(|byte| byte >> (cell % 8) & 1 == 1)
 }
 
-/// Least and greatest height of the cells of a rectangle that are not holes; `None` if all are.
+/// Least and greatest height of the cells of a rectangle; `None` if all of them are holes.
 #[inline]
 pub fn range(field: &impl Heights, layout: &Layout, cells: Cells) -> Option<[f32; 2]> {
     let Cells { columns: [left, right], rows: [bottom, top] } = cells;
@@ -58,7 +58,7 @@ pub fn range(field: &impl Heights, layout: &Layout, cells: Cells) -> Option<[f32
     (low <= high).then_some([low, high])
 }
 
-/// The ranges of all nodes that have one stored.
+/// The ranges of all nodes with a stored range.
 ///
 /// # Complexity
 /// O(cells).

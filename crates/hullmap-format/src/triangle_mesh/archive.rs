@@ -48,8 +48,7 @@ pub struct Record {
     pub bounds_min: [f32; 3],
     /// Maximum coordinates of the vertices.
     pub bounds_max: [f32; 3],
-    /// Number of triangles whose corners are on a line, or equal. They collide as segments and
-    /// points.
+    /// Number of triangles with corners on a line, or equal: they collide as segments and points.
     pub degenerate: u32,
     /// Number of triangles with the same three vertices as an earlier one.
     pub duplicate: u32,

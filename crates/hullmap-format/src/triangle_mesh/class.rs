@@ -34,7 +34,7 @@ pub enum EdgeClass {
     Concave,
     /// More than two triangles have the edge.
     NonManifold,
-    /// The neighbour has the other side in front: both triangles have the edge in the same
+    /// The neighbour's front is on the other side: both triangles have the edge in the same
     /// direction.
     Reversed,
 }
@@ -79,8 +79,8 @@ impl EdgeClass {
         if edge < 3 { Self::from_code(classes >> (4 * edge) & 15) } else { None }
     }
 
-    /// Whether a triangle is on the other side, which
-    /// [`TriangleMesh::neighbours`](super::archive::TriangleMesh::neighbours) names.
+    /// Whether [`TriangleMesh::neighbours`](super::archive::TriangleMesh::neighbours) names a
+    /// triangle on the other side.
     pub const fn has_neighbour(self) -> bool {
         !matches!(self, Self::Border | Self::NonManifold)
     }
@@ -179,7 +179,7 @@ impl VertexClass {
         edges.into_iter().fold(Self::Flat, Self::with)
     }
 
-    /// Class of a vertex of this class, after it has got another edge.
+    /// Class of a vertex of this class with another edge.
     pub fn with(self, edge: EdgeClass) -> Self {
         match (self, edge) {
             (Self::Irregular, _) | (_, EdgeClass::NonManifold | EdgeClass::Reversed) => Self::Irregular,
@@ -229,8 +229,7 @@ mod tests {
         assert_eq!((EdgeClass::from_code(6), VertexClass::from_code(6), EdgeClass::of(0, 3)), (None, None, None));
     }
 
-    /// The neighbour turns about the edge, all the way round. It has the sign of the height above
-    /// the plane.
+    /// The neighbour turns about the edge by a full turn. The class has the sign of its height.
     #[test]
     fn the_class_is_that_of_the_angle() {
         let corners = [[0.5, 0.0, 0.0], [1.5, 0.0, 0.0], [0.7, 2.0, 0.0]];

@@ -1,5 +1,4 @@
-//! The file of a triangle mesh: a static shape that keeps its triangles, such as a level or a
-//! terrain.
+//! The file of a triangle mesh: a static shape with its triangles, such as a level or a terrain.
 //!
 //! The file has the header of a pack ([`crate::header`]) with a magic of its own, then an archive
 //! of plain numbers. Triangles are in the order of the leaves of a tree of boxes, so that the tree

@@ -1,4 +1,4 @@
-//! The sections of a triangle mesh as slices, as [`crate::sections`] finds those of a pack.
+//! The sections of a triangle mesh as slices, read as in [`crate::sections`].
 
 use std::mem::offset_of;
 

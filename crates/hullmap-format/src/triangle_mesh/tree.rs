@@ -1,8 +1,8 @@
 //! The tree of boxes over a triangle mesh, without pointers.
 //!
 //! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Of n triangles, node p
-//! of the level d, counted from the left, has those from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋. A node
-//! with one triangle is a leaf. So the numbers of a node follow from its index, and every level
+//! of level d, counted from the left, has the triangles from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋. A node
+//! with one triangle is a leaf. So the triangles of a node follow from its index, and every level
 //! holds all triangles.
 //!
 //! Boxes are stored for the levels whose nodes have at least two triangles each. Below, a box is
@@ -41,7 +41,7 @@ pub fn first_child(node: u32) -> u32 {
     node.saturating_mul(2).saturating_add(1)
 }
 
-/// Number of nodes with a stored box, those before the others, of a mesh of `count` triangles.
+/// Number of nodes with a stored box, which come first, of a mesh of `count` triangles.
 ///
 /// # Examples
 /// ```
@@ -91,13 +91,12 @@ impl Grid {
         [at(x, y, z), at(x1, y1, z1)]
     }
 
-    /// The distances between the coordinates of a number and of the next one, along each axis.
+    /// The distances between the coordinates of consecutive numbers, along each axis.
     pub fn steps(&self) -> [f64; 3] {
         [self.x.step(), self.y.step(), self.z.step()]
     }
 
-    /// The low and the high numbers of a box that holds another one, as far as that is within the
-    /// bounds.
+    /// The low and the high numbers of a box that holds another one, clamped to the bounds.
     pub fn around(&self, low: [f64; 3], high: [f64; 3]) -> [[u16; 3]; 2] {
         let Self { x, y, z } = self;
         let ([x0, y0, z0], [x1, y1, z1]) = (low, high);
@@ -118,7 +117,7 @@ pub fn around(a: [u16; 6], b: [u16; 6]) -> [u16; 6] {
     [a0.min(b0), a1.min(b1), a2.min(b2), a3.max(b3), a4.max(b4), a5.max(b5)]
 }
 
-/// The boxes of all nodes that have one stored, of a mesh whose triangles have the boxes
+/// The boxes of all nodes with a stored box, of a mesh whose triangles have the boxes
 /// `of_triangle`.
 ///
 /// # Complexity

@@ -1,6 +1,6 @@
 //! Positions and primitives of a COLLADA geometry.
 //!
-//! They are appended to the mesh as they are read, once for each instance: lists of their own would
+//! They are appended to the mesh as they are read, once for each instance: separate lists would
 //! take more memory than a file may.
 
 use std::collections::HashMap;
@@ -16,12 +16,11 @@ use crate::mesh::Polygons;
 /// Files have up to ten.
 const MAX_INPUTS: usize = 64;
 
-/// What one instance of a geometry is appended to.
+/// The lists to which one instance of a geometry is appended.
 #[derive(Debug)]
 pub struct Target<'m> {
     /// Positions of all instances.
     pub positions: &'m mut Vec<[f64; 3]>,
-    /// Their faces.
     pub faces: &'m mut Polygons,
     /// Ends and corners of their lines.
     pub loose: &'m mut Vec<u32>,
@@ -207,7 +206,7 @@ impl Target<'_> {
         Ok(())
     }
 
-    /// A mirror turns faces inside out; this turns the last one, from `start`, back.
+    /// Reverses the last face, which starts at `start`, if the transform mirrors.
     fn turn(&mut self, start: usize) {
         if self.placed.matrix3.determinant() < 0.0
             && let Some(face) = self.faces.corners.get_mut(start..)
@@ -218,7 +217,7 @@ impl Target<'_> {
 }
 
 impl Layout {
-    /// Indices of positions in a list, in the mesh.
+    /// Vertex indices in the mesh, from a list of indices of positions.
     fn corners<'n>(&self, list: Node<'n, '_>) -> impl Iterator<Item = Result<u32, LineFault>> + use<'n, '_> {
         let (first, count) = (self.first, self.count);
         let words = list.text().unwrap_or_default().split_ascii_whitespace().skip(self.offset).step_by(self.stride);
@@ -241,7 +240,7 @@ fn layout(primitive: Node, first: u32, count: u32) -> Result<Layout, LineFault> 
     for input in primitive.children().filter(|node| node.tag_name().name() == "input") {
         let own: usize = input.attribute("offset").unwrap_or("0").trim().parse().unwrap_or(MAX_INPUTS);
         if own >= MAX_INPUTS {
-            return Err(at(input, format!("the offset is no number below {MAX_INPUTS}: export the file again")));
+            return Err(at(input, format!("the offset is not a number below {MAX_INPUTS}: export the file again")));
         }
         stride = stride.max(own + 1);
         if input.attribute("semantic") == Some("VERTEX") {

@@ -41,7 +41,7 @@ pub struct AccessorReader<'a> {
     width: usize,
 }
 
-/// The remedy for most faults: whatever wrote the file made a mistake.
+/// The remedy for most faults, which are mistakes of exporters.
 const AGAIN: &str = "export the file again";
 
 fn is_unsigned(component_type: u32) -> bool {

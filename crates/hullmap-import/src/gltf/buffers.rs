@@ -76,8 +76,8 @@ fn locate(index: usize, uri: Option<&str>) -> Result<BufferLocation<'_>, LineFau
 }
 
 /// Indices and URIs of the buffers with positions or vertex indices of the scene, and of its
-/// colliders: which files a source has does not depend on options. References out of range are left
-/// to the reader of the scene, which reports them.
+/// colliders, even if these are not read: the files of a source do not depend on options.
+/// References out of range are left to the reader of the scene, which reports them.
 fn required<'a>(container: &'a Container) -> impl Iterator<Item = (usize, Option<&'a str>)> {
     let document = &container.document;
     let mut is_required = vec![false; document.buffers.len()];

@@ -27,7 +27,7 @@ pub struct Container<'a> {
 
 impl Container<'_> {
     /// The compressed data of a view and the name of its extension, if the file does not have the
-    /// view uncompressed: the buffer of a missing fallback is a placeholder without bytes.
+    /// view uncompressed. The buffer of a missing fallback is a placeholder without bytes.
     pub fn compression<'a>(&self, view: &'a BufferView) -> Option<(&'static str, &'a Meshopt)> {
         let fallback = self.document.buffers.get(view.buffer as usize);
         // Only the first buffer can be the BIN chunk.

@@ -138,7 +138,7 @@ impl Document<'_> {
 }
 
 impl Primitive<'_> {
-    /// Index of the material. An index that is not a whole number is that of no material.
+    /// Index of the material. An index that is not a whole number counts as no material.
     pub fn material_index(&self) -> Option<u32> {
         let text = self.material?.get();
         (text != "null").then(|| serde_json::from_str::<Whole<u32>>(text).map_or(u32::MAX, |index| index.0))

@@ -1,7 +1,7 @@
 //! glTF 2.0: primitives compressed by `KHR_draco_mesh_compression`, decoded by the crate
 //! `draco-core`.
 //!
-//! The data of such a primitive is always triangles, whatever its mode: the mode says how a
+//! The data of such a primitive is always triangles, whatever its mode: the mode states how a
 //! renderer may arrange them.
 //!
 //! # Reference

@@ -1,4 +1,4 @@
-//! glTF 2.0: extensions that a file may require, and remedies for those that it may not.
+//! glTF 2.0: extensions that a file may require, and remedies for all others.
 //!
 //! A required extension that is not listed here may change the geometry, so the file is rejected.
 

@@ -28,9 +28,9 @@
 //!
 //! # Reference
 //! Khronos, "glTF 2.0 Specification". The crate `gltf` has had no release since May 2024. It reads
-//! accessors without a buffer view as empty (fixed since, but not released), subtracts without a
-//! check where a GLB file claims to be shorter than its header, and holds the whole document at
-//! some hundred bytes for a node of two. The tests compare with it.
+//! accessors without a buffer view as empty (fixed since, but not released), underflows if a GLB
+//! file claims to be shorter than its header, and takes some hundred bytes of memory for a node of
+//! two bytes. The tests compare with it.
 
 mod accessor;
 mod buffers;

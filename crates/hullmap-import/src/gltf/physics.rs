@@ -5,18 +5,18 @@
 //! | `KHR_physics_rigid_bodies` | `geometry`: a `shape`, `mesh` or `node` | `KHR_implicit_shapes` |
 //! | `OMI_physics_body` | `shape` | `OMI_physics_shape` |
 //!
-//! A `node` stands for its mesh and those of the nodes below it.
+//! A `node` stands for its mesh and the meshes of the nodes below it.
 //!
 //! A node with colliders of both extensions has one collider: exporters write the same shape twice.
 //! Triggers are not colliders.
 //!
-//! Implicit shapes become the points of a hull. Those of round shapes lie on the surface, so the
-//! hull is up to [`ROUND_ERROR`] of the radius inside of it.
+//! Implicit shapes become the points of a hull. The points of round shapes lie on the surface, so
+//! the hull is up to [`ROUND_ERROR`] of the radius inside of it.
 //!
 //! # Deviations
-//! The drafts of `KHR_physics_rigid_bodies` differ: the one of October 2025 names a `node` with a
-//! mesh, and those since June 2026 a `mesh`. Both are read. Of the scale of a node, negative
-//! factors mirror a shape, which changes only tapered ones.
+//! The drafts of `KHR_physics_rigid_bodies` differ: the draft of October 2025 names a `node` with a
+//! mesh, and drafts since June 2026 a `mesh`. Both are read. Negative scale factors of a node
+//! mirror a shape, which changes only tapered shapes.
 //!
 //! # Reference
 //! Khronos, "KHR_physics_rigid_bodies" and "KHR_implicit_shapes", drafts of commit ac5c413 of
@@ -278,8 +278,8 @@ fn circle(radius: f64, y: f64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Points of a sphere with its centre on the y axis: those of an octahedron whose edges are divided
-/// into [`STEPS`], moved to the sphere. The six corners lie on the axes.
+/// Points of a sphere with its centre on the y axis: the points of an octahedron whose edges are
+/// divided into [`STEPS`], moved to the sphere. The six corners lie on the axes.
 fn sphere(radius: f64, y: f64) -> Vec<[f64; 3]> {
     let mut points = Vec::new();
     for i in -STEPS..=STEPS {

@@ -57,8 +57,7 @@ pub struct SceneReader<'a> {
     is_shown: Vec<bool>,
     /// Bytes of the file that no vertex, corner, primitive or name has claimed yet.
     unclaimed_bytes: usize,
-    /// Number of vertices, corners, primitives and bytes of names beyond those that the file spells
-    /// out.
+    /// Number of vertices, corners, primitives and bytes of names beyond those spelled in the file.
     repeated_count: usize,
     object_count: usize,
     /// Node of each object, and its transform to the scene.
@@ -83,8 +82,8 @@ pub struct SceneReader<'a> {
 
 impl<'a> SceneReader<'a> {
     /// A reader of the document's default scene. `byte_count` is the size of the file with its
-    /// buffers. `repeated_count` is what decoded views count as, against the limit on repetition.
-    /// With `shapes`, colliders of nodes are read as objects too.
+    /// buffers. Decoded views count as `repeated_count` against the limit on repetition. With
+    /// `shapes`, colliders of nodes are read as objects too.
     pub fn new(
         data: Data<'a>,
         byte_count: usize,
@@ -125,8 +124,8 @@ impl<'a> SceneReader<'a> {
         self.finish()
     }
 
-    /// The same, with the node of each object and its transform to the scene. Without nodes, there
-    /// are none.
+    /// [`read`](Self::read), with the node of each object and its transform to the scene: none
+    /// without nodes.
     pub fn read_placed(mut self) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), Fault> {
         self.add_scene()?;
         let places = std::mem::take(&mut self.places);
@@ -146,8 +145,7 @@ impl<'a> SceneReader<'a> {
         Ok(())
     }
 
-    /// Visits the nodes depth first. Not recursive, since a chain of nodes can be as long as the
-    /// list.
+    /// Visits the nodes depth first. Not recursive: a chain of nodes can be as long as the list.
     fn add_nodes(&mut self) -> Result<(), Fault> {
         let document = self.data.document;
         let nodes = &document.nodes;
@@ -262,8 +260,7 @@ impl<'a> SceneReader<'a> {
 
     /// Accounts for `count` items, each of which should have taken `bytes_each` bytes of the file.
     ///
-    /// Instances, accessors that share bytes, and accessors without bytes claim more than the file
-    /// has.
+    /// Instances, shared accessors, and accessors without bytes claim more than the file has.
     fn claim(&mut self, count: usize, bytes_each: usize) -> Result<(), Fault> {
         let spelt_out = count.min(self.unclaimed_bytes / bytes_each);
         self.unclaimed_bytes -= spelt_out * bytes_each;

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-/// Whether a JSON text is glTF 1.0: its version says so, or it has no version, which 1.0 allows,
+/// Whether a JSON text is glTF 1.0: its version states it, or it has no version, which 1.0 allows,
 /// and nodes, meshes and the like are objects instead of lists. Complexity: O(bytes).
 pub fn is_version_1(text: &[u8]) -> bool {
     let Ok(document) = serde_json::from_slice::<Document>(text) else {

@@ -21,7 +21,7 @@ struct Head {
     no_data: Option<f64>,
     /// x and y of the lower left corner, or of the middle of the lower left cell.
     low: [Option<f64>; 2],
-    /// Whether they are those of the middle of a cell.
+    /// Whether they belong to the middle of a cell.
     is_middle: [bool; 2],
 }
 

@@ -8,12 +8,12 @@ const MAX_SAMPLES: usize = 1 << 28;
 /// How samples become heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightOptions {
-    /// Height of a sample of 1 above one of 0: of an image, of white above black.
+    /// Height of a sample of 1 above a sample of 0; in an image, of white above black.
     pub scale: f64,
     /// Height of a sample of 0.
     pub offset: f64,
-    /// Sample without ground: of an image, a whole number from 0 to 65535 (or 255). In grids of
-    /// numbers NaN always is.
+    /// Sample without ground; in an image, a whole number from 0 to 65535 (or 255). In grids of
+    /// numbers, NaN never has ground.
     pub hole: Option<f64>,
     /// Numbers of columns and rows of a file of raw numbers, which does not state them.
     pub raw: Option<[usize; 2]>,

@@ -7,7 +7,7 @@ use png::{BitDepth, ColorType, Decoder, Limits};
 use super::grid::{HeightOptions, Heights, flipped, sample_count};
 use crate::fault::{Fault, LineFault};
 
-/// Greatest ratio of the bytes of an image to those of its compressed form: a little above that of
+/// Greatest ratio of the bytes of an image to its compressed bytes: a little above the ratio of
 /// DEFLATE, 1032. An image that claims to be larger is damaged.
 const MAX_RATIO: usize = 1100;
 

@@ -76,7 +76,7 @@ pub fn import_heights(file: &str, bytes: &[u8], options: &HeightOptions) -> Resu
 /// by one in both directions, for its cells. Returns whether each cell is a hole.
 ///
 /// # Errors
-/// The bytes are not those of a greyscale PNG of one of these sizes.
+/// The bytes are not a greyscale PNG of one of these sizes.
 ///
 /// # Complexity
 /// O(bytes + samples).

@@ -1,5 +1,4 @@
-//! Wavefront OBJ: logical lines with their line numbers, and a text cut into parts for parallel
-//! reading.
+//! Wavefront OBJ: logical lines with their numbers, and a text cut into parts for parallel reading.
 
 use std::borrow::Cow;
 
@@ -44,8 +43,7 @@ impl<'a> Lines<'a> {
         Some(line)
     }
 
-    /// Next logical line: a line joined with its continuations. The number is that of its first
-    /// line.
+    /// Next logical line, a line joined with its continuations, and the number of its first line.
     pub fn next_logical(&mut self) -> Option<(usize, Cow<'a, [u8]>)> {
         let first = self.next_physical()?;
         let line_number = self.line_number;
@@ -66,8 +64,8 @@ impl<'a> Lines<'a> {
 /// Whether a trailing `\` joins the next line to this one. Comments and lines that hold a name
 /// never continue.
 ///
-/// Looks only at the start of the line: it is called once for each continuation, and the joined
-/// line keeps growing.
+/// Reads only the start of the line, because it is called once for each continuation, and the
+/// joined line keeps growing.
 fn may_continue(line: &[u8]) -> bool {
     let start = line.get(..=LONGEST_NAME_KEYWORD).unwrap_or(line);
     let keyword = start.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -79,8 +77,7 @@ pub fn is_vertex_line(line: &[u8]) -> bool {
     // A line whose first part is only a continuation starts with a blank.
     match line.trim_ascii_start() {
         [b'v', b' ' | b'\t', ..] => true,
-        // White space that is not ASCII may precede or follow the keyword, and so may a vertical
-        // tab.
+        // White space beyond ASCII, or a vertical tab, may precede or follow the keyword.
         [b'v' | 0x0B | 0x80.., ..] if !is_irrelevant(line) => with_words!(line, words => words.next() == Some("v")),
         _ => false,
     }
@@ -101,7 +98,7 @@ pub struct Parts<'a> {
     pub parts: Vec<Part<'a>>,
 }
 
-/// A part of a text, and where it stands in the whole.
+/// A part of a text, and its place in the whole.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
     /// Its bytes.
@@ -158,8 +155,7 @@ fn cut(bytes: &[u8], size: usize) -> Vec<&[u8]> {
     let mut rest = bytes;
     while rest.len() > size {
         let mut end = size;
-        // The bytes of the current line: all of the piece at first, later only what follows the
-        // last LF.
+        // The bytes of the current line: first all of the piece, later what follows the last LF.
         let mut line = 0;
         // Never cuts behind a line that ends in `\`, even where that `\` continues nothing.
         let cut = loop {
@@ -184,8 +180,7 @@ fn cut(bytes: &[u8], size: usize) -> Vec<&[u8]> {
 
 /// Runs `$body` with the words of a logical line, separated as `str::split_whitespace` does.
 ///
-/// Lines of ASCII alone take a faster path. Replacement characters stand for bytes that are not
-/// UTF-8.
+/// Lines of ASCII alone take a faster path. Replacement characters stand for bytes beyond UTF-8.
 macro_rules! with_words {
     ($line:expr, $words:ident => $body:expr) => {{
         match std::str::from_utf8($line) {

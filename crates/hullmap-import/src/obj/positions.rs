@@ -2,8 +2,8 @@
 //!
 //! tobj reports a vertex only where an element references it, and indexes the vertices of each
 //! object by their first use. So each batch of `v` lines is followed by one `l` line that
-//! references all of them in order: the positions of the resulting model are those of the file, in
-//! file order. The element lines of the file are not part of the text, see [`super`].
+//! references all of them in order: the resulting model has the positions in file order. The
+//! element lines of the file are not part of the text, see [`super`].
 //!
 //! tobj keeps about 200 bytes per vertex while it builds a model. A batch bounds that memory.
 //!
@@ -41,8 +41,7 @@ pub fn singles(parts: &Parts) -> Result<Vec<[f32; 3]>, Fault> {
     })
 }
 
-/// Positions of all `v` lines as `f64`. Fails as [`singles`] does. Complexity: O(bytes), in
-/// parallel.
+/// Positions of all `v` lines as `f64`. Fails as [`singles`]. Complexity: O(bytes), in parallel.
 pub fn doubles(parts: &Parts) -> Result<Vec<[f64; 3]>, Fault> {
     fill(parts, |part, positions| {
         let mut positions = positions.iter_mut();
@@ -55,8 +54,7 @@ pub fn doubles(parts: &Parts) -> Result<Vec<[f64; 3]>, Fault> {
     })
 }
 
-/// Calls `read` for each part with the targets of its vertices, so that no list of positions exists
-/// twice.
+/// Calls `read` for each part with the targets of its vertices: no list of positions exists twice.
 fn fill<T: Coordinate>(
     parts: &Parts,
     read: impl Fn(&Part, &mut [[T; 3]]) -> Result<(), Fault> + Sync,

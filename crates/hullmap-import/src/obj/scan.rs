@@ -198,7 +198,6 @@ impl Scan {
         Ok(())
     }
 
-    /// Appends the scan of the next part.
     fn append(&mut self, part: Scan) -> Result<(), LineFault> {
         let (vertices, faces, loose) = (self.vertex_count, self.faces.len(), self.loose.len());
         let corners = self.faces.corners.len();
@@ -221,8 +220,7 @@ impl Scan {
         self.has_too_many_objects |= part.has_too_many_objects;
         self.vertex_count += part.vertex_count;
         if self.faces.corners.capacity() + self.loose.capacity() == 0 {
-            // Nothing is reserved, so this part is the first one with elements, and usually the
-            // only one.
+            // Nothing is reserved: this part is the first with elements, and usually the only one.
             (self.faces, self.loose) = (part.faces, part.loose);
         } else {
             self.faces.corners.extend(part.faces.corners);

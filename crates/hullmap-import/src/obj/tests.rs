@@ -70,8 +70,7 @@ fn corners_of_import(mesh: &SourceMesh) -> Corners {
     [&mesh.faces.corners, &mesh.loose].map(|list| list.iter().map(|&vertex| bits[vertex as usize]).collect())
 }
 
-/// A file of random coordinates and elements. No element points ahead, and no statement is beyond
-/// tobj.
+/// A file of random coordinates and elements. No element points ahead; tobj reads all statements.
 fn random_file(random: &mut SplitMix64) -> String {
     let mut text = String::new();
     let mut vertex_count = 0;
@@ -196,8 +195,7 @@ fn references_ahead_resolve_over_any_distance() {
     assert_eq!(read(text.as_bytes(), false, &Limits::DEFAULT).unwrap().faces.len(), 40_000);
 }
 
-/// The scan skips coordinates and tobj skips elements, but the first fault in the file is the one
-/// reported.
+/// The scan skips coordinates and tobj elements, but the first fault in the file is reported.
 #[test]
 fn the_first_fault_is_reported_whichever_step_finds_it() {
     let line = |text: &str, is_double| read(text.as_bytes(), is_double, &Limits::DEFAULT).unwrap_err().line;

@@ -45,8 +45,7 @@ impl<'a> VertexLine<'a> {
         Ok(weight != 1.0)
     }
 
-    /// The point, each coordinate rounded to the nearest `T`. Fails if a coordinate is not a finite
-    /// number.
+    /// The point, each coordinate rounded to the nearest `T`. Fails if one is not a finite number.
     pub fn point<T: Coordinate>(&self) -> Result<[T; 3], Fault> {
         let [x, y, z] = self.words;
         Ok([parse_coordinate(x)?, parse_coordinate(y)?, parse_coordinate(z)?])

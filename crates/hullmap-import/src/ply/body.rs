@@ -1,9 +1,9 @@
 //! PLY: the body behind the header, read number by number.
 //!
-//! In text, each instance is a line. Values behind those that the header declares are ignored, as
-//! other readers do. Some files have their line breaks elsewhere: several instances in a line, or
-//! an instance that continues on the next one. Such a file is read as one sequence of words,
-//! without regard to lines, see [`Layout`].
+//! In text, each instance is a line. Values after the declared ones are ignored, as other readers
+//! do. Some files have their line breaks elsewhere: several instances in a line, or an instance
+//! that continues on the next one. Such a file is read as one sequence of words, without regard to
+//! lines, see [`Layout`].
 
 use super::header::{Element, Encoding, Header, Scalar};
 use crate::coordinate::parse_coordinate;

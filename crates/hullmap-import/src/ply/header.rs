@@ -68,7 +68,6 @@ impl Scalar {
 /// Property of an element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Property {
-    /// Its name.
     pub name: String,
     /// Type of the number, or of the numbers in a list.
     pub scalar: Scalar,
@@ -79,7 +78,6 @@ pub struct Property {
 /// An element declaration: a record type and its number of instances.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Element {
-    /// Its name.
     pub name: String,
     /// Number of instances that the header claims.
     pub count: u64,

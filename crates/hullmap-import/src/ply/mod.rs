@@ -3,7 +3,7 @@
 //! Vertices are the instances of the element `vertex`, with `x`, `y`, `z`. Faces are the lists
 //! `vertex_indices` (or `vertex_index`) of `face`, and the strips of `tristrips`. An `edge`
 //! references its `vertex1` and `vertex2`. A file is one object. Everything else is skipped: header
-//! lines with an unknown keyword, and values behind those that the header declares for a line.
+//! lines with an unknown keyword, and values after the declared ones in a line.
 //!
 //! # Reference
 //! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw` keeps a map of names for

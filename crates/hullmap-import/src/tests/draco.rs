@@ -27,7 +27,7 @@ fn triangles_of(mesh: &Mesh) -> Vec<[u32; 3]> {
     mesh.faces.iter().flat_map(fan).collect()
 }
 
-/// Versions of the format with different headers: the current one, and those before.
+/// Versions of the format with different headers: the current version, and earlier ones.
 const VERSIONS: [(u8, u8); 5] = [(2, 2), (2, 1), (2, 0), (1, 3), (1, 2)];
 
 /// A mesh as Draco data with exact positions. `speed` selects the encodings: 10 is sequential, the
@@ -36,12 +36,12 @@ fn encode(mesh: &Mesh, speed: i32) -> Vec<u8> {
     encode_rounded(mesh, speed, None)
 }
 
-/// The same, with coordinates rounded to some bits.
+/// [`encode`] with coordinates rounded to `bits`.
 fn encode_rounded(mesh: &Mesh, speed: i32, bits: Option<i32>) -> Vec<u8> {
     encode_as(VERSIONS[0], mesh, speed, bits).unwrap()
 }
 
-/// The same, in a version of the format. `None` if that version does not have the encoding.
+/// [`encode_rounded`] in a version of the format. `None` if the version lacks the encoding.
 fn encode_as(version: (u8, u8), mesh: &Mesh, speed: i32, bits: Option<i32>) -> Option<Vec<u8>> {
     let mut input = DracoInput::new();
     let mut positions = PointAttribute::new();
@@ -218,7 +218,7 @@ fn data_is_rejected_by_its_header_before_it_is_decoded() {
             let claimed = (claim.triangles, claim.vertices);
             assert_eq!(claimed, (2000, mesh.vertices.len()), "{version:?}, speed {speed}");
             assert_eq!(draco::decode(&data, 0, claim).ok().unwrap().triangles.len(), 2000);
-            // What follows the header is not looked at.
+            // The bytes after the header are not read.
             let message = import_bytes(glb(&data[..24], ""), &limits).unwrap_err().to_string();
             assert!(message.contains("--max-instanced"), "{version:?}, speed {speed}: {message}");
             let message = import_bytes(glb(&data[..24], ""), &Limits::DEFAULT).unwrap_err().to_string();

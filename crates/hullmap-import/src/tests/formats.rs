@@ -35,8 +35,7 @@ fn names(imported: &Imported) -> Vec<&str> {
     imported.point_sets.iter().map(|set| set.name.as_str()).collect()
 }
 
-/// Triangles by position, each rotated to start at its lowest corner, sorted. Independent of vertex
-/// indices.
+/// Triangles by position, each from its lowest corner, sorted: independent of vertex indices.
 fn triangles(imported: &Imported) -> Vec<[[u32; 3]; 3]> {
     let mut all = Vec::new();
     for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {

@@ -67,7 +67,7 @@ fn the_plain_file_imports() {
     assert_eq!(triangles(&PLAIN.glb(&triangle()).unwrap()), [[0, 1, 2]]);
 }
 
-/// They were rejected: "requires the extension KHR_techniques_webgl".
+/// Such files were rejected: "requires the extension KHR_techniques_webgl".
 #[test]
 fn required_extensions_without_geometry_are_accepted() {
     let extra = r#""extensionsRequired":["KHR_techniques_webgl","KHR_blend","EXT_texture_webp","MSFT_lod"],"#;
@@ -76,7 +76,7 @@ fn required_extensions_without_geometry_are_accepted() {
     fails(Parts { extra, ..PLAIN }.glb(&triangle()), &["requires the extension CESIUM_RTC"]);
 }
 
-/// The messages were "export it without this extension", even if the extension holds the shape.
+/// Remedies were "export it without this extension", even if the extension holds the shape.
 #[test]
 fn remedies_for_extensions_keep_the_shape() {
     for (extension, remedy) in [
@@ -98,7 +98,7 @@ fn a_mesh_without_a_node_is_named_once() {
     assert!(error.starts_with("a.glb: mesh 0: accessor 7 does not exist"), "{error}");
 }
 
-/// Views of which the extension has a compressed copy were rejected.
+/// Views with a compressed copy by the extension were rejected.
 #[test]
 fn the_fallback_of_meshopt_compression_is_read() {
     for (name, extra) in [
@@ -131,7 +131,7 @@ fn the_fallback_of_meshopt_compression_is_read() {
     }
 }
 
-/// Some exporters keep all numbers as floats. The parser rejected those: "invalid type".
+/// Some exporters keep all numbers as floats. The parser rejected such files: "invalid type".
 #[test]
 fn integers_may_be_written_as_floats() {
     let json = gltf::parts(
@@ -270,7 +270,7 @@ fn indices_of_another_type_are_rejected_by_name() {
     }
 }
 
-/// They had the message of the parser: "invalid type: map, expected a list".
+/// Such files had the message of the parser: "invalid type: map, expected a list".
 #[test]
 fn version_1_is_named() {
     let text = r#"{"asset":{"version":"1.0"},"nodes":{"node":{"meshes":["mesh"]}},"meshes":{"mesh":{"primitives":[]}},"buffers":{}}"#;

@@ -75,7 +75,7 @@ fn pieces(count: usize, piece: &str) -> String {
     text
 }
 
-/// The same, separated by commas.
+/// [`pieces`], separated by commas.
 fn list(count: usize, piece: &str) -> String {
     pieces(count, &format!("{piece},")).trim_end_matches(',').to_owned()
 }

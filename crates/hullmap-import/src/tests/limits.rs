@@ -24,8 +24,7 @@ const CASE: &str = "HULLMAP_IMPORT_CASE";
 
 const WHOLE: ImportOptions = ImportOptions::DEFAULT;
 
-/// Expected result of an import: words of an error, or a number of points. 0 points stands for any
-/// number.
+/// Expected result of an import: words of an error, or a number of points; 0 is any number.
 enum Expected {
     Fails(&'static str),
     Works { points: usize },

@@ -189,7 +189,7 @@ fn colours_and_weights() {
     assert!(matches!(fault("v 1 2 3 x\n"), (Some(1), Fault::BadNumber { .. })));
 }
 
-/// Points were divided by their weights, without a word: a cube of 2 units became one of 20.
+/// Points were divided by their weights without a message: a cube of 2 units became one of 20.
 #[test]
 fn weights_are_ignored_with_one_warning() {
     let text = "v 1 2 3 1\nv 1 2 3 0.1\nv 1 2 3 0\nv 1 2 3 nan\nv 1 2 3\n";
@@ -219,7 +219,6 @@ fn utf_16_with_a_byte_order_mark_is_decoded() {
     }
 }
 
-/// One noun for one, another for all other numbers.
 #[test]
 fn messages_agree_in_number() {
     let message = |text: &str| import_obj("a.obj", "a", text.as_bytes(), WHOLE).unwrap_err().to_string();

@@ -111,7 +111,7 @@ fn khr_colliders_are_parts() {
     assert!(imported.notes.iter().any(|note| note.contains("2 % of the radius inside: 3")), "{:?}", imported.notes);
 }
 
-/// The extension alone names the mesh: no node draws it. `--split none` says what to do.
+/// The extension alone names the mesh: no node draws it. `--split none` reports the remedy.
 #[test]
 fn files_of_colliders_alone_are_read() {
     let text = file(&format!(r#"{{"name":"only",{}}}"#, omi(0)), "0", OMI_SHAPES);

@@ -51,16 +51,16 @@ pub struct BakedHull {
     part_mass: PartMass,
 }
 
-/// Whose mass a hull has as a shape of parry.
+/// Which mass a hull has as a parry shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PartMass {
-    /// Its own. A hull of a whole mesh has the mesh's, if the pack records it.
+    /// Its own mass; for the hull of a whole mesh, the mesh's mass, if the pack records it.
     #[default]
     Hull,
-    /// That of the mesh whose parts are all in one compound: the first of them has it.
+    /// The mass of the mesh whose parts are all in one compound. The first part has it.
     Mesh,
-    /// None: the first part in the compound has the mass of all.
+    /// No mass: the first part in the compound has the mass of all.
     Nothing,
 }
 
@@ -113,7 +113,7 @@ impl BakedHull {
         Ok(Self { form, part_mass: self.part_mass })
     }
 
-    /// Whose mass the shape has. In the compound of all parts of a mesh, the first part has the
+    /// Which mass the shape has. In the compound of all parts of a mesh, the first part has the
     /// mass of the mesh, and the others have none: see [`union`](super::union).
     pub fn part_mass(&self) -> PartMass {
         self.part_mass
@@ -155,7 +155,7 @@ impl BakedHull {
 
     /// The face whose normal is closest to `dir`; `None` below rank 2.
     ///
-    /// The normals of a scaled hull are those of the original, divided by the scale. So the
+    /// The normals of a scaled hull are the original normals, divided by the scale. So the
     /// direction is multiplied by the scale.
     pub(super) fn face_towards(&self, dir: DVec3) -> Option<u32> {
         self.hull().face_towards(dir * self.scale_factors())

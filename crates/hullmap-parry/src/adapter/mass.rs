@@ -1,4 +1,4 @@
-//! Mass properties, from those in the pack.
+//! Mass properties, from the values in the pack.
 //!
 //! parry adds the masses of the parts of a compound, and parts of a mesh overlap. So the first part
 //! of an object has the mass of the whole mesh, and the other parts have none.

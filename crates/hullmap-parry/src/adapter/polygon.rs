@@ -10,8 +10,8 @@ use super::convert::narrow;
 use super::parry::shape::{PackedFeatureId, PolygonalFeature};
 
 /// Heights that differ by less than this fraction of the outer radius count as equal. Of 696
-/// bodies, 650 sleep after 10 s with it, 654 with twice as much, of which 3 gain energy, and 641
-/// with a tenth.
+/// bodies, 650 sleep after 10 s. With twice the fraction, 654 sleep, but 3 gain energy; with a
+/// tenth of it, 641 sleep.
 const SLIGHT: f64 = 2e-3;
 
 /// Prediction of Rapier, for a length unit of 1 m. parry does not pass on the real one. It decides
@@ -103,7 +103,6 @@ impl<'h> Outline<'h> {
     }
 }
 
-/// Id of a vertex.
 pub(super) fn vertex_id(vertex: u32) -> PackedFeatureId {
     PackedFeatureId::vertex(vertex & CODE)
 }

@@ -1,9 +1,8 @@
-//! Saving shapes: a baked hull is saved as the name of its pack, its name in the pack, and its
-//! scale.
+//! Saving shapes: a baked hull is saved as the name of its pack, its name in it, and its scale.
 //!
-//! parry can serialise only the shapes that it knows. Serialising a collider with a [`BakedHull`]
-//! fails: "TypedShape::Custom cannot be serialized". So an application saves a [`SavedShape`] for
-//! each such collider, and puts the shape back after loading.
+//! parry can serialise only its own shapes. Serialising a collider with a [`BakedHull`] fails:
+//! "TypedShape::Custom cannot be serialized". So an application saves a [`SavedShape`] for each
+//! such collider, and puts the shape back after loading.
 
 use std::collections::{BTreeMap, HashMap};
 use std::hash::BuildHasher;
@@ -18,8 +17,7 @@ use super::parry::shape::{Compound, SharedShape};
 
 /// The packs of an application, by name: saved shapes find their packs through it.
 ///
-/// `BTreeMap` and `HashMap` from names to packs implement it. Implement it for an asset store of
-/// your own.
+/// `BTreeMap` and `HashMap` from names to packs implement it. Implement it for your asset store.
 pub trait Packs {
     /// Name of a pack, for saving; `None` if it is unknown.
     fn name(&self, pack: &Arc<Pack>) -> Option<String>;
@@ -69,7 +67,7 @@ pub struct SavedHull {
     pub part: u32,
     /// Scale along each axis; negative values mirror the hull.
     pub scale: [f64; 3],
-    /// Whose mass the shape has; in files of earlier versions, its own.
+    /// Which mass the shape has; in files of earlier versions, its own.
     #[serde(default)]
     pub mass: PartMass,
 }
@@ -81,7 +79,7 @@ pub enum SavedShape {
     Hull(SavedHull),
     /// A compound with baked hulls: each part with its pose in the compound.
     Compound(Vec<(Pose, SavedShape)>),
-    /// Any other shape. parry serialises it; that fails for shapes that parry does not know.
+    /// Any other shape. parry serialises it, which fails for custom shapes.
     Other(SharedShape),
 }
 
@@ -89,7 +87,7 @@ pub enum SavedShape {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SavedShapeError {
-    /// A hull is from a pack that [`Packs`] does not know.
+    /// The pack of a hull is not in [`Packs`].
     UnknownPack {
         /// Name of the hull.
         hull: String,
@@ -145,7 +143,7 @@ impl std::error::Error for SavedShapeError {
 }
 
 impl SavedShape {
-    /// What to save for `shape`.
+    /// Converts `shape` for saving.
     ///
     /// # Errors
     /// [`SavedShapeError::UnknownPack`] if `packs` cannot name the pack of a hull.

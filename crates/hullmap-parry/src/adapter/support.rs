@@ -5,9 +5,9 @@
 //!   closest to the direction, merged with the faces that are nearly in its plane, if three of its
 //!   corners are near enough. Otherwise, the closest face at any angle.
 //! - parry's own narrow phase does not pass its prediction. It gets the closest face at any angle,
-//!   merged with those within 2.3° of it, and of that the four corners that support the body best.
-//!   If the body's centre is not over them, so that it tips, vertices farther out are considered as
-//!   well.
+//!   merged with faces within 2.3° of it, and reduced to the four corners that support the body
+//!   best. If the body's centre is not over them, so that it tips, vertices farther out are
+//!   considered as well.
 //!
 //! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
 //! Without the face, a body that lands on a rim has contact points on that rim only. It tips beyond
@@ -21,8 +21,8 @@
 //! - The closest face only if the merged feature has fewer than three corners: for a disc that
 //!   stands on its rim, the feature is the rim, which has many corners. Of 102 bodies of 0.1 m, 20
 //!   sank into the floor.
-//! - All vertices within the prediction of the support plane: then the best four points are those
-//!   that do not touch, and most bodies rock for ever.
+//! - All vertices within the prediction of the support plane: then the best four points do not
+//!   touch, and most bodies rock for ever.
 
 use hullmap::glam::DVec3;
 use hullmap::{Feature, Shape as _};

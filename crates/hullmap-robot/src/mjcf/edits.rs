@@ -25,7 +25,7 @@ const GROUP: &str = "3";
 /// The edits of each document.
 ///
 /// # Errors
-/// A document cannot be parsed, which it was before.
+/// A document can no longer be parsed.
 pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec<Vec<Edit>>, RobotError> {
     let documents = &description.documents;
     let mut result: Vec<Vec<Edit>> = documents.iter().map(|_| Vec::new()).collect();
@@ -95,8 +95,8 @@ struct Assets<'a> {
 }
 
 impl Assets<'_> {
-    /// The names of the assets of these files, for a geom. An asset is added once for each file
-    /// and old asset: a copy of that, with its scale and class.
+    /// The names of the assets of these files, for a geom. An asset is added once for each file and
+    /// old asset. It is a copy of the old one, with its scale and class.
     fn of(&mut self, geom: &Geom, nodes: &BTreeMap<(usize, usize), Element>, files: &[String]) -> Vec<String> {
         let Some((key, asset)) = geom.asset.and_then(|key| Some((key, nodes.get(&key)?))) else { return Vec::new() };
         let text = self.documents[asset.document].text();
@@ -163,7 +163,7 @@ impl Writer<'_> {
         self.merged(own)
     }
 
-    /// Attributes of a geom that only is drawn and has mass.
+    /// Attributes of a geom that is only drawn and has mass.
     fn without_contact(&self) -> Vec<(&'static str, Option<String>)> {
         let none = || Some("0".to_owned());
         vec![("name", None), ("contype", none()), ("conaffinity", none())]

@@ -13,8 +13,7 @@ use crate::chain::{Chain, Coupling, Joint, Motion};
 use crate::description::{numbers, triple};
 use crate::frame::Frame;
 
-/// A joint of body `link`, in an element `frame` of it. `get` returns an attribute, also of its
-/// class.
+/// A joint of body `link`, in its element `frame`. `get` returns an attribute, also of its class.
 pub fn joint<'t>(
     link: usize,
     name: &str,
@@ -54,8 +53,8 @@ pub fn joint<'t>(
     }
 }
 
-/// Couples the joints of `equality` / `joint`. Those that are switched off, or hold between joints
-/// with several axes, are left out.
+/// Couples the joints of `equality` / `joint`. Inactive couplings, and couplings of joints with
+/// several axes, are left out.
 pub fn couple(tree: &Tree, chain: &mut Chain) {
     let scalars = chain.joints.iter().enumerate().filter(|(_, joint)| !joint.name.is_empty());
     let scalars = scalars.filter(|(_, joint)| matches!(joint.motion, Motion::Hinge | Motion::Slide));

@@ -376,8 +376,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The primitive of a geom. `half_length` is half of the distance of its two points, if it states
-/// them.
+/// The primitive of a geom. `half_length` is half of the distance of its two points, if given.
 fn read_primitive(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> Option<Primitive> {
     if let (Some(half_length), Some(&radius)) = (half_length, size.first()) {
         let is_long = matches!(kind, "box" | "ellipsoid");

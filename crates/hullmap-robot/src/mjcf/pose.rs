@@ -13,7 +13,7 @@ use crate::frame::Frame;
 pub struct Angles<'a> {
     /// Whether they are degrees, not radians.
     pub are_degrees: bool,
-    /// The axes of Euler angles, in order: small letters are axes that turn along.
+    /// The axes of Euler angles, in order. Lower-case axes rotate with the frame.
     pub sequence: &'a str,
 }
 

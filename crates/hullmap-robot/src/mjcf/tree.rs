@@ -46,9 +46,8 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
                 return Err(document.error(at, message));
             }
             if seen.len() > MAX_FILES {
-                return Err(
-                    document.error(at, format!("includes more than {MAX_FILES} files; this is no robot description"))
-                );
+                return Err(document
+                    .error(at, format!("includes more than {MAX_FILES} files; this is not a robot description")));
             }
             found.push((at, path));
         }
@@ -63,9 +62,9 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
 
 /// The parsed files of a model.
 pub struct Tree<'a> {
-    /// One for each document.
+    /// The parsed document of each file.
     pub parsed: &'a [roxmltree::Document<'a>],
-    /// Where they are included.
+    /// Where files are included.
     pub includes: &'a Includes,
 }
 
@@ -79,7 +78,6 @@ pub struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Its name.
     pub fn name(&self) -> &'a str {
         self.node.tag_name().name()
     }

@@ -21,7 +21,7 @@ const UNLIMITED: f64 = 1e16;
 /// Versions below this one state axes in the frame of the model.
 const AXES_IN_JOINT: f64 = 1.5;
 
-/// The chain of all models. What cannot be read is a note.
+/// The chain of all models, with a note for each joint that cannot be read.
 pub fn chain<'a>(root: Node<'a, 'a>, links: &[Link], document: &Document) -> Chain {
     let version = root.attribute("version").and_then(|version| version.trim().parse().ok());
     let mut reader = Reader {
@@ -79,14 +79,14 @@ impl<'a> Reader<'a, '_> {
             self.index.get(&found.range().start).copied()
         };
         let (parent, Some(link)) = (link("parent"), link("child")) else {
-            return self.note(node, "its child is no link; it is left out here");
+            return self.note(node, "its child is not a link; it is left out here");
         };
         if let Some(parent) = parent {
             if let Err(reason) = self.chain.attach(link, parent, in_world[parent].inverse() * in_world[link]) {
                 return self.note(node, &format!("{reason}; it is left out here"));
             }
         } else if end(node, "parent") != Some("world") {
-            return self.note(node, "its parent is no link; it is left out here");
+            return self.note(node, "its parent is not a link; it is left out here");
         }
         let axes: &[(&'static str, Motion)] = match node.attribute("type").unwrap_or_default() {
             "revolute" | "continuous" => &[("axis", Motion::Hinge)],

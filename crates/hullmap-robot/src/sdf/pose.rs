@@ -19,8 +19,7 @@ const MAX_STEPS: usize = 100;
 /// Kinds of elements that are frames of a model, by their names.
 const FRAMES: [&str; 4] = ["link", "joint", "frame", "model"];
 
-/// The numbers of an element's pose, whatever the frame that they are relative to; `None` if they
-/// are invalid.
+/// The numbers of an element's pose, in whatever frame they are relative to; `None` if invalid.
 pub fn stated(node: Node) -> Option<Frame> {
     let Some(pose) = child(node, "pose") else { return Some(Frame::IDENTITY) };
     let Some(text) = pose.text().filter(|text| !text.trim().is_empty()) else { return Some(Frame::IDENTITY) };

@@ -15,7 +15,7 @@ use crate::document::Document;
 use crate::element::{child, children};
 use crate::frame::Frame;
 
-/// The chain of a robot. What cannot be read is a note.
+/// The chain of a robot, with a note for each joint that cannot be read.
 pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
     let index: HashMap<&str, usize> = links.iter().enumerate().map(|(at, link)| (link.name.as_str(), at)).collect();
     let mut chain = Chain::new(links.len());
@@ -28,7 +28,7 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
         };
         let end = |kind| child(node, kind).and_then(|end| end.attribute("link")).and_then(|link| index.get(link));
         let (Some(&parent), Some(&link)) = (end("parent"), end("child")) else {
-            note("its parent or child is no link; it is left out here");
+            note("its parent or child is not a link; it is left out here");
             continue;
         };
         let rest = pose(node).unwrap_or_else(|| {

@@ -59,8 +59,7 @@ impl Setup {
         run(&self.folder.path().join(checkout), &line)
     }
 
-    /// Asserts that the packs of a checkout equal those of the local build, and that there are no
-    /// other files.
+    /// Asserts that a checkout has exactly the packs of the local build, and no other files.
     pub fn assert_equal(&self, checkout: &str) {
         let packs = |place: &str| contents(&self.folder.path().join(place));
         assert_eq!(packs(&format!("{checkout}/o")), packs("one/local"));

@@ -60,8 +60,7 @@ pub struct State {
 /// Attack of a hostile server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Downloads that are streamed repeat these bytes for ever; if there are none, they never
-    /// begin.
+    /// Downloads repeat these bytes for ever; if there are none, they never begin.
     EndlessBlob(Vec<u8>),
     /// Actions begin again and again.
     EndlessAction,
@@ -76,7 +75,6 @@ pub enum Fault {
 pub struct Tls {
     /// The server's certificate.
     pub certificate: String,
-    /// Its key.
     pub key: String,
     /// Authority that signs client certificates; `None`: clients need none.
     pub clients: Option<String>,
@@ -133,7 +131,7 @@ impl FarmServer {
         Self::start_with(None)
     }
 
-    /// The same; with certificates, for TLS only. Panics if it cannot be started.
+    /// [`start`](Self::start); with certificates, for TLS only.
     pub fn start_with(tls: Option<Tls>) -> Self {
         let state = Arc::new(Mutex::new(State { executes: true, ..State::default() }));
         let (stop, stopped) = oneshot::channel::<()>();
@@ -195,7 +193,6 @@ impl Drop for FarmServer {
     }
 }
 
-/// A stream of answers.
 type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 #[derive(Clone)]

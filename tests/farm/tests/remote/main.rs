@@ -17,7 +17,6 @@ fn binary() -> &'static Path {
     &BINARY
 }
 
-/// Runs the words of a line in a folder.
 fn run(folder: &Path, line: &str) -> Run {
     finished(Command::new(binary()).args(line.split_whitespace()).current_dir(folder))
 }

@@ -1,5 +1,4 @@
-//! `bake build --remote grpcs://...`: certificates that are right, and every way in which they are
-//! wrong.
+//! `bake build --remote grpcs://...`: certificates that are right, and all that can be wrong.
 
 use std::fs;
 use std::path::Path;

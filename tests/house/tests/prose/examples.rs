@@ -76,8 +76,8 @@ fn items(text: &str) -> Vec<Item<'_>> {
     found
 }
 
-/// Every `pub fn` has a code block in its own documentation or, for short methods, in that of the
-/// type that it belongs to.
+/// Every `pub fn` has a code block in its own documentation or, for short methods, in the
+/// documentation of its type.
 #[test]
 fn public_functions_have_examples() {
     let folder = Path::new("crates/hullmap/src");

@@ -8,7 +8,6 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).expect(path)
 }
 
-/// An empty folder in the target folder, for one test.
 fn empty_folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
     std::fs::remove_dir_all(&folder).ok();
@@ -31,8 +30,7 @@ fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'
     found
 }
 
-/// Every Rust example in these guides is one of a module's documentation, which is compiled and
-/// run.
+/// Every Rust example in these guides is a module's doctest, which is compiled and run.
 #[test]
 fn the_examples_are_doctests() {
     let modules = [
@@ -99,7 +97,7 @@ fn the_readme_is_short() {
     assert!(count <= 120, "{count} lines; move details to docs");
 }
 
-/// What each file does stands in its first line. The table is where to start.
+/// The first line of each file states what it does, so the table only lists where to start.
 #[test]
 fn the_table_of_files_is_short() {
     let count = read("docs/ARCHITECTURE.md").lines().filter(|line| line.contains("? | `")).count();

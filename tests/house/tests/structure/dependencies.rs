@@ -1,5 +1,5 @@
 //! Dependencies of the project: licences, sources, and packages that must have a single version.
-//! `deny.toml` has the same rules for `cargo deny`, which also knows advisories and duplicates.
+//! `deny.toml` has the same rules for `cargo deny`, which also checks advisories and duplicates.
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -44,7 +44,7 @@ const RUNTIME: [&str; 25] = [
     "rayon-core",
 ];
 
-/// Packages that `package` depends on, itself among them, without those of its tests; `more` are
+/// Packages that `package` depends on, itself included, without packages for its tests; `more` are
 /// words for `cargo tree`.
 fn tree(package: &str, edges: &str, more: &[&str]) -> BTreeSet<String> {
     let words = ["tree", "--locked", "--prefix", "none", "--format", "{p}", "--package", package, "--edges", edges];
@@ -333,7 +333,7 @@ fn allows(line: &str) -> bool {
 }
 
 /// Methods that libraries and machines compute with different last digits: the platform's own
-/// functions, and those of glam that use them. Roots, sums and products are exact everywhere;
+/// functions, and functions of glam that use them. Roots, sums and products are exact everywhere;
 /// `mul_add` is too.
 const INEXACT: [&str; 31] = [
     "sin",
@@ -375,8 +375,8 @@ fn code(text: &str) -> String {
     code.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }
 
-/// Whether `code` calls the function, as a method or by its type; libm's, which are the same
-/// everywhere, apart.
+/// Whether `code` calls the function, as a method or by its type. The functions of libm do not
+/// count: they are the same everywhere.
 fn calls(code: &str, function: &str) -> bool {
     [format!(".{function}("), format!("::{function}(")]
         .iter()
@@ -406,7 +406,7 @@ fn hashed_code_calls_no_platform_function() {
         for function in INEXACT {
             assert!(!calls(&code, function), "{} calls {function}: take libm's, or a root", path.display());
         }
-        // Its precision is unspecified too; the baker squares by it, which is exact.
+        // The precision of `powi` is unspecified too. The baker only squares by it, which is exact.
         let is_baker = path.starts_with("crates/hullmap-bake");
         assert!(is_baker || !calls(&code, "powi"), "{} calls powi", path.display());
     }

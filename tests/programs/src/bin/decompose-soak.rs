@@ -95,8 +95,7 @@ fn main() -> ExitCode {
 }
 
 /// The outcome of each seed, and its seconds. Each worker has a thread pool of one thread: in a
-/// shared pool, a mesh's time would include that of others, which its thread takes on while it
-/// waits.
+/// shared pool, a mesh's time would include other meshes, which its thread takes on while it waits.
 fn judged(seeds: Range<u64>, arguments: &Arguments) -> Vec<(u64, Outcome, f64)> {
     let (first, end) = (seeds.start, seeds.end);
     let next = AtomicU64::new(first);

@@ -1,5 +1,4 @@
-//! Prints how many parts a decomposition has as its maximum error grows, and looks for rises and
-//! for thin parts.
+//! Prints the number of parts of decompositions by maximum error; reports rises and thin parts.
 //!
 //! ```text
 //! cargo run --release -p hullmap-programs --bin concave-meshes -- --write FOLDER
@@ -44,7 +43,7 @@ const THIN: f64 = 1e-3;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    // The processor time of a thread is not that of its pool.
+    // The processor time of a thread does not include its pool.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
     let (mut rises, mut thin, mut cells) = (0, 0, 0);
     println!("mesh | {} | seconds", arguments.errors.iter().map(f64::to_string).collect::<Vec<_>>().join(" | "));

@@ -1,4 +1,4 @@
-//! Prints how well convex decompositions fit concave meshes, beside those of another tool.
+//! Prints how well convex decompositions fit concave meshes, beside the parts of another tool.
 //!
 //! ```text
 //! cargo run --release -p hullmap-programs --bin concave-meshes -- --meshes FOLDER --write MESHES

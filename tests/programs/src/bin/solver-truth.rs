@@ -10,8 +10,7 @@ use hullmap_tests::truth::{
 
 /// Compares contact, distance and intersects with the truth in f64, on hulls of many kinds.
 ///
-/// Counts and misses go to standard output, progress to standard error. Exits with 1 if an answer
-/// is wrong.
+/// Counts and misses go to standard output, progress to standard error. Exits with 1 on a miss.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  cargo run --release -p hullmap-programs --bin solver-truth -- --pairs 100000 --seed 1"

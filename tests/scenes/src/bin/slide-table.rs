@@ -28,7 +28,7 @@ struct Arguments {
     /// What the slab is made of: hulls, mesh, field, or two that meet: "mesh, field"
     #[arg(long, num_args = 1.., default_values = ["hulls"])]
     forms: Vec<String>,
-    /// Print each step of this cut beside that of the whole slab
+    /// Print each step of this cut beside the same step on the whole slab
     #[arg(long)]
     trace: Option<String>,
 }

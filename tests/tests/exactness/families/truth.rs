@@ -3,7 +3,7 @@
 //! Points are sorted into boxes of neighbours. A box's bound is the dot product with its farthest
 //! corner, computed by the same operations in the same order. Rounding is monotonic, so no computed
 //! dot product of a point in the box is greater. Boxes that cannot contain the maximum are skipped,
-//! and the result is that of testing every point.
+//! with the same result as testing every point.
 
 use glam::DVec3;
 
@@ -72,7 +72,7 @@ pub struct Greatest {
 }
 
 impl Greatest {
-    /// (greatest dot product − that of `got`) / (|d| · diameter); 0 where all points are the same.
+    /// (greatest − own dot product of `got`) / (|d| · diameter); 0 where all points are the same.
     pub fn regret(&self, got: DVec3) -> f64 {
         if self.size == 0.0 { 0.0 } else { (self.greatest - dot(got, self.d)) / self.size }
     }

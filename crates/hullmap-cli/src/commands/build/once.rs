@@ -57,8 +57,8 @@ pub fn build(
         make_folder(&args.out).map_err(|error| {
             Failure::usage(format!("{}: cannot create this folder: {error}; check the path", args.out.display()))
         })?;
-        // A killed bake may have had meshes that are gone now. A build of single files skips this
-        // walk, and the first shard does it for all of them.
+        // A killed bake may have left temporary files of meshes that are gone. A build of single
+        // files skips this walk; the first shard does it for all shards.
         if bakes_folders(args) && args.shard.is_none_or(|shard| shard.index() == 0) {
             sweep_below(&args.out);
         }
@@ -111,7 +111,7 @@ pub fn build(
     depfile.map(|()| exit)
 }
 
-/// Runs jobs here, or by way of a farm.
+/// Runs jobs here, or on a farm.
 fn run_jobs(args: &BuildArgs, jobs: &[&Job], build: &Build) -> Result<Vec<(Row, Exit)>, Failure> {
     #[cfg(feature = "remote")]
     if args.remote.address.is_some() {

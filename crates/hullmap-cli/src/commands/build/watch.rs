@@ -62,8 +62,7 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) ->
     }
 }
 
-/// One build, of everything or of what the changed paths affect. Returns the `hullmap.toml` files
-/// in use.
+/// One build, of all or of what the changed paths affect. Returns the `hullmap.toml` files in use.
 fn once(
     args: &BuildArgs,
     project: &Path,
@@ -114,8 +113,7 @@ impl Watched {
         }
     }
 
-    /// Watches a file's folder, because editors replace files and a watch would stay with the old
-    /// one.
+    /// Watches a file's folder, because editors replace files and a watch would stay with the old.
     fn watch_folder_of(&mut self, file: &Path) {
         let folder = folder_of(file).to_owned();
         if self.folders.insert(folder.clone()) {
@@ -125,8 +123,7 @@ impl Watched {
     }
 }
 
-/// The changed paths that may affect a build, once changes have stopped; `None` if no more events
-/// can come.
+/// The changed paths that may affect a build, once changes stop; `None` if no events can come.
 ///
 /// Folders below `made` hold packs and are ignored.
 fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSet<PathBuf>> {
@@ -154,8 +151,7 @@ fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSe
 /// Whether an event can affect a build: it changes a mesh, a `hullmap.toml`, or a folder that may
 /// hold meshes.
 ///
-/// Reads are ignored, as are packs and temporary files, so that a build does not trigger the next
-/// one.
+/// Reads, packs and temporary files are ignored, so that a build does not trigger the next one.
 fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
     let is_change = match kind {
         EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),

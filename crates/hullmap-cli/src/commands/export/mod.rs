@@ -5,7 +5,7 @@
 //! 3. If a target exists, nothing of its pack is written. Each file is written to a temporary file
 //!    and renamed. With several packs, `--out` mirrors the folders of the packs.
 //!
-//! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
+//! Coordinates keep all bits of `f32`, so that an exported hull bakes to the same hull.
 
 mod robot;
 mod scene;
@@ -145,7 +145,7 @@ impl Export<'_> {
         self.rename(place, &pack, &mut bodies);
         let files = if let Some(into) = &args.into {
             let counts = Some(counts(&bodies));
-            // Those that were not left out.
+            // The hulls that were not left out.
             let is_solid = |&index: &usize| pack.hull(index).is_ok_and(|hull| hull.rank() == 3);
             let indices: Vec<usize> = indices.into_iter().filter(is_solid).collect();
             let bytes = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
@@ -215,7 +215,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
 }
 
 /// Checks that the output suits the format: no binary data for a terminal, and no file whose
-/// extension names another format, unless `--format` says so.
+/// extension names another format, unless `--format` is given.
 fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
     let name = format.extension();
     let Some(target) = &args.out else {
@@ -367,10 +367,10 @@ impl Export<'_> {
         let density = self.args.density.unwrap_or(DENSITY);
         let mass = pack.mass_properties_of(indices.iter().copied(), density).ok()?;
         if mass.source == MassSource::Hulls {
-            let of = if indices.len() > 1 { "the hulls, and counts overlaps twice" } else { "the hull" };
+            let of = if indices.len() > 1 { "hulls, whose overlaps count twice" } else { "hull" };
             terminal::note(format_args!(
-                "{}: the mass is that of {of}, because the pack does not record that of the mesh (it is not closed, or \
-                 only some of its parts are exported)",
+                "{}: the mass comes from the {of}, because the pack does not record the mass of the mesh (it is not \
+                 closed, or only some of its parts are exported)",
                 place.path.display()
             ));
         }
@@ -463,12 +463,11 @@ fn files(
         Some(Target::Sdf) => Some((format!("{name}.sdf"), robot.sdf())),
         _ => None,
     };
-    // Last, so that the files that it names exist when it does.
+    // Last, so that the files that it names exist.
     files.extend(document.map(|(name, text)| ExportedFile { name, bytes: text.into_bytes(), counts: None }));
     Ok(files)
 }
 
-/// One file of `bodies`.
 fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[Body]) -> Result<ExportedFile, String> {
     let bytes = match format {
         Format::Obj => obj::write(bodies, args.target == Some(Target::Unreal)),
@@ -527,7 +526,7 @@ fn summary(target: &Path, file: &ExportedFile) -> String {
         return format!("{}: {bytes} bytes", target.display());
     };
     let hulls = match hulls {
-        // Of a triangle mesh.
+        // A triangle mesh.
         0 => String::new(),
         1 => "1 hull, ".to_owned(),
         _ => format!("{} hulls, ", grouped(hulls)),

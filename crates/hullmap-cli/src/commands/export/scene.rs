@@ -52,8 +52,7 @@ pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
 }
 
 impl Added<'_> {
-    /// The file `into` with the hulls as colliders. `bodies` are the hulls, in the order of their
-    /// indices.
+    /// The file `into` with the hulls as colliders. `bodies` are the hulls, by their indices.
     ///
     /// # Errors
     /// Usage: the file cannot be read. Rejected: it is damaged, has colliders already, or no node
@@ -195,15 +194,15 @@ impl Added<'_> {
         }
         if are_hulls {
             terminal::note(format_args!(
-                "{}: masses are those of hulls, where the pack does not record that of the mesh (it is not closed, or only \
-                 some of its parts are exported)",
+                "{}: masses come from hulls, where the pack does not record the mass of the mesh (it is not closed, or \
+                 only some of its parts are exported)",
                 self.path.display()
             ));
         }
         Ok(motions)
     }
 
-    /// Fails if the file names others, and the output lies in another folder, where they are not.
+    /// Fails if the file refers to others, and the output lies in another folder.
     fn check_references(&self, into: &Path, document: &Document) -> Result<(), Failure> {
         let Some(out) = &self.args.out else {
             return Ok(());

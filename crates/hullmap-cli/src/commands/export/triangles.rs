@@ -43,7 +43,7 @@ impl Export<'_> {
 }
 
 /// The triangles in the order of the source, with the material of each, and the vertices in the
-/// order of their first triangle. So what is exported bakes to the same triangles.
+/// order of their first triangle. So the exported file bakes to the same triangles.
 fn body(mesh: &TriangleMesh, name: &str, up_axis: UpAxis) -> (Body, Vec<u16>) {
     let mut order: Vec<usize> = (0..mesh.triangle_count()).collect();
     order.sort_by_key(|&triangle| mesh.source_triangle(triangle));

@@ -47,7 +47,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (text, of_hulls) = write(&layer).map_err(|error| Failure::usage(format!("--for usd: {error}")))?;
     for mesh in of_hulls {
         terminal::note(format_args!(
-            "{mesh}: the mass is that of its hulls, because the pack does not record that of the mesh (it is not \
+            "{mesh}: the mass comes from its hulls, because the pack does not record the mass of the mesh (it is not \
              closed, or only some of its parts are exported)"
         ));
     }

@@ -119,7 +119,7 @@ fn check_flags(args: &BuildArgs) -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
     Ok(jobs)
 }
 
-/// Bakes a file, unless its height field is what a bake would write.
+/// Bakes a file, unless its height field is fresh.
 fn build(
     args: &BuildArgs,
     source: &Path,

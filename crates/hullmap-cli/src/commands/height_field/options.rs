@@ -50,7 +50,7 @@ impl FieldOptions {
     /// The options that a file records; `None` if they are not options of a height field.
     pub fn from_recorded(text: &str) -> Option<Self> {
         let (text, hole_image) = match text.split_once(HOLE_IMAGE) {
-            // Anybody may have written the file, so the name must not lead to another folder.
+            // The file may be hostile, so the name must not lead to another folder.
             Some((text, image)) => (text, Some(name(image).ok()?)),
             None => (text, None),
         };

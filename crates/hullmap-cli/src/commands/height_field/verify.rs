@@ -64,7 +64,7 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
         }
         let verdict = if result.pass { "pass" } else { "FAIL" };
         let against = match &result.source {
-            Some(source) => format!("the bytes are those of {source}; {} rays agree", grouped(result.rays as u64)),
+            Some(source) => format!("{source} bakes to the same bytes; {} rays agree", grouped(result.rays as u64)),
             None => "compared with no source".to_owned(),
         };
         let against = if result.pass { format!(": {against}") } else { String::new() };

@@ -37,8 +37,7 @@ struct PackDescription {
     hulls: Vec<HullDescription>,
 }
 
-/// Description of a hull. Lengths are in source units; the containment error is relative to the
-/// diameter.
+/// Description of a hull. Lengths are in source units; the containment error in diameters.
 #[derive(Debug, Serialize)]
 struct HullDescription {
     name: String,
@@ -73,8 +72,7 @@ struct HullDescription {
     mesh_volume: Option<f64>,
     mesh_centroid: Option<[f64; 3]>,
     mesh_inertia: Option<[[f64; 3]; 3]>,
-    /// Share of the mesh's solid that is in no part, and its error; `None` if they are not
-    /// recorded.
+    /// Share of the mesh's solid that is in no part, and its error; `None` if not recorded.
     voids: Option<f64>,
     voids_error: Option<f64>,
     /// The primitive that may replace the hull; `None` if there is none.

@@ -48,8 +48,8 @@ pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(exit, out.flush().map_err(Failure::from))
 }
 
-/// The task of a batch, without meshes that cannot be read, and the exit code that these deserve;
-/// `None` if no mesh is left.
+/// The task of a batch, without meshes that cannot be read, and the exit code for those; `None` if
+/// no mesh is left.
 fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> Result<(Option<Task>, Exit), Failure> {
     let limits = args.meshes.limits.limits();
     let found = batch.par_iter().map(|job| match &job.name.clash {

@@ -1,5 +1,4 @@
-//! A plan as a build file for Ninja: one edge per task, which carries the task in its response
-//! file.
+//! A plan as a build file for Ninja: one edge per task, with the task in its response file.
 //!
 //! The options are in the task, and Ninja runs an edge again if its response file changes. A mesh
 //! that was added or removed needs a new plan.

@@ -25,9 +25,9 @@ use hullmap_verify::pack::{HullVerification, Reference, verify_hulls};
 
 /// Everything that the page of a file shows.
 pub enum Analysed {
-    /// Of a pack.
+    /// The analysis of a pack.
     Pack(Box<Analysis>),
-    /// Of a triangle mesh.
+    /// The report of a triangle mesh.
     Mesh(Box<MeshReport>),
 }
 
@@ -116,8 +116,8 @@ pub fn analyse_file(
     Ok(Analysed::Pack(Box::new(analysis)))
 }
 
-/// Verifies the pack as `bake verify` does. Failures are added to `faults`, and what engines cannot
-/// use well to the warnings, unless the pack keeps it. How parts fit together is a note.
+/// Verifies the pack as `bake verify` does. Failures are added to `faults`, and flaws for engines
+/// to the warnings, unless the pack keeps them. How parts fit together is a note.
 fn verify(
     pack: &Pack,
     source: Option<&Source>,

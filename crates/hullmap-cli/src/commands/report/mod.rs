@@ -4,7 +4,7 @@
 //! 2. The crate `hullmap-report` turns that into a page; a folder of packs gets a page of cards
 //!    that link to them. [`shards`] merges the cards of several machines.
 //! 3. Pages are written to temporary files and renamed, the folder's page last, so that its links
-//!    always lead somewhere.
+//!    are never broken.
 
 mod input;
 mod mesh;
@@ -30,8 +30,8 @@ use input::{Analysed, analyse_file};
 use shards::ShardCards;
 
 /// Runs the command. Fails if the input cannot be read or holds no pack, a single pack does not
-/// open, or a page cannot be written. Faults of packs that open, and single packs of a folder that
-/// do not, are reported on the pages.
+/// open, or a page cannot be written. Pages report faults of packs that open, and packs of a folder
+/// that do not open.
 pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.out.is_dir() || args.out.file_name().is_none() {
         let message = format!("--out {}: is a folder; name the HTML file to write", args.out.display());

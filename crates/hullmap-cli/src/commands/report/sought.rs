@@ -12,7 +12,7 @@ use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
 pub struct Sought {
     /// The source, if it was found.
     pub source: Option<Source>,
-    /// Why not, as the start of a sentence.
+    /// Why it was not found, as the start of a sentence.
     pub absent: String,
 }
 

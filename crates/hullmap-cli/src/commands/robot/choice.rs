@@ -27,9 +27,9 @@ pub enum Choice {
     Hulls(usize),
     /// A primitive that is drawn becomes a collision.
     Primitive,
-    /// A collision gives way to those from visuals.
+    /// A collision is replaced by the collisions from visuals.
     Removed,
-    /// It is left alone, and why.
+    /// It is kept, for this reason.
     Kept(String),
 }
 
@@ -57,7 +57,7 @@ pub struct HullsOf {
     pub mesh: MeshUse,
 }
 
-/// Names and jobs that were given.
+/// Names and jobs assigned so far.
 #[derive(Default)]
 struct Known {
     /// By file and options.
@@ -269,8 +269,7 @@ fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
     name
 }
 
-/// Whether a mesh was written by bake: hulls are not baked again, so that a second run changes
-/// nothing.
+/// Whether bake wrote a mesh: hulls are not baked again, so that a second run changes nothing.
 fn is_own(file: &Path) -> bool {
     starts_with(file, obj::FIRST_LINE)
 }

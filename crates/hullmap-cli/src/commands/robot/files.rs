@@ -1,4 +1,4 @@
-//! The files of an edited description: compared with those on disk, then written.
+//! The files of an edited description: compared with the disk, then written.
 
 use std::collections::BTreeSet;
 use std::io::{ErrorKind, Read as _};
@@ -13,9 +13,7 @@ use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through
 /// A file to be written.
 #[derive(Debug)]
 pub struct Output {
-    /// Its path.
     pub path: PathBuf,
-    /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
@@ -55,7 +53,7 @@ impl Output {
         if self.state()? == State::Same { Ok(()) } else { self.write(folder_of(&self.path)) }
     }
 
-    /// Writes the file, whose folder is made, unless it is below a link in `out`.
+    /// Creates the folder and writes the file, unless the file is below a link in `out`.
     pub fn write(&self, out: &Path) -> Result<(), Failure> {
         let folder = folder_of(&self.path);
         if let Some(link) = link_below(out, folder) {
@@ -77,7 +75,7 @@ pub fn starts_with(path: &Path, text: &str) -> bool {
     read.is_ok() && start == text.as_bytes()
 }
 
-/// Hulls in a folder that are not in use: of links or parts that are gone.
+/// Unused hulls in a folder: hulls of links or parts that no longer exist.
 pub fn left_over(folder: &Path, used: &BTreeSet<PathBuf>) -> usize {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_hull = |path: &PathBuf| {

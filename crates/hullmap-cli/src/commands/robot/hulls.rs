@@ -36,7 +36,7 @@ pub struct Hulls {
     pub uncovered: Option<f64>,
     /// Why programs cannot use them, and the remedy.
     pub fault: Option<Fault>,
-    /// Of the mesh, at density 1; `None` if it is not closed.
+    /// Mass properties of the mesh, at density 1; `None` if it is not closed.
     pub mass: Option<MassProperties>,
 }
 
@@ -116,8 +116,8 @@ fn no_submesh(submesh: &Submesh, names: &[String]) -> Fault {
     }
 }
 
-/// A pack of hulls, moved so that `centre` becomes the origin. Without an index: they are few, and
-/// queried little.
+/// A pack of hulls, moved so that `centre` becomes the origin. It has no index, because the hulls
+/// are few and rarely queried.
 fn moved(hulls: &[Hull], centre: DVec3) -> Result<Pack, String> {
     let bake = |hull: &Hull| {
         let place = |position: [f32; 3]| (DVec3::from_array(position.map(f64::from)) - centre).as_vec3().to_array();

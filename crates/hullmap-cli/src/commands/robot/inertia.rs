@@ -1,6 +1,6 @@
 //! Inertia of a link from its meshes, at uniform density, for the mass that the link states.
 //!
-//! Second moments C = ∫ x xᵀ about the centroid follow linear maps: a mesh that is drawn by A has
+//! Second moments C = ∫ x xᵀ about the centroid follow linear maps: a mesh transformed by A has
 //! |det A| A C Aᵀ. The inertia tensor is tr(C) E − C.
 
 use glam::{DMat3, DVec3};
@@ -95,7 +95,7 @@ mod tests {
         assert_near(inertia(&[sheared], 5.0).unwrap(), [1.0, 1.5, -2.0], of_box(5.0, [2.0, 3.0, 4.0]));
         let mirrored = cube([2.0, -3.0, 4.0], [0.0; 6]);
         assert_near(inertia(&[mirrored], 5.0).unwrap(), [1.0, -1.5, 2.0], of_box(5.0, [2.0, 3.0, 4.0]));
-        // Roll first, then yaw: x, y, z of the mesh become z... of the link.
+        // Roll first, then yaw: the axes are permuted.
         let turned = cube([2.0, 3.0, 4.0], [0.0, 0.0, 0.0, turn, 0.0, turn]);
         assert_near(inertia(&[turned], 1.0).unwrap(), [2.0, 1.0, 1.5], of_box(1.0, [4.0, 2.0, 3.0]));
     }

@@ -1,5 +1,4 @@
-//! Mesh files of a robot: read once each, for what is drawn, and for what engines take in their
-//! place, the convex hull.
+//! Mesh files of a robot, each read once: the mesh is drawn, and engines use its convex hull.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -6,9 +6,8 @@
 //! 3. [`runner`](crate::runner) bakes the jobs of all descriptions, as `bake build` does.
 //! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it
 //!    never names a file that does not exist.
-//!
-//! A description that fails is reported, nothing of it is written except packs, and the others go
-//! on.
+//! A description that fails is reported, and nothing of it is written except packs. The other
+//! descriptions are still processed.
 
 mod bodies;
 mod choice;
@@ -269,7 +268,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     Ok(exit)
 }
 
-/// Lists the pairs that are excluded. Those of a URDF file are a file of their own.
+/// Lists the pairs that are excluded. For a URDF file, they are written to a separate file.
 ///
 /// # Errors
 /// That file exists and was not written by this command.
@@ -443,7 +442,7 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
     Ok(outputs.into_values().collect())
 }
 
-/// The edited files: those that the description includes, then itself.
+/// The edited files: the files that the description includes, then the description itself.
 fn described(
     description: &Description,
     target: &Target,
@@ -456,7 +455,7 @@ fn described(
         } else {
             let file = document.path().canonicalize().unwrap_or_else(|_| document.path().to_owned());
             let below = relative(&file, &target.source).ok_or_else(|| {
-                Failure::usage(format!("{}: is on another drive; move it to that of the model", file.display()))
+                Failure::usage(format!("{}: is on another drive; move it to the drive of the model", file.display()))
             })?;
             plain(&target.folder.join(below))
         };
@@ -483,7 +482,7 @@ fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::O
     Ok(())
 }
 
-/// Compares the files with those on disk, and writes those that differ, unless `--check`.
+/// Compares the files with the disk, and writes files that differ, unless `--check`.
 fn settle(args: &RobotArgs, target: &Target, outputs: &[files::Output], row: &mut Row) -> Result<Exit, Failure> {
     let states: Vec<State> = outputs.iter().map(files::Output::state).collect::<Result<_, _>>()?;
     let changed: Vec<&files::Output> =
@@ -497,7 +496,7 @@ fn settle(args: &RobotArgs, target: &Target, outputs: &[files::Output], row: &mu
         row.reason = Some(format!("{} files differ, the first is {}", changed.len(), shown(&first.path)));
         return Ok(Exit::Rejected);
     }
-    // The folder of `--out` may be a link; those in it may not.
+    // The folder of `--out` may be a link; folders in it may not.
     let out = folder_of(&target.file);
     changed.iter().try_for_each(|output| output.write(out))?;
     row.status = Status::Written;

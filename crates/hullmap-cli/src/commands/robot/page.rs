@@ -20,13 +20,10 @@ use hullmap_verify::geometry::polygons;
 /// What identifies a mesh of the page.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
-    /// A file.
     File(FileKey),
-    /// The hull of a file.
     HullOf(FileKey),
     /// One of several hulls.
     Hull(usize, usize),
-    /// A primitive.
     Primitive(String),
 }
 
@@ -55,8 +52,7 @@ pub fn page(gatherer: Gatherer, pairs: &Pairs, row: &Row) -> String {
     let neutral = pairs.neutral();
     let links = (0..description.links.len()).map(|link| canvas.link(link, neutral[link], pairs, row)).collect();
     let Canvas { gatherer, meshes, .. } = canvas;
-    // Warnings of bakes are left out: a fresh pack has none, and equal inputs must give equal
-    // pages.
+    // Warnings of bakes are left out: fresh packs have none, and equal inputs give equal pages.
     let mut notes = description.notes.clone();
     notes.extend(description.chain.notes.iter().map(|note| format!("{}: {note}", row.file)));
     notes.extend(gatherer.meshes.faults.iter().map(|fault| format!("{fault}; it is not drawn")));
@@ -183,7 +179,7 @@ impl Canvas<'_> {
         self.placed(Key::File(key(mesh)?), || own.display.clone(), mesh, shape, layer)
     }
 
-    /// A shape as engines take it: a mesh by its hull.
+    /// A shape as engines use it: a mesh becomes its hull.
     fn as_hull(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_primitive(shape, layer) };
         let own = self.gatherer.meshes.get(mesh)?;

@@ -20,15 +20,15 @@ const MAX_LINKS: usize = 1500;
 /// How random configurations are chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling {
-    /// Their number.
+    /// Number of configurations.
     pub count: u32,
-    /// The seed.
+    /// Seed of the configurations.
     pub seed: u64,
 }
 
 /// The pairs of a robot.
 pub struct Pairs {
-    /// Its collisions: meshes by their hulls.
+    /// Its collisions, with meshes as their hulls.
     pub before: Bodies,
     /// Its new collisions.
     pub after: Bodies,
@@ -121,9 +121,9 @@ impl Pairs {
     }
 }
 
-/// Why a pair is excluded. MuJoCo does not test neighbours, and finds pairs that are far from each
-/// other by their boxes: to exclude pairs that never touched would save nothing, and lose contacts
-/// that the random configurations missed.
+/// Why a pair is excluded. MuJoCo does not test neighbours, and skips distant pairs by their boxes.
+/// So excluding pairs that never touched would save nothing, and would lose contacts that the
+/// random configurations missed.
 fn reason(format: Format, pair: &Touching, seen: Seen) -> Option<&'static str> {
     let is_always = seen == Seen { together: true, apart: false };
     match format {
@@ -155,7 +155,7 @@ fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: 
     after
 }
 
-/// The pieces of a shape of a description: engines take a mesh by its convex hull.
+/// The pieces of a shape of a description: engines replace a mesh by its convex hull.
 fn as_engines_do(shape: &Shape, meshes: &mut Meshes) -> Vec<Piece> {
     let shapes = match &shape.geometry {
         Geometry::Mesh(mesh) => {

@@ -64,14 +64,14 @@ pub struct Collision {
     pub name: String,
     /// Line in its file.
     pub line: u32,
-    /// `hull`, `parts`, `primitive` (a primitive that was only drawn), `removed` (for those from
-    /// visuals) or `kept`.
+    /// `hull`, `parts`, `primitive` (a primitive that was only drawn), `removed` (replaced by the
+    /// collisions from visuals) or `kept`.
     pub action: &'static str,
     /// Why it was kept.
     pub reason: Option<String>,
     /// Whether it was made from a visual.
     pub from_visual: bool,
-    /// The mesh it was.
+    /// The mesh that was replaced.
     pub source: Option<String>,
     /// The pack of the mesh.
     pub pack: Option<String>,

@@ -20,7 +20,7 @@ const CHUNK: usize = 64;
 pub struct Seen {
     /// Whether the two touched in one of them.
     pub together: bool,
-    /// Whether they did not in one of them.
+    /// Whether the two were apart in one of them.
     pub apart: bool,
 }
 

@@ -16,7 +16,6 @@ const EXTENSIONS: [&str; 6] = ["urdf", "xml", "mjcf", "sdf", "world", "xacro"];
 pub struct Target {
     /// The description, absolute.
     pub file: PathBuf,
-    /// Its folder.
     pub folder: PathBuf,
     /// Folder of hulls and packs.
     pub meshes: PathBuf,
@@ -25,7 +24,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// The target of a description. Without the links in its folder, so that relative paths hold.
+    /// The target of a description. Links in its folder are resolved, so that relative paths hold.
     ///
     /// In another folder than the input's, files that it names by relative paths are copied. If
     /// such a path climbs, the folders above the description are kept, so that nothing is written

@@ -30,7 +30,7 @@ const MAX_WARNINGS: usize = 8;
 /// single packs are reported in their rows.
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     if let Some(budget) = args.budget.as_deref().and_then(budget) {
-        terminal::note(format_args!("the limits of {} are those of {}", budget.name, budget.source));
+        terminal::note(format_args!("the limits of {} are from {}", budget.name, budget.source));
     }
     let mut exit = Exit::Done;
     let (mut results, mut meshes) = (Vec::new(), Vec::new());
@@ -153,8 +153,7 @@ fn source_of(
     }
 }
 
-/// Fails the hulls that are not within the budget of an engine. Results are in the order of the
-/// pack.
+/// Fails the hulls that exceed the budget of an engine. Results are in the order of the pack.
 fn judge_budget(name: &str, pack: &Pack, results: &mut [HullVerification]) {
     let Some(budget) = budget(name) else {
         return;
@@ -469,7 +468,7 @@ mod tests {
         assert_eq!(rows[0], ["a", "2", "2 000", "proven", "8e-9", "0", "2", "8", "source", "exact"]);
         assert_eq!((rows[1][0], rows[1][5], rows[1][9]), ("b", "1", "FAILED"));
         assert_eq!(rows[2], ["c", "-", "-", "-", "-", "-", "-", "-", "-", "FAILED"]);
-        // Nobody writes 0.0e0.
+        // An error of 0 is not written as 0.0e0.
         assert_eq!(rows[3][..6], ["d", "1", "1 000", "proven", "0", "0"]);
         assert_eq!(rows.len(), 4);
     }

@@ -4,9 +4,9 @@
 //! Elements come in blocks of at most 256. A block stores the first bytes of all its elements, then
 //! the second ones, and so on: a *plane* for each byte of an element. A plane consists of groups of
 //! 16 bytes, each packed with 0, 1, 2, 4 or 8 bits a byte. Bytes that do not fit follow their
-//! group. Four planes are a *channel*, whose mode says how differences become values: byte by byte,
-//! as two 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has the first mode
-//! alone.
+//! group. Four planes are a *channel*, whose mode determines how differences become values: byte by
+//! byte, as two 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has only the
+//! first mode.
 
 use super::bytes::{Bytes, Damage};
 
@@ -44,7 +44,7 @@ pub fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, Dama
     let (mode_count, least_tail) = match stream.byte()? {
         HEADER_0 => (0, TAIL_0),
         HEADER_1 => (channel_count, TAIL_1),
-        _ => return Err("its first byte is not that of attributes"),
+        _ => return Err("its first byte is not the header of attributes"),
     };
     let mut tail = Bytes(stream.take_tail((stride + mode_count).max(least_tail))?);
     let mut modes: Vec<Mode> =
@@ -104,7 +104,6 @@ fn read_plane(stream: &mut Bytes, plane: &mut Plane, count: usize, control: Opti
     Ok(())
 }
 
-/// Reads a group of bytes with `bits` bits each.
 fn read_group(stream: &mut Bytes, group: &mut [u8; GROUP], bits: u32) -> Result<(), Damage> {
     if bits == 0 {
         group.fill(0);
@@ -131,7 +130,7 @@ fn read_group(stream: &mut Bytes, group: &mut [u8; GROUP], bits: u32) -> Result<
     Ok(())
 }
 
-/// How four bytes of an element follow from those of the element before.
+/// How four bytes of an element follow from the bytes of the previous element.
 #[derive(Clone, Copy)]
 enum Mode {
     /// Each byte is a difference.

@@ -65,7 +65,7 @@ struct Triangles<'a> {
 pub fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, Damage> {
     let mut stream = Bytes(bytes);
     if stream.byte()? != TRIANGLES {
-        return Err("its first byte is not that of triangles");
+        return Err("its first byte is not the header of triangles");
     }
     let table = stream.take_tail(TABLE)?;
     let is_valid = |byte: &u8| byte >> 4 != EXPLICIT && byte & 0xF != EXPLICIT;
@@ -160,7 +160,7 @@ impl Triangles<'_> {
 pub fn decode_sequence(bytes: &[u8], count: usize) -> Result<Vec<u32>, Damage> {
     let mut stream = Bytes(bytes);
     if stream.byte()? != INDICES {
-        return Err("its first byte is not that of indices");
+        return Err("its first byte is not the header of indices");
     }
     stream.take_tail(INDICES_TAIL)?;
     // Each index takes a byte or more, so that `count` is at most the length of the stream.

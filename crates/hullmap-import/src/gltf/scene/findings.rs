@@ -31,8 +31,7 @@ impl Findings {
         self.unusable.get_or_insert_with(|| (format!("{label} has {text}"), 0)).1 += 1;
     }
 
-    /// Counts an implicit shape of this many points. More than those of a box stand for a round
-    /// one.
+    /// Counts an implicit shape of this many points. More points than a box has mean a round shape.
     pub fn add_points(&mut self, count: usize) {
         self.round_count += usize::from(count > 8);
     }

@@ -1,5 +1,5 @@
-//! glTF files compressed by meshopt. Others encoded them: `streams.json` is from the encoder of
-//! meshoptimizer (`tests/gltf/streams.mjs`), and the GLB files are from gltfpack, which packed
+//! glTF files compressed by meshopt. They were encoded by other programs: `streams.json` by the
+//! encoder of meshoptimizer (`tests/gltf/streams.mjs`), and the GLB files by gltfpack, which packed
 //! `model.glb` (`tests/gltf/model.mjs`).
 
 use std::path::Path;
@@ -30,8 +30,7 @@ fn streams() -> Vec<Stream> {
     serde_json::from_str(include_str!("streams.json")).unwrap()
 }
 
-/// GLB file whose only view is this stream, of positions or of indices. The vertices of indices are
-/// zeros.
+/// GLB file with this stream of positions or indices alone. The vertices of indices are zeros.
 fn glb(stream: &Stream, count: usize, data: &[u8]) -> Vec<u8> {
     let Stream { mode, filter, stride, .. } = stream;
     let length = count * stride;
@@ -93,8 +92,8 @@ fn streams_of_another_encoder_are_decoded() {
     }
 }
 
-/// Every stream that is cut off fails, and so do indices that claim to be more or fewer than they
-/// are. Attributes have room for 16 zeros at their end.
+/// Every stream that is cut off fails, and so do indices with a wrong count. Attributes have room
+/// for 16 zeros at their end.
 #[test]
 fn damaged_streams_are_rejected() {
     for stream in &streams() {

@@ -59,7 +59,7 @@ pub(super) fn update<M, C: Default + Copy>(
     write(kept, placement, out);
 }
 
-/// The same for a half-space and a hull.
+/// [`update`] for a half-space and a hull.
 pub(super) fn update_plane<M, C: Default + Copy>(
     (plane, hull, placement): &(HalfSpace, &BakedHull, Placement),
     prediction: Real,

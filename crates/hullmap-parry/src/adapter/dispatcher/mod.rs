@@ -1,5 +1,4 @@
-//! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull or a
-//! surface.
+//! `HullDispatcher`: parry's queries, solved by hullmap for pairs with a baked hull or a surface.
 
 mod cast;
 mod compound_union;
@@ -244,8 +243,7 @@ impl QueryDispatcher for HullDispatcher {
     }
 
     /// hullmap solves convex shapes that it supports, compounds of them, surfaces and half-spaces.
-    /// The time is the lower end of a proven interval: until then, the shapes certainly do not
-    /// meet.
+    /// The time is the lower end of a proven interval: before it, the shapes certainly do not meet.
     fn cast_shapes_nonlinear(
         &self,
         motion1: &NonlinearRigidMotion,

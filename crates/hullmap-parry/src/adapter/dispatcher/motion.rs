@@ -32,8 +32,7 @@ use super::pieces::{Piece, pieces};
 /// unit of time of the motions.
 const AT_START: f64 = 1e-5;
 
-/// Scales of the cores of a body. The first one that does not meet the other body at the start
-/// counts.
+/// Scales of the cores of a body. The first that does not meet the other body at the start counts.
 const CORES: [f64; 2] = [0.9, 0.5];
 
 /// Maximum number of distance queries of a tile and a piece, for all triangles and boxes together.
@@ -42,8 +41,7 @@ const SURFACE_QUERIES: u32 = 4_000;
 /// Number of balls that cover the path of a body on a surface.
 const BALLS: u32 = 16;
 
-/// Allowance for rounding when the path lengths of two pieces are compared, relative to the
-/// lengths.
+/// Allowance for rounding when the path lengths of two pieces are compared, relative to them.
 const SLACK: f64 = 1e-9;
 
 /// A body in motion.
@@ -92,7 +90,7 @@ pub(super) fn cast(
 struct Cast<'m> {
     dispatcher: &'m dyn QueryDispatcher,
     of_parry: [&'m NonlinearRigidMotion; 2],
-    /// The same in the window, over the times 0 to 1.
+    /// The motions in the window, over the times 0 to 1.
     motions: [Windowed; 2],
     window: [Real; 2],
     stop_at_penetration: bool,
@@ -147,7 +145,7 @@ struct Mover<'p> {
     /// parry's motion of the shape, and its pose in the body.
     motion_of_parry: NonlinearRigidMotion,
     pose: parry::math::Pose,
-    /// The same in f64.
+    /// The pose and the motion in f64.
     place: hullmap::Pose,
     motion: RigidMotion,
     subshape: u32,
@@ -267,7 +265,7 @@ impl<'m> Cast<'m> {
     }
 
     /// The earlier one of the hits by a core and by parry's rule. Rapier ignores hits at the start,
-    /// and would let the shapes pass: such a hit by the rule counts only if there is no other.
+    /// so such a hit by the rule counts only if there is no other.
     fn earlier(&self, mut core: Option<ShapeCastHit>, rule: Option<ShapeCastHit>) -> Option<ShapeCastHit> {
         let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
         if !(is_at_start && core.is_some()) {
@@ -276,8 +274,7 @@ impl<'m> Cast<'m> {
         core
     }
 
-    /// When the core of `body`, on this side, meets `other`. The hit has `other` as its first
-    /// shape.
+    /// When the core of `body`, on this side, meets `other`, which is the first shape of the hit.
     fn of_core(&self, body: &Mover<'_>, side: usize, other: &Mover<'_>) -> Option<ShapeCastHit> {
         let found = self.core_of(body, side, |core, motion| {
             let settings = MotionSettings::default();
@@ -288,7 +285,7 @@ impl<'m> Cast<'m> {
     }
 
     /// When the core of `body`, on this side, meets what `cast` tests: the largest of [`CORES`]
-    /// that does not meet it at the start. `None` if all do, or if the body is flat.
+    /// that does not meet it at the start. `None` if all meet it there, or if the body is flat.
     fn core_of(
         &self,
         body: &Mover<'_>,
@@ -359,8 +356,8 @@ impl<'m> Cast<'m> {
         first_hit(tile, (0..BALLS).map(ball), test).map(|(_, hit)| hit)
     }
 
-    /// The first meeting after the shapes have separated; a hit at the start if they move together
-    /// there.
+    /// The first meeting after the shapes have separated, or the time from which they would pass
+    /// through each other.
     fn beyond_start_of_plane(&self, plane: &HalfSpace, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [of_a, of_b] = self.motions;
         for i in 0..BALLS {
@@ -419,7 +416,7 @@ impl<'m> Cast<'m> {
         Some(ShapeCastHit { subshape1, subshape2, ..self.hit_between([0, 1], found)? })
     }
 
-    /// The same for bodies on these sides.
+    /// The hit of bodies on these sides.
     fn hit_between(&self, sides: [usize; 2], found: &TimeOfImpact) -> Option<ShapeCastHit> {
         if !found.hit {
             return None;

@@ -18,8 +18,7 @@ pub(super) enum HullPair<'s> {
     Primitive(&'s BakedHull, Primitive),
 }
 
-/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`. [`HullPair`] must be
-/// in scope.
+/// Evaluates `$answer` with the shapes of `$pair` as `$a` and `$b`. [`HullPair`] must be in scope.
 macro_rules! on_pair {
     ($pair:expr, $a:ident, $b:ident => $answer:expr) => {
         match &$pair {

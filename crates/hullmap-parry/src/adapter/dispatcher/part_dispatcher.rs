@@ -75,7 +75,7 @@ where
     }
 }
 
-/// parry requires these methods of every dispatcher. All methods are those of `HullDispatcher`.
+/// parry requires these methods of every dispatcher. They call `HullDispatcher`.
 impl QueryDispatcher for PartDispatcher<'_> {
     fn intersection_test(
         &self,

@@ -19,7 +19,7 @@ pub(super) struct Piece<'s> {
     pub(super) of_parry: &'s dyn Shape,
     /// Its pose in the frame of the body.
     pub(super) place: hullmap::Pose,
-    /// The same in parry's precision.
+    /// `place` in parry's precision.
     pub(super) pose: Pose,
     /// Its index in the body.
     pub(super) subshape: u32,

@@ -298,9 +298,9 @@ fn snapped(normal: DVec3, face: Option<DVec3>) -> DVec3 {
     }
 }
 
-/// Whether a point that does not touch yet is where a body is nearest to a triangle, but not to the
-/// surface: at a flat or concave edge, from the side. The triangle beyond the edge is nearer.
-/// `seam` is the width up to which gaps are ignored.
+/// Whether a point that does not touch yet is beside its triangle, at a flat or concave edge. The
+/// triangle beyond the edge is nearer to the body there. `seam` is the width up to which gaps are
+/// ignored.
 fn is_beside(found: &BodyPoint, tile: &SurfaceTile, seam: f64) -> bool {
     let triangle = found.pair[0];
     let parts = (tile.triangle(triangle), tile.local_normal(triangle), tile.edge_classes(triangle));

@@ -32,8 +32,8 @@ pub(super) use tile::{TileUnion, on_sheet};
 /// first query.
 ///
 /// # Tiles that meet
-/// The dispatcher gets one pair of colliders at a time from Rapier, and cannot know the colliders
-/// beside it. So tiles that meet should be one shape: see [`joined`](Self::joined).
+/// Rapier passes one pair of colliders at a time to the dispatcher, without the colliders beside
+/// it. So tiles that meet should be one shape: see [`joined`](Self::joined).
 ///
 /// # Examples
 /// ```

@@ -69,7 +69,7 @@ pub struct SurfaceTile {
     is_one_sided: bool,
     /// In the frame of the shape.
     place: hullmap::Pose,
-    /// The same in parry's precision.
+    /// `place` in parry's precision.
     pose: Pose,
     /// Index of the first triangle among the triangles of all tiles.
     first: usize,
@@ -154,27 +154,24 @@ impl SurfaceTile {
         }
     }
 
-    /// The same as parry's triangle.
+    /// [`triangle`](Self::triangle) as parry's.
     pub(in super::super) fn parry_triangle(&self, triangle: usize) -> Option<parry::shape::Triangle> {
         let [a, b, c] = self.triangle(triangle)?.corners().map(narrow);
         Some(parry::shape::Triangle::new(a, b, c))
     }
 
-    /// Normal of the front of a triangle, in the frame of the shape; `None` in a hole, and without
-    /// area.
+    /// Normal of a triangle's front, in the frame of the shape; `None` in a hole, and without area.
     pub(in super::super) fn normal(&self, triangle: usize) -> Option<DVec3> {
         Some(self.place.transform_vector(self.local_normal(triangle)?))
     }
 
-    /// Normal of the front of a triangle in the frame of the tile, if it collides on its front
-    /// alone.
+    /// Normal of a triangle's front in the frame of the tile, if only its front collides.
     #[cfg(feature = "dispatcher")]
     pub(in super::super) fn front(&self, triangle: usize) -> Option<DVec3> {
         if self.is_one_sided { self.local_normal(triangle) } else { None }
     }
 
-    /// Normal of the front of a triangle in the frame of the tile; `None` in a hole, and without
-    /// area.
+    /// Normal of a triangle's front in the frame of the tile; `None` in a hole, and without area.
     pub(in super::super) fn local_normal(&self, triangle: usize) -> Option<DVec3> {
         match &self.sheet {
             Sheet::Mesh(mesh) => mesh.normal(triangle),

@@ -151,7 +151,8 @@ impl Modules<'_> {
                             i += 3;
                         }
                         let path: Vec<String> = words[start..i].iter().filter(|word| *word != ":").cloned().collect();
-                        // One small word may be a variable. A path after `::` is another crate's.
+                        // A single lower-case word may be a variable. A path after `::` is of
+                        // another crate.
                         let is_path = path.len() > 1 || word(i) == "(" || path[0].starts_with(char::is_uppercase);
                         if is_path && !(start > 1 && word(start - 1) == ":" && word(start - 2) == ":") {
                             self.all[at].paths.insert(path);
@@ -197,7 +198,7 @@ impl Modules<'_> {
         self.all[at].imports.push(Import { name: name.unwrap_or_default(), path, is_public });
     }
 
-    /// The module in which `path` says that the item is, seen from the module `at`.
+    /// The module that `path` names for the item, seen from the module `at`.
     fn named(&self, at: usize, path: &[String]) -> Option<usize> {
         let (first, rest) = path.split_first().filter(|(_, rest)| !rest.is_empty())?;
         let next = match first.as_str() {
