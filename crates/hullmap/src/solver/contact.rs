@@ -278,6 +278,7 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     let depth_lower = if status == Status::Within { depth_lower.min(upper - width).max(0.0) } else { depth_lower };
     Contact {
+        hit: true,
         status,
         depth: if status == Status::Touching { 0.0 } else { upper.max(depth_lower) },
         depth_lower,
@@ -311,6 +312,7 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     // The support point of a hull that is nearly a ball may be beside the line of centres.
     let is_settled = vertex.w.distance(normal * upper) <= upper - lower + FOOT_ROUNDINGS * rounding;
     (is_settled && upper - lower <= tolerance * upper + rounding).then_some(Contact {
+        hit: true,
         status: if upper - lower <= rounding { Status::Exact } else { Status::Within },
         depth: upper,
         depth_lower: lower - rounding,

@@ -199,6 +199,7 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let rounding = rounding(radius, gap.upper);
         let (lower, upper) = (radius - gap.upper - rounding, radius - gap.lower + rounding);
         let mut found = Contact {
+            hit: true,
             status: Status::Touching,
             depth_upper: upper,
             normal: gap.normal,

@@ -162,6 +162,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     cache.set_axis(best.normal);
     let found = Contact {
+        hit: true,
         status,
         depth: best.upper,
         depth_lower: lower - m.noise(),
