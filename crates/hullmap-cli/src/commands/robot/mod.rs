@@ -6,6 +6,7 @@
 //! 3. [`runner`](crate::runner) bakes the jobs of all descriptions, as `bake build` does.
 //! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it
 //!    never names a file that does not exist.
+//!
 //! A description that fails is reported, and nothing of it is written except packs. The other
 //! descriptions are still processed.
 

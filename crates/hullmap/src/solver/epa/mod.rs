@@ -137,10 +137,12 @@ impl EpaSearch {
             Some(point) => state.expand(workspace.small(), terms, point),
             None => false,
         };
-        let mut next = match () {
-            () if has_ended => Next::Ended,
-            () if *is_medium => state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache)),
-            () => state.aim(workspace.small(), terms, keeps.then_some(&mut *cache)),
+        let mut next = if has_ended {
+            Next::Ended
+        } else if *is_medium {
+            state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache))
+        } else {
+            state.aim(workspace.small(), terms, keeps.then_some(&mut *cache))
         };
         if matches!(next, Next::Full) && !*is_medium {
             workspace.enlarge();

@@ -203,10 +203,12 @@ impl State {
         }
         // 4. Stop if the bounds are close, else insert the support point.
         if is_separated || is_touching || is_tight || self.is_close(terms) {
-            self.out.end = match () {
-                () if is_separated => End::Separated,
-                () if is_touching => End::Touching,
-                () => End::Converged,
+            self.out.end = if is_separated {
+                End::Separated
+            } else if is_touching {
+                End::Touching
+            } else {
+                End::Converged
             };
             return true;
         }
