@@ -16,7 +16,8 @@
 //!
 //! # Limits
 //! - Sections longer than a binding are an error.
-//! - Correctness is tested on Mesa's lavapipe and was judged on an NVIDIA H100; docs/gpu.md has times.
+//! - Correctness is tested on Mesa's lavapipe, and was judged on an NVIDIA H100; docs/gpu.md has
+//!   times.
 
 #![forbid(unsafe_code)]
 
