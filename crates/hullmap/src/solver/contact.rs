@@ -126,8 +126,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for Cont
             Self::Axis(axis) if m.separates(*axis, &point) => Step::Answer(separated_contact(m, cache, *axis, 0)),
             Self::Axis(_) => self.after_axis(m, settings, cache, workspace),
             Self::Portal(search) => match search.continue_with(point) {
-                Step::Ask(dir) => Step::Ask(dir),
-                Step::Answer(found) => self.after_portal(found, m, settings, cache, workspace),
+                None => Step::Ask(search.direction()),
+                Some(found) => self.after_portal(found, m, settings, cache, workspace),
             },
             Self::Expansion(..) => self.expand(Some(point), m, settings, cache, workspace),
         }

@@ -126,8 +126,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for Inte
             Self::Axis(axis) if m.separates(*axis, &point) => answer(m, Overlap::Separated, 0),
             Self::Axis(_) => self.after_axis(m, cache),
             Self::Portal(search) => match search.continue_with(point) {
-                Step::Ask(dir) => Step::Ask(dir),
-                Step::Answer(found) => {
+                None => Step::Ask(search.direction()),
+                Some(found) => {
                     let (status, iterations) = conclude(m, cache, found, search.portal(), search.iterations());
                     answer(m, status, iterations)
                 }

@@ -39,7 +39,7 @@
 use glam::DVec3;
 
 use super::bound::Bound;
-use super::minkowski::{Minkowski, Point, Step};
+use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 use crate::vector::{perpendicular, unit};
 
@@ -64,6 +64,8 @@ pub(super) struct Portal {
 }
 
 impl Portal {
+    /// The portal of these features under this pose, without a support query.
+    #[inline(always)]
     pub(super) fn recall<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
         features: [[u32; 2]; 3],
@@ -229,8 +231,9 @@ impl MprSearch {
         }
     }
 
+    /// Continues with the support point `w` in the last direction. `None` if another one is needed.
     #[inline(always)]
-    pub(super) fn continue_with(&mut self, w: Point) -> Step<Found> {
+    pub(super) fn continue_with(&mut self, w: Point) -> Option<Found> {
         let n = self.dir;
         if is_clearly_negative(w.w.dot(n), n, self.rounding) {
             let [v1, v2, v3] = self.portal.vertices;
@@ -240,19 +243,18 @@ impl MprSearch {
                 Phase::Third { .. } => [v1, v2, w],
                 Phase::Fourth { .. } => [w, v2, v3],
             };
-            return Step::Answer(Found::Separated { axis: n });
+            return Some(Found::Separated { axis: n });
         }
-        let found = match self.phase {
+        match self.phase {
             // v2 is perpendicular to the plane of v0, v1 and the origin, or to their line.
             Phase::First => {
                 let line = w.w - self.v0;
                 (self.portal.vertices[0], self.phase, self.dir) = (w, Phase::Second, w.w.cross(self.v0));
                 let spans_plane = self.dir.length_squared() > self.flat * self.flat * line.length_squared();
-                if spans_plane {
-                    return Step::Ask(self.dir);
+                if !spans_plane {
+                    let Some(line) = unit(line) else { return Some(Found::Nothing) };
+                    self.dir = perpendicular(line);
                 }
-                let Some(line) = unit(line) else { return Step::Answer(Found::Nothing) };
-                self.dir = perpendicular(line);
                 None
             }
             // v3 is perpendicular to the plane of v0, v1 and v2, on the origin's side.
@@ -266,8 +268,7 @@ impl MprSearch {
             }
             Phase::Third { step } => self.discover(w, step),
             Phase::Fourth { step } => self.refine(w, step),
-        };
-        found.map_or(Step::Ask(self.dir), Step::Answer)
+        }
     }
 
     /// Step 3: while the tetrahedron does not contain the origin, replaces a vertex.
