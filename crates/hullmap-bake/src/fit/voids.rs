@@ -226,7 +226,9 @@ mod tests {
         assert_near(voids(&solid, &[&half], None), 4.0 * 0.9, 4e-3);
     }
 
-    /// Whenever the time ends, the estimate is as good as it states.
+    /// Whenever the time ends, the estimate is as good as it states. On one thread, since the clock
+    /// advances at each look: on several, chance would decide which cells are late, and a few
+    /// estimates in a hundred are off by more than twice their deviation.
     #[test]
     fn late_estimates_state_their_error() {
         static NOW: AtomicU64 = AtomicU64::new(0);
@@ -234,10 +236,12 @@ mod tests {
         let octahedron = (0..6)
             .map(|i| std::array::from_fn(|axis| if i % 3 == axis { if i < 3 { 1.0 } else { -1.0 } } else { 0.0 }));
         let (part, truth) = (hull_of(octahedron.collect()), 8.0 - 4.0 / 3.0);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         let mut errors = Vec::new();
         for looks in [0, 4000, 10_000, 20_000, 10_000_000] {
             let now = || Duration::from_secs(NOW.fetch_add(1, Ordering::Relaxed));
-            let found = voids(&solid, &[&part], Some(Deadline::by(now, f64::from(looks))));
+            let deadline = Deadline::by(now, f64::from(looks));
+            let found = pool.install(|| voids(&solid, &[&part], Some(deadline)));
             assert_near(found, truth, 0.3);
             errors.push(found.error);
         }
