@@ -188,7 +188,7 @@ def test_progress_and_interrupts(balls: hullmap.Robot) -> None:
 def test_wrong_input(balls: hullmap.Robot, folder: pathlib.Path) -> None:
     with pytest.raises(FileNotFoundError):
         hullmap.Robot.from_urdf(folder / "gone.urdf")
-    with pytest.raises(hullmap.Error, match="this is MJCF, and no URDF: use Robot.from_mjcf"):
+    with pytest.raises(hullmap.Error, match="this is MJCF, not URDF: use Robot.from_mjcf"):
         hullmap.Robot.from_urdf(folder / "balls.xml")
     with pytest.raises(hullmap.Error, match="lists of folders"):
         hullmap.Robot.from_urdf(folder / "arm.urdf", packs=str(folder))
@@ -223,3 +223,22 @@ def test_robots_without_joints_or_pairs(folder: pathlib.Path) -> None:
     assert not robot.in_collision(np.zeros((0, 0))).size
     edge = robot.clear(np.zeros(0), np.zeros(0))
     assert edge.verdict == hullmap.Verdict.FREE and np.isinf(edge.clearance)
+
+
+def test_a_robot_of_an_sdf_file(tmp_path: pathlib.Path) -> None:
+    """Two balls of radius 0.2, 1 apart, of which one slides towards the other."""
+    ball = '<collision name="c"><geometry><sphere><radius>0.2</radius></sphere></geometry></collision>'
+    path = tmp_path / "slider.sdf"
+    path.write_text(
+        f"""<sdf version="1.9"><model name="slider"><link name="base">{ball}</link>
+        <link name="middle"/><link name="slide"><pose>1 0 0 0 0 0</pose>{ball}</link>
+        <joint name="r" type="revolute"><parent>base</parent><child>middle</child><axis><xyz>1 0 0</xyz>
+        <limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+        <joint name="s" type="prismatic"><parent>middle</parent><child>slide</child>
+        <axis><xyz>-1 0 0</xyz><limit><lower>0</lower><upper>1</upper></limit></axis></joint></model></sdf>"""
+    )
+    slider = hullmap.Robot.from_sdf(path)
+    assert slider.in_collision([[0.0, 0.0], [0.5, 0.59], [0.5, 0.61]]).tolist() == [False, False, True]
+    with pytest.raises(hullmap.Error, match="this is SDF, not MJCF: use Robot.from_sdf"):
+        hullmap.Robot.from_mjcf(path)
+    assert pickle.loads(pickle.dumps(slider)).joint_names == slider.joint_names

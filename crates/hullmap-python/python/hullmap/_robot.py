@@ -140,6 +140,13 @@ class Robot:
         return cls._read("MJCF", path, packs, packages, None)
 
     @classmethod
+    def from_sdf(
+        cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
+    ) -> Robot:
+        """The robot of an SDF file. ``packs`` and ``packages`` are those of `from_urdf`."""
+        return cls._read("SDF", path, packs, packages, None)
+
+    @classmethod
     def _read(
         cls,
         kind: str,
@@ -153,8 +160,7 @@ class Robot:
         own, folders, around = os.fspath(path), [os.fspath(p) for p in packs], [os.fspath(p) for p in packages]
         made = _hullmap.Robot.read(own, folders, around)
         if made.format != kind:
-            other = "from_mjcf" if made.format == "MJCF" else "from_urdf"
-            raise Error(f"{own}: this is {made.format}, and no {kind}: use Robot.{other}")
+            raise Error(f"{own}: this is {made.format}, not {kind}: use Robot.from_{made.format.lower()}")
         robot = cls(made, (("_read", kind, own, folders, around, None),))
         return robot if srdf is None else robot.allowing_srdf(srdf)
 
