@@ -14,6 +14,7 @@ use crate::pose::Pose;
 use crate::shapes::HalfSpace;
 use crate::shapes::half_space::Lowest;
 use crate::solver::{CastSettings, Contact, Distance, Impact, Intersection, Motion};
+use arrayvec::ArrayVec;
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
 
@@ -31,8 +32,7 @@ pub(super) struct Descent<'q> {
     normal: DVec3,
     offset: f64,
     rounding_error: f64,
-    stack: [(u32, f64); MAX_STACK],
-    len: usize,
+    stack: ArrayVec<(u32, f64), MAX_STACK>,
     boxes: u32,
 }
 
@@ -45,8 +45,8 @@ impl<'q> Descent<'q> {
         });
         let largest = farthest + a.offset().abs() + b_in_a.translation().length();
         let rounding_error = ROUNDING_UNITS * f64::EPSILON * largest;
-        let stack = [(0, f64::INFINITY); MAX_STACK];
-        Self { nodes, normal, offset, rounding_error, stack, len: 1, boxes: 0 }
+        let stack = [(0, f64::INFINITY)].into_iter().collect();
+        Self { nodes, normal, offset, rounding_error, stack, boxes: 0 }
     }
 
     /// Number of boxes compared so far.
@@ -57,9 +57,7 @@ impl<'q> Descent<'q> {
     /// The next part whose box reaches at least `depth` below the plane, by index. Negative depths
     /// are above it.
     pub(super) fn next(&mut self, depth: f64) -> Option<usize> {
-        while let Some(top) = self.len.checked_sub(1) {
-            let (index, upper_bound) = *self.stack.get(top)?;
-            self.len = top;
+        while let Some((index, upper_bound)) = self.stack.pop() {
             // Written so that a NaN would not skip the node.
             if upper_bound < depth {
                 continue;
@@ -76,9 +74,8 @@ impl<'q> Descent<'q> {
             let bounds = [self.upper_bound(first)?, self.upper_bound(second)?];
             let children = [(first, bounds[0]), (second, bounds[1])];
             for child in if bounds[0] < bounds[1] { children } else { [children[1], children[0]] } {
-                if let Some(entry) = self.stack.get_mut(self.len).filter(|_| !(child.1 < depth)) {
-                    *entry = child;
-                    self.len += 1;
+                if !(child.1 < depth) {
+                    let _ = self.stack.try_push(child);
                 }
             }
         }

@@ -8,6 +8,7 @@
 
 use std::cell::OnceCell;
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::parts::Parts;
@@ -26,8 +27,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Triangles near a body: the memory of a [`NearParts`].
 pub(super) struct NearTriangles {
-    found: [NearTriangle; MAX_NEAR],
-    count: usize,
+    found: ArrayVec<NearTriangle, MAX_NEAR>,
     /// Whether these are all.
     is_whole: bool,
 }
@@ -41,13 +41,12 @@ struct NearTriangle {
 
 impl NearTriangles {
     pub(super) fn new() -> Self {
-        let none = NearTriangle { index: 0, corners: [DVec3::ZERO; 3] };
-        Self { found: [none; MAX_NEAR], count: 0, is_whole: true }
+        Self { found: ArrayVec::new(), is_whole: true }
     }
 
     /// The triangles whose boxes overlap a box, or may.
     fn within(&self, bounds: [DVec3; 2]) -> impl Iterator<Item = &NearTriangle> {
-        self.found.iter().take(self.count).filter(move |near| !is_beside_box(near.corners, bounds))
+        self.found.iter().filter(move |near| !is_beside_box(near.corners, bounds))
     }
 }
 
@@ -67,8 +66,7 @@ pub(super) struct NearParts<'p, P: ?Sized> {
 
 /// Parts near the body that are not listed as triangles.
 struct Balls {
-    found: [Ball; MAX_NEAR],
-    count: usize,
+    found: ArrayVec<Ball, MAX_NEAR>,
     /// Whether these are all.
     is_whole: bool,
 }
@@ -105,10 +103,8 @@ impl<'p, P: Parts + ?Sized> NearParts<'p, P> {
         let (bounds, margin) = ([low - reach, high + reach], SIGHT_REACH * prediction);
         let wide = [bounds[0] - DVec3::splat(margin), bounds[1] + DVec3::splat(margin)];
         let found = parts.any_in_box(wide, &mut |index, corners| {
-            let free = triangles.found.get_mut(triangles.count);
-            triangles.is_whole = free.is_some();
-            triangles.count += usize::from(free.is_some());
-            free.map(|free| *free = NearTriangle { index, corners }).is_none()
+            triangles.is_whole = triangles.found.try_push(NearTriangle { index, corners }).is_ok();
+            !triangles.is_whole
         });
         let is_whole = found.is_some() && triangles.is_whole;
         let triangles = Some(&*triangles).filter(|_| is_whole);
@@ -133,19 +129,13 @@ impl<'p, P: Parts + ?Sized> NearParts<'p, P> {
 
     fn balls(&self) -> &Balls {
         self.balls.get_or_init(|| {
-            let none = Ball { index: 0, center: DVec3::ZERO, radius: 0.0 };
-            let mut balls = Balls { found: [none; MAX_NEAR], count: 0, is_whole: true };
+            let mut balls = Balls { found: ArrayVec::new(), is_whole: true };
             let [low, high] = self.bounds;
             let reach = 0.5 * (high - low).length() * (1.0 + ROUNDING) + self.margin;
             seams::of(self.parts).any_near((low + high) * 0.5, reach, &mut |near| {
-                let Some(free) = balls.found.get_mut(balls.count) else {
-                    balls.is_whole = false;
-                    return true;
-                };
                 let (center, radius) = (near.shape.interior_point(), near.shape.outer_radius());
-                *free = Ball { index: near.index, center, radius };
-                balls.count += 1;
-                false
+                balls.is_whole = balls.found.try_push(Ball { index: near.index, center, radius }).is_ok();
+                !balls.is_whole
             });
             balls
         })
@@ -173,8 +163,9 @@ impl<P: Parts + ?Sized> Union for NearParts<'_, P> {
             return seams::of(self.parts).any_near(point, reach, test);
         }
         let slack = ROUNDING * point.abs().element_sum();
-        let found = self.balls().found.iter().take(self.balls().count);
+        let found = &self.balls().found;
         found
+            .iter()
             // Written so that a NaN would not skip the part.
             .filter(|ball| !(ball.center.distance(point) > (ball.radius + reach) * (1.0 + ROUNDING) + slack))
             .any(|ball| self.parts.part(ball.index).is_some_and(|part| meets(ball.index, &part)))

@@ -53,6 +53,7 @@ use crate::shapes::{Feature, Shape, Triangle};
 use crate::solver::signed_distance::is_near;
 use crate::support::SupportMap;
 use crate::vector::unit;
+use arrayvec::ArrayVec;
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
 
@@ -243,16 +244,12 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
             part.is_some_and(|part| test(Neighbour { index, shape: &part, place: Pose::IDENTITY }))
         };
         let nodes = self.0.nodes();
-        let mut stack = [0_u32; MAX_LEVELS as usize + 1];
-        let (mut len, mut visited) = (1_usize, 0_usize);
-        while let Some(top) = len.checked_sub(1) {
-            len = top;
+        let mut stack: ArrayVec<u32, { MAX_LEVELS as usize + 1 }> = [0].into_iter().collect();
+        let mut visited = 0_usize;
+        while let Some(index) = stack.pop() {
             // Also ends in a cycle, which only a pack opened unchecked can have.
             visited += 1;
-            let Some(node) = stack.get(top).and_then(|index| nodes.get(*index)).filter(|_| visited <= nodes.count())
-            else {
-                return false;
-            };
+            let Some(node) = nodes.get(index).filter(|_| visited <= nodes.count()) else { return false };
             // Written so that a NaN would not skip the node.
             if node.distance(point) > reach {
                 continue;
@@ -263,10 +260,7 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
                 Child::Hull(_) => {}
                 Child::Nodes(first) => {
                     for child in [first, first.saturating_add(1)] {
-                        if let Some(slot) = stack.get_mut(len) {
-                            *slot = child;
-                            len += 1;
-                        }
+                        let _ = stack.try_push(child);
                     }
                 }
             }
@@ -502,9 +496,9 @@ fn hides(near: &Neighbour<'_>, between: [DVec3; 2]) -> bool {
 }
 
 /// Faces of a part.
+#[derive(Default)]
 struct Faces {
-    found: [Face; MAX_FACES],
-    count: usize,
+    found: ArrayVec<Face, MAX_FACES>,
 }
 
 /// A face of a part, in the frame of the part.
@@ -519,23 +513,17 @@ struct Face {
 }
 
 impl Faces {
-    const NONE: Self = Self { found: [Face { depth: 0.0, normal: DVec3::ZERO, height: 0.0 }; MAX_FACES], count: 0 };
-
     fn push(&mut self, face: Face) {
         // NaN takes the failing branch.
-        if let Some(free) = self.found.get_mut(self.count).filter(|_| face.depth > f64::NEG_INFINITY) {
-            *free = face;
-            self.count += 1;
+        if face.depth > f64::NEG_INFINITY {
+            let _ = self.found.try_push(face);
         }
     }
 
     /// Removes the face with the least depth.
     fn pop(&mut self) -> Option<Face> {
-        let found = self.found.get_mut(..self.count)?;
-        let least = found.iter().enumerate().min_by(|(_, p), (_, q)| p.depth.total_cmp(&q.depth)).map(|(i, _)| i)?;
-        found.swap(least, self.count - 1);
-        self.count -= 1;
-        self.found.get(self.count).copied()
+        let least = self.found.iter().enumerate().min_by(|(_, p), (_, q)| p.depth.total_cmp(&q.depth))?.0;
+        self.found.swap_pop(least)
     }
 }
 
@@ -649,13 +637,13 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             return Choice::NoFaces;
         };
         let [point, witness] = points(contact);
-        let mut faces = Faces::NONE;
+        let mut faces = Faces::default();
         let outward = if contact.depth > 0.0 { point - witness } else { witness - point };
         self.own.faces(outward, &mut |normal, corner| {
             let height = corner.dot(normal);
             faces.push(Face { depth: height - self.lowest(normal).dot(normal), normal, height });
         });
-        if faces.count == 0 {
+        if faces.found.is_empty() {
             return Choice::NoFaces;
         }
         let mut beside: Option<(Face, f64)> = None;

@@ -4,6 +4,7 @@
 //! are pushed onto a stack, the nearer one on top. Each step opens one node, so the stack is at
 //! most one entry longer than the sum of the depths of both trees.
 
+use arrayvec::ArrayVec;
 use hullmap_format::bvh::MAX_LEVELS;
 
 use super::bvh::{Child, Node, Nodes, PlacedBox, Placement};
@@ -51,8 +52,7 @@ pub(super) struct Traversal<P: BoxPairs> {
     pairs: P,
     /// The last box of B, by its index.
     placed: Option<(u32, Node, P::Placed)>,
-    stack: [(u32, u32, f64); MAX_STACK],
-    len: usize,
+    stack: ArrayVec<(u32, u32, f64), MAX_STACK>,
     boxes: u32,
     /// Lower bound of the boxes of the last pair returned.
     lower_bound: f64,
@@ -63,10 +63,9 @@ pub(super) struct Traversal<P: BoxPairs> {
 impl<P: BoxPairs> Traversal<P> {
     pub(super) fn new(pairs: P) -> Self {
         let max_boxes = pairs.nodes().map(|nodes| nodes.count() as u64).into_iter().product();
-        let stack = [(0, 0, 0.0); MAX_STACK];
-        let mut this = Self { pairs, placed: None, stack, len: 0, boxes: 0, lower_bound: 0.0, max_boxes };
+        let mut this = Self { pairs, placed: None, stack: ArrayVec::new(), boxes: 0, lower_bound: 0.0, max_boxes };
         if let Some((_, _, lower_bound, _)) = this.pair(0, 0, 0.0, f64::INFINITY) {
-            this.push((0, 0, lower_bound));
+            this.stack.push((0, 0, lower_bound));
         }
         this
     }
@@ -83,7 +82,7 @@ impl<P: BoxPairs> Traversal<P> {
 
     /// Minimum lower bound of all pairs that are left; infinite if there are none.
     pub(super) fn least_bound(&self) -> f64 {
-        self.stack.iter().take(self.len).fold(f64::INFINITY, |least, pair| least.min(pair.2))
+        self.stack.iter().fold(f64::INFINITY, |least, pair| least.min(pair.2))
     }
 
     /// The source of the bounds.
@@ -99,9 +98,7 @@ impl<P: BoxPairs> Traversal<P> {
     /// The next pair of hulls whose bound is at most `reach`, which may depend on the boxes.
     /// The reach of smaller boxes must not be greater.
     pub(super) fn next_within(&mut self, reach: impl Fn(&Node, &Node) -> f64) -> Option<[usize; 2]> {
-        while let Some(top) = self.len.checked_sub(1) {
-            let (node_a, node_b, lower_bound) = *self.stack.get(top)?;
-            self.len = top;
+        while let Some((node_a, node_b, lower_bound)) = self.stack.pop() {
             let a = self.pairs.nodes()[0].get(node_a)?;
             self.place(node_b)?;
             let Some((_, b, _)) = &self.placed else { return None };
@@ -136,22 +133,14 @@ impl<P: BoxPairs> Traversal<P> {
             let second = self.pair(second.0, second.1, lower_bound, reach)?;
             let is_nearer = (first.2, first.3) <= (second.2, second.3);
             for (node_a, node_b, lower_bound, _) in if is_nearer { [second, first] } else { [first, second] } {
-                // Boxes with an infinite bound never meet, whatever the reach is.
+                // Boxes with an infinite bound never meet, whatever the reach is. The stack is full
+                // only in trees that are deeper than in checked packs.
                 if lower_bound <= reach && lower_bound < f64::INFINITY {
-                    self.push((node_a, node_b, lower_bound));
+                    let _ = self.stack.try_push((node_a, node_b, lower_bound));
                 }
             }
         }
         None
-    }
-
-    /// Drops the pair if the stack is full, which happens only with trees deeper than in checked
-    /// packs.
-    fn push(&mut self, pair: (u32, u32, f64)) {
-        if let Some(slot) = self.stack.get_mut(self.len) {
-            *slot = pair;
-            self.len += 1;
-        }
     }
 
     /// The pair of nodes, the lower bound of their boxes, and the number that orders equal ones.

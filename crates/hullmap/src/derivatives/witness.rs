@@ -20,6 +20,7 @@
 //!    difference. The support points of the face, relative to the place, are a polygon around it:
 //!    EPA in the plane, which ends as soon as the polygon contains a small disc.
 
+use arrayvec::ArrayVec;
 use glam::{DMat3, DVec2, DVec3};
 
 use super::pose_derivative::Differentiability;
@@ -306,11 +307,8 @@ fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let corner = (a.support(dir) - point_a) - (b.support(-dir) - point_b);
         DVec2::new(corner.dot(x), corner.dot(y))
     };
-    let mut polygon = Polygon { corners: [DVec2::ZERO; MAX_CORNERS], len: 0 };
-    for side in THIRDS {
-        polygon.insert(polygon.len, corner(side));
-    }
-    while polygon.len < MAX_CORNERS {
+    let mut polygon = Polygon(THIRDS.map(corner).into_iter().collect());
+    while !polygon.0.is_full() {
         let Some((at, height, outward)) = polygon.nearest_side() else { return false };
         if height > reach {
             return true;
@@ -320,35 +318,23 @@ fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         if !(found.dot(outward) > height + reach) {
             return false;
         }
-        polygon.insert(at + 1, found);
+        polygon.0.insert(at + 1, found);
     }
     false
 }
 
 /// A convex polygon, counter-clockwise. Corners may coincide.
-struct Polygon {
-    corners: [DVec2; MAX_CORNERS],
-    len: usize,
-}
+struct Polygon(ArrayVec<DVec2, MAX_CORNERS>);
 
 impl Polygon {
     /// The side whose line has the least height over the origin: its index, that height, and its
     /// outward unit normal. `None` if all corners are at one place.
     fn nearest_side(&self) -> Option<(usize, f64, DVec2)> {
-        let sides = (0..self.len).filter_map(|at| {
-            let (from, to) = (*self.corners.get(at)?, *self.corners.get((at + 1) % self.len)?);
+        let corners = &self.0;
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1)).enumerate().filter_map(|(at, (&from, &to))| {
             let outward = DVec2::new(to.y - from.y, from.x - to.x).try_normalize()?;
             Some((at, outward.dot(from), outward))
         });
         sides.min_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    fn insert(&mut self, at: usize, corner: DVec2) {
-        // Nothing is inserted into a full polygon.
-        if let Some([first, rest @ ..]) = self.corners.get_mut(at..=self.len) {
-            let mut displaced = std::mem::replace(first, corner);
-            rest.iter_mut().for_each(|corner| std::mem::swap(corner, &mut displaced));
-            self.len += 1;
-        }
     }
 }

@@ -28,13 +28,11 @@
 use super::select::Spot;
 use crate::shapes::{Corner, Feature, MAX_CORNERS};
 use crate::vector::perpendicular;
+use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
 /// Maximum number of points of a patch: each side adds at most one corner.
 pub(super) const MAX_POINTS: usize = 2 * MAX_CORNERS;
-
-/// Number of corners for which a patch is clipped in small arrays.
-const FEW_POINTS: usize = 12;
 
 /// Distance outside a side up to which a corner counts as on it, relative to the reference's
 /// extent. Above the rounding error of f32 (6e-8) and invisibly small.
@@ -87,27 +85,20 @@ impl PatchPoint {
 }
 
 /// Points of a patch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Patch {
-    points: [PatchPoint; MAX_POINTS + 1],
-    count: usize,
+    points: ArrayVec<PatchPoint, { MAX_POINTS + 1 }>,
 }
 
 impl Patch {
-    pub(super) fn new() -> Self {
-        Self { points: [PatchPoint::default(); MAX_POINTS + 1], count: 0 }
-    }
-
     pub(super) fn points(&self) -> &[PatchPoint] {
-        &self.points[..self.count]
+        &self.points
     }
 
     /// Adds a point unless the patch is full or has a point on the same features.
     pub(super) fn push(&mut self, point: PatchPoint) {
-        let known = self.points().iter().any(|p| p.parts == point.parts);
-        if let Some(free) = self.points.get_mut(self.count).filter(|_| !known) {
-            *free = point;
-            self.count += 1;
+        if self.points.iter().all(|p| p.parts != point.parts) {
+            let _ = self.points.try_push(point);
         }
     }
 
@@ -117,51 +108,28 @@ impl Patch {
     }
 
     /// The points in the form that the choice of four needs.
-    pub(super) fn spots(&self) -> Spots {
-        let mut spots = Spots { spots: [Spot::default(); MAX_POINTS + 1], count: self.count };
-        for (spot, point) in spots.spots.iter_mut().zip(self.points()) {
-            *spot = Spot { at: point.at, depth: point.depth() };
-        }
-        spots
+    pub(super) fn spots(&self) -> ArrayVec<Spot, { MAX_POINTS + 1 }> {
+        self.points.iter().map(|point| Spot { at: point.at, depth: point.depth() }).collect()
     }
 
     pub(super) fn points_mut(&mut self) -> &mut [PatchPoint] {
-        &mut self.points[..self.count]
+        &mut self.points
     }
 
     /// Adds a point in place of the one on the same features, or of the last one if the patch is
     /// full. Returns its index.
     pub(super) fn put(&mut self, point: PatchPoint) -> usize {
-        let known = self.points().iter().position(|p| p.parts == point.parts);
-        let at = known.unwrap_or(self.count.min(MAX_POINTS));
-        self.points[at] = point;
-        self.count = self.count.max(at + 1);
+        let known = self.points.iter().position(|p| p.parts == point.parts);
+        let at = known.unwrap_or(self.points.len().min(MAX_POINTS));
+        match self.points.get_mut(at) {
+            Some(place) => *place = point,
+            None => self.points.push(point),
+        }
         at
     }
 
     pub(super) fn retain(&mut self, keep: impl Fn(&PatchPoint) -> bool) {
-        let mut kept = 0;
-        for i in 0..self.count {
-            if keep(&self.points[i]) {
-                self.points[kept] = self.points[i];
-                kept += 1;
-            }
-        }
-        self.count = kept;
-    }
-}
-
-/// Points of a patch, in the form that the choice of four needs.
-pub(super) struct Spots {
-    spots: [Spot; MAX_POINTS + 1],
-    count: usize,
-}
-
-impl std::ops::Deref for Spots {
-    type Target = [Spot];
-
-    fn deref(&self) -> &[Spot] {
-        &self.spots[..self.count]
+        self.points.retain(|point| keep(point));
     }
 }
 
@@ -174,10 +142,9 @@ struct Flat {
 }
 
 /// A feature, projected along the normal.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Outline {
-    corners: [Flat; MAX_CORNERS],
-    count: usize,
+    corners: ArrayVec<Flat, MAX_CORNERS>,
     is_flat: bool,
     has_exact_corners: bool,
     /// Positive if counter-clockwise; 0 for an edge or a vertex.
@@ -187,50 +154,35 @@ struct Outline {
 
 impl Outline {
     fn new(feature: &Feature, frame: &Frame) -> Self {
-        let mut out = Self {
-            corners: [Flat::default(); MAX_CORNERS],
-            count: 0,
-            is_flat: feature.is_flat(),
-            has_exact_corners: feature.has_exact_corners(),
-            area: 0.0,
-            extent: 0.0,
-        };
-        for corner in feature.corners() {
-            out.corners[out.count] = frame.flattened(corner);
-            out.count += 1;
-        }
-        let origin = out.corners[0].at;
-        let corners = &out.corners[..out.count];
-        let mut farthest = (0.0, 0);
+        let mut corners: ArrayVec<Flat, MAX_CORNERS> = feature.corners().iter().map(|c| frame.flattened(c)).collect();
+        let (is_flat, has_exact_corners) = (feature.is_flat(), feature.has_exact_corners());
+        let first = corners.first().copied().unwrap_or_default();
+        let mut area = 0.0;
+        let (mut extent, mut start) = (0.0, first);
         for (i, c) in corners.iter().enumerate() {
             let next = &corners[(i + 1) % corners.len()];
-            out.area += 0.5 * (c.at - origin).perp_dot(next.at - origin);
-            if c.at.distance(origin) > farthest.0 {
-                farthest = (c.at.distance(origin), i);
+            area += 0.5 * (c.at - first.at).perp_dot(next.at - first.at);
+            if c.at.distance(first.at) > extent {
+                (extent, start) = (c.at.distance(first.at), *c);
             }
         }
-        out.extent = farthest.0;
-        if out.area.abs() <= FLAT_AREA * out.extent * out.extent {
+        if area.abs() <= FLAT_AREA * extent * extent {
             // An edge from one end to the other, or a vertex.
-            let start = corners[farthest.1];
-            let end = corners
-                .iter()
-                .copied()
-                .fold(start, |end, c| if c.at.distance(start.at) > end.at.distance(start.at) { c } else { end });
+            let is_farther = |c: &Flat, end: &Flat| c.at.distance(start.at) > end.at.distance(start.at);
+            let end = corners.iter().fold(start, |end, c| if is_farther(c, &end) { *c } else { end });
             // The line between two corners of a steep face is on it, but may be below its top.
-            out.is_flat &= out.count <= 2;
-            out.count = if out.extent > 0.0 { 2 } else { 1 };
-            out.corners[..2].copy_from_slice(&[start, end]);
-            out.area = 0.0;
-        } else if out.area < 0.0 {
-            out.corners[..out.count].reverse();
-            out.area = -out.area;
+            let is_flat = is_flat && corners.len() <= 2;
+            corners = [start, end].into_iter().take(if extent > 0.0 { 2 } else { 1 }).collect();
+            return Self { corners, is_flat, has_exact_corners, area: 0.0, extent };
         }
-        out
+        if area < 0.0 {
+            corners.reverse();
+        }
+        Self { corners, is_flat, has_exact_corners, area: area.abs(), extent }
     }
 
     fn corners(&self) -> &[Flat] {
-        &self.corners[..self.count]
+        &self.corners
     }
 
     /// Its point nearest to `at`.
@@ -258,8 +210,8 @@ impl Outline {
     /// The feature's plane as an origin and a slope. Newell's method averages over corners that are
     /// not quite coplanar.
     fn plane(&self) -> (Flat, DVec2) {
-        let n = self.count as f64;
         let corners = self.corners();
+        let n = corners.len() as f64;
         let at = corners.iter().map(|c| c.at).sum::<DVec2>() / n;
         let height = corners.iter().map(|c| c.height).sum::<f64>() / n;
         let mut normal = DVec3::ZERO;
@@ -357,29 +309,26 @@ pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) -> 
     let is_reduced = |body: &Body| if *body == Body::A { a.is_reduced() } else { b.is_reduced() };
     // The reference first: often the reduced incident feature lies inside the whole reference.
     if let Some(wanted) = bodies.into_iter().find(is_reduced)
-        && !(reference.area > 0.0 && is_inside(incident, reference))
+        && !(reference.area > 0.0 && is_inside(incident.corners(), reference))
     {
         return Some(wanted);
     }
     if reference.area == 0.0 {
         edges(&on_a, &on_b, out);
     } else {
-        // Most features have few corners, and the arrays are large.
-        let few = incident.count + reference.count <= FEW_POINTS;
-        let clip = if few { clip::<FEW_POINTS> } else { clip::<MAX_POINTS> };
         clip(incident, reference, reference_is_a, out);
     }
     None
 }
 
-/// Whether all corners of `incident` lie inside `reference`, which is counter-clockwise.
-fn is_inside(incident: &Outline, reference: &Outline) -> bool {
+/// Whether all `points` lie inside `reference`, which is counter-clockwise.
+fn is_inside(points: &[Flat], reference: &Outline) -> bool {
     let slack = SIDE_SLACK * reference.extent;
     let corners = reference.corners();
     corners.iter().enumerate().all(|(i, start)| {
         let along = corners[(i + 1) % corners.len()].at - start.at;
         let least = -slack * along.length();
-        incident.corners().iter().all(|c| along.perp_dot(c.at - start.at) >= least)
+        points.iter().all(|c| along.perp_dot(c.at - start.at) >= least)
     })
 }
 
@@ -396,9 +345,7 @@ pub(super) fn vertex_over_swapped(b: &Feature, vertex: &Corner, frame: &Frame, o
 /// The point of a `vertex` of B over a face of A; `None` if it is not over it.
 fn point_over(a: &Feature, vertex: &Corner, frame: &Frame) -> Option<PatchPoint> {
     let (face, vertex) = (Outline::new(a, frame), frame.flattened(vertex));
-    let mut alone = face;
-    (alone.corners[0], alone.count) = (vertex, 1);
-    if !(face.area > 0.0 && is_inside(&alone, &face)) {
+    if !(face.area > 0.0 && is_inside(&[vertex], &face)) {
         return None;
     }
     let (origin, slope) = face.plane();
@@ -436,24 +383,24 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
     }
 }
 
-/// Clips `incident` by the sides of `reference` (Sutherland-Hodgman), in arrays of `N` corners.
-fn clip<const N: usize>(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
-    let mut corners = [[Clipped::default(); N]; 2];
+/// Clips `incident` by the sides of `reference` (Sutherland-Hodgman).
+fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
+    let sides = reference.corners();
+    let mut polygons = [const { ArrayVec::<Clipped, MAX_POINTS>::new_const() }; 2];
     // Exchanged after each side, as references: the arrays are large.
-    let [from, to] = &mut corners;
-    let (mut from, mut to) = (from, to);
-    let mut count = incident.count;
+    let [from, to] = &mut polygons;
+    let (mut polygon, mut kept) = (from, to);
     for (i, c) in incident.corners().iter().enumerate() {
-        let next = &incident.corners()[(i + 1) % incident.count];
+        let next = &incident.corners()[(i + 1) % incident.corners().len()];
         let edge = pair(c.vertex, next.vertex);
         let parts = [pair(c.vertex, c.vertex), FACE];
-        from[i] = Clipped { at: c.at, height: c.height, parts, side: Side::Incident, edge };
+        polygon.push(Clipped { at: c.at, height: c.height, parts, side: Side::Incident, edge });
     }
     let slack = SIDE_SLACK * reference.extent;
     // Whether any corner was outside of a side.
     let mut crosses = false;
-    for index in 0..reference.count {
-        let (start, end) = (&reference.corners()[index], &reference.corners()[(index + 1) % reference.count]);
+    for (index, start) in sides.iter().enumerate() {
+        let end = &sides[(index + 1) % sides.len()];
         let along = end.at - start.at;
         let length = along.length();
         if !(length > 0.0) {
@@ -463,19 +410,19 @@ fn clip<const N: usize>(incident: &Outline, reference: &Outline, reference_is_a:
         let inside = |c: &Clipped| along.perp_dot(c.at - start.at);
         let slack = slack * length;
         // Most sides of a large face cut nothing off.
-        let least = from[..count].iter().map(inside).fold(f64::INFINITY, f64::min);
+        let least = polygon.iter().map(inside).fold(f64::INFINITY, f64::min);
         crosses |= least < 0.0;
         if least >= -slack {
             continue;
         }
         let side_part = pair(start.vertex, end.vertex);
-        let mut kept = 0;
-        for i in 0..count {
-            let (p, q) = (from[i], from[(i + 1) % count]);
-            let (dp, dq) = (inside(&p), inside(&q));
+        kept.clear();
+        for (i, p) in polygon.iter().enumerate() {
+            let q = &polygon[(i + 1) % polygon.len()];
+            let (dp, dq) = (inside(p), inside(q));
             let (keep, keep_next) = (dp >= -slack, dq >= -slack);
             if keep {
-                kept += push(to, kept, p);
+                push(kept, *p);
             }
             if keep != keep_next {
                 let t = (dp / (dp - dq)).clamp(0.0, 1.0);
@@ -483,21 +430,20 @@ fn clip<const N: usize>(incident: &Outline, reference: &Outline, reference_is_a:
                     Side::Incident => [p.edge, side_part],
                     // Two sides of the reference meet at one of its corners.
                     Side::Reference(other) => {
-                        let corner = if (index + 1) % reference.count == other { end.vertex } else { start.vertex };
+                        let corner = if (index + 1) % sides.len() == other { end.vertex } else { start.vertex };
                         [FACE, pair(corner, corner)]
                     }
                 };
                 let (at, height) = (p.at.lerp(q.at, t), p.height + (q.height - p.height) * t);
                 // A leaving edge continues along the side, an entering edge along itself.
                 let (side, edge) = if keep { (Side::Reference(index), FACE) } else { (p.side, p.edge) };
-                kept += push(to, kept, Clipped { at, height, parts, side, edge });
+                push(kept, Clipped { at, height, parts, side, edge });
             }
         }
-        std::mem::swap(&mut from, &mut to);
-        count = kept;
+        std::mem::swap(&mut polygon, &mut kept);
     }
     let (origin, slope) = reference.plane();
-    for c in &mut from[..count] {
+    for c in polygon {
         // Beyond a sharp corner, a point may be farther from the reference than from its sides.
         let nearest = if crosses { reference.nearest(c.at) } else { c.at };
         let is_moved = nearest.distance(c.at) > slack;
@@ -511,13 +457,9 @@ fn clip<const N: usize>(incident: &Outline, reference: &Outline, reference_is_a:
     }
 }
 
-/// Writes a corner and returns 1, or 0 if there is no room. Only rounding errors can produce that
-/// many corners.
-fn push(to: &mut [Clipped], count: usize, corner: Clipped) -> usize {
-    to.get_mut(count).map_or(0, |free| {
-        *free = corner;
-        1
-    })
+/// Adds a corner, if there is room. Only rounding errors can produce too many.
+fn push(polygon: &mut ArrayVec<Clipped, MAX_POINTS>, corner: Clipped) {
+    let _ = polygon.try_push(corner);
 }
 
 /// Two vertices in ascending order.

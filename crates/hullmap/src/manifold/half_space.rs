@@ -79,7 +79,7 @@ impl Manifold {
         let lengths = Lengths { depth, prediction, reach };
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, normal);
         let dir = b_in_a.inverse_transform_vector(-normal);
-        let mut patch = Patch::new();
+        let mut patch = Patch::default();
         let place = |point: DVec3, part: Part| {
             let point = b_in_a.transform_point(point);
             // The origin is midway between the lowest point of B and the plane.

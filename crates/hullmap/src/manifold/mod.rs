@@ -47,6 +47,7 @@ use crate::shapes::{Corner, Feature, Shape, TILT};
 use crate::solver::triangle_face::{self, FaceContact};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use crate::support::SupportPoint;
+use arrayvec::ArrayVec;
 use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet, vertex_over, vertex_over_swapped};
 use glam::{DVec2, DVec3};
 use matching::{Likeness, match_points};
@@ -267,8 +268,7 @@ pub struct ManifoldPoint {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifold {
-    points: [ManifoldPoint; MAX_POINTS],
-    count: usize,
+    points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
 }
 
@@ -306,17 +306,17 @@ impl Default for Manifold {
 impl Manifold {
     /// A manifold without points.
     pub const fn new() -> Self {
-        Self { points: [ManifoldPoint::EMPTY; MAX_POINTS], count: 0, normal: DVec3::X }
+        Self { points: ArrayVec::new_const(), normal: DVec3::X }
     }
 
     /// The points; empty if the shapes are separated by more than the prediction.
     pub fn points(&self) -> &[ManifoldPoint] {
-        &self.points[..self.count]
+        &self.points
     }
 
     /// The points, for storing impulses and user data.
     pub fn points_mut(&mut self) -> &mut [ManifoldPoint] {
-        &mut self.points[..self.count]
+        &mut self.points
     }
 
     /// Unit normal from A to B, in A's frame, of the last update that found points.
@@ -326,7 +326,7 @@ impl Manifold {
 
     /// Removes all points.
     pub fn clear(&mut self) {
-        self.count = 0;
+        self.points.clear();
     }
 
     /// Updates the points for `a` and for `b` placed at `b_in_a`, and returns the contact of the
@@ -434,7 +434,7 @@ impl Manifold {
     pub(crate) fn update_to(&mut self, [point_a, point_b]: [DVec3; 2], normal: DVec3, b_in_a: Pose, reach: f64) {
         let frame = Frame::new(point_b, normal);
         let depth = (point_a - point_b).dot(normal);
-        let mut patch = Patch::new();
+        let mut patch = Patch::default();
         patch.push(PatchPoint { heights: [depth, 0.0], exact: [true; 2], parts: [FACE; 2], ..PatchPoint::default() });
         let mut choice = Choice::default();
         choice.push(0);
@@ -470,9 +470,9 @@ impl Manifold {
 
     /// Replaces the points by the chosen ones; matched points keep what the caller stored.
     fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, contact_depth: f64, reach: f64) {
-        let old = self.clone();
+        let old = self.points.clone();
         let a_in_b = b_in_a.inverse();
-        self.count = 0;
+        self.points.clear();
         self.normal = frame.normal;
         for &index in choice.indices() {
             let p = &patch.points()[index];
@@ -481,22 +481,21 @@ impl Manifold {
             let excess = 0.5 * (p.depth() - contact_depth).max(0.0);
             let heights = [p.heights[0] - excess, p.heights[1] + excess];
             let point_b = frame.point(p.at, heights[1]);
-            self.points[self.count] = ManifoldPoint {
+            self.points.push(ManifoldPoint {
                 id: PointId { parts: p.parts },
                 point_a: frame.point(p.at, heights[0]),
                 point_b,
                 local_b: a_in_b.transform_point(point_b),
                 depth: heights[0] - heights[1],
                 ..ManifoldPoint::EMPTY
-            };
-            self.count += 1;
+            });
         }
         let (mut taken, mut matches) = ([false; MAX_POINTS], [None; MAX_POINTS]);
-        let frames = Frames { new: self.points(), old: old.points() };
-        match_points(&frames, SAME_PLACE * reach, &mut taken[..old.count], &mut matches[..self.count]);
-        for (new, found) in self.points[..self.count].iter_mut().zip(matches) {
+        let frames = Frames { new: &self.points, old: &old };
+        match_points(&frames, SAME_PLACE * reach, &mut taken[..old.len()], &mut matches[..self.points.len()]);
+        for (new, found) in self.points.iter_mut().zip(matches) {
             if let Some(found) = found {
-                new.keep(&old.points[found]);
+                new.keep(&old[found]);
             }
         }
     }
@@ -553,7 +552,7 @@ fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
     a.reduced_feature_within(normal, prediction, on_a);
     b.reduced_feature_within(dir_b, prediction, on_b);
     place(on_b, b_in_a);
-    let mut patch = Patch::new();
+    let mut patch = Patch::default();
     // Each round replaces a reduced feature by the whole one.
     while let Some(wanted) = meet(on_a, on_b, frame, &mut patch) {
         if wanted == Body::A {

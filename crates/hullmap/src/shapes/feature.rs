@@ -21,6 +21,7 @@
 
 use crate::support::{SupportMap, SupportPoint};
 use crate::vector::{perpendicular, unit};
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 /// Maximum number of corners of a [`Feature`]. A face with more corners is represented by its
@@ -103,10 +104,9 @@ pub struct Corner {
 /// edge.clear();
 /// assert!(edge.corners().is_empty() && !edge.is_reduced());
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Feature {
-    corners: [Corner; MAX_CORNERS],
-    count: usize,
+    corners: ArrayVec<Corner, MAX_CORNERS>,
     is_reduced: bool,
     is_flat: bool,
     is_rounded: bool,
@@ -115,13 +115,7 @@ pub struct Feature {
 impl Feature {
     /// A feature without corners.
     pub const fn new() -> Self {
-        Self {
-            corners: [Corner { point: DVec3::ZERO, vertex: 0 }; MAX_CORNERS],
-            count: 0,
-            is_reduced: false,
-            is_flat: false,
-            is_rounded: false,
-        }
+        Self { corners: ArrayVec::new_const(), is_reduced: false, is_flat: false, is_rounded: false }
     }
 
     /// Whether corners were left out to save time.
@@ -166,43 +160,29 @@ impl Feature {
     }
 
     /// The corners, in order around the feature.
-    #[expect(clippy::indexing_slicing, reason = "`push` keeps `count` within the array")]
     pub fn corners(&self) -> &[Corner] {
-        &self.corners[..self.count]
+        &self.corners
     }
 
     /// The corners, mutable.
-    #[expect(clippy::indexing_slicing, reason = "`push` keeps `count` within the array")]
     pub fn corners_mut(&mut self) -> &mut [Corner] {
-        &mut self.corners[..self.count]
+        &mut self.corners
     }
 
     /// Removes all corners.
     pub fn clear(&mut self) {
-        self.count = 0;
+        self.corners.clear();
         (self.is_reduced, self.is_flat, self.is_rounded) = (false, false, false);
     }
 
     /// Keeps the corners that satisfy `keep`, in order.
     pub(crate) fn retain(&mut self, keep: impl Fn(&Corner) -> bool) {
-        let mut kept = Self::new();
-        self.corners().iter().filter(|corner| keep(corner)).for_each(|corner| kept.push(*corner));
-        (kept.is_reduced, kept.is_flat, kept.is_rounded) = (self.is_reduced, self.is_flat, self.is_rounded);
-        *self = kept;
+        self.corners.retain(|corner| keep(corner));
     }
 
     /// Adds a corner. If there are [`MAX_CORNERS`] already, the new one is dropped.
     pub fn push(&mut self, corner: Corner) {
-        if let Some(free) = self.corners.get_mut(self.count) {
-            *free = corner;
-            self.count += 1;
-        }
-    }
-}
-
-impl Default for Feature {
-    fn default() -> Self {
-        Self::new()
+        let _ = self.corners.try_push(corner);
     }
 }
 
@@ -300,7 +280,7 @@ pub(crate) fn refine<S: SupportMap + ?Sized>(
     if let [first, .., last] = out.corners()
         && first.point == last.point
     {
-        out.count -= 1;
+        out.corners.pop();
     }
 }
 

@@ -1,6 +1,7 @@
 //! Triangles near a box. The box is rounded outward to the grid of the mesh's tree once. Then boxes
 //! are compared as integers, without decoding them.
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 use hullmap_format::triangle_mesh::tree;
 use rkyv::rend::u16_le;
@@ -30,11 +31,9 @@ impl TriangleMesh {
                 && y1 >= low_numbers[1]
                 && z1 >= low_numbers[2]
         };
-        let mut stack = [0_u32; MAX_STACK];
-        let (mut len, mut boxes) = (1_usize, 0_u32);
-        while let Some(top) = len.checked_sub(1) {
-            len = top;
-            let Some(node) = stack.get(top).copied() else { break };
+        let mut stack: ArrayVec<u32, MAX_STACK> = [0].into_iter().collect();
+        let mut boxes = 0_u32;
+        while let Some(node) = stack.pop() {
             boxes += 1;
             let has_children = match sections.boxes.get(node as usize) {
                 Some(stored) if !touches(stored) => continue,
@@ -44,10 +43,7 @@ impl TriangleMesh {
             if has_children {
                 let first = tree::first_child(node);
                 for child in [first + 1, first] {
-                    if let Some(slot) = stack.get_mut(len) {
-                        *slot = child;
-                        len += 1;
-                    }
+                    let _ = stack.try_push(child);
                 }
                 continue;
             }

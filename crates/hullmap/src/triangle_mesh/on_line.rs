@@ -19,6 +19,7 @@
 
 #![forbid(unsafe_code)]
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 use hullmap_format::triangle_mesh::tree;
 use rkyv::rend::u16_le;
@@ -102,11 +103,9 @@ impl TriangleMesh {
         let count = sections.triangle_count();
         let Some(line) = self.line([origin, direction], margin) else { return 1 };
         let ray = BoxedRay { origin, inverse: direction.recip(), margin };
-        let mut stack = [(0_u32, 0.0_f64); MAX_STACK];
-        let (mut len, mut boxes) = (1_usize, 1_u32);
-        while let Some(top) = len.checked_sub(1) {
-            len = top;
-            let Some(&(mut node, enter)) = stack.get(top) else { break };
+        let mut stack: ArrayVec<(u32, f64), MAX_STACK> = [(0, 0.0)].into_iter().collect();
+        let mut boxes = 1_u32;
+        while let Some((mut node, enter)) = stack.pop() {
             // NaN takes the branch that goes on.
             if enter > reach {
                 continue;
@@ -138,10 +137,7 @@ impl TriangleMesh {
                         let is_nearer = (first[0], first[1]) <= (second[0], second[1]);
                         let other = if is_nearer { (child + 1, second[0]) } else { (child, first[0]) };
                         node = if is_nearer { child } else { child + 1 };
-                        if let Some(slot) = stack.get_mut(len) {
-                            *slot = other;
-                            len += 1;
-                        }
+                        let _ = stack.try_push(other);
                     }
                 }
             }

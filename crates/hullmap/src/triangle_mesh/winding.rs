@@ -16,6 +16,7 @@
 
 #![forbid(unsafe_code)]
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
 use hullmap_format::triangle_mesh::tree;
@@ -114,15 +115,10 @@ impl TriangleMesh {
     /// One descent of the tree, along an axis.
     pub(crate) fn place(&self, point: DVec3) -> Place {
         let ray = AxisRay::leaving(self.bounds().map(|corner| corner.as_dvec3()), point);
-        let (mut stack, mut len) = ([0_u32; MAX_LEVELS as usize + 1], 1_usize);
+        let mut stack: ArrayVec<u32, { MAX_LEVELS as usize + 1 }> = [0].into_iter().collect();
         let mut winding = 0;
-        while let Some(top) = len.checked_sub(1) {
-            len = top;
-            let Some((index, (corners, [start, end]))) =
-                stack.get(top).and_then(|index| Some((*index, self.node(*index)?)))
-            else {
-                continue;
-            };
+        while let Some(index) = stack.pop() {
+            let Some((corners, [start, end])) = self.node(index) else { continue };
             if !ray.meets(corners) {
                 continue;
             }
@@ -136,10 +132,7 @@ impl TriangleMesh {
             }
             let first = tree::first_child(index);
             for child in [first, first.saturating_add(1)] {
-                if let Some(slot) = stack.get_mut(len) {
-                    *slot = child;
-                    len += 1;
-                }
+                let _ = stack.try_push(child);
             }
         }
         Place::Around(winding)

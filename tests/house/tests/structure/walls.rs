@@ -15,6 +15,8 @@ const RUNTIME: [&str; 25] = [
     "hullmap",
     "hullmap-format",
     "glam",
+    // Arrays with a length, in place of the heap.
+    "arrayvec",
     "libc",
     "memmap2",
     // The archive, as slices.

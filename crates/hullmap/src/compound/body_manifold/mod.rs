@@ -36,6 +36,7 @@ mod envelope;
 mod groups;
 mod spread;
 
+use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
 use super::manifolds::{CompoundManifolds, SmallerBody};
@@ -119,8 +120,7 @@ impl BodyPoint {
 /// ```
 #[derive(Clone, Debug)]
 pub struct BodyManifold {
-    points: [BodyPoint; MAX_BODY_POINTS],
-    count: usize,
+    points: ArrayVec<BodyPoint, MAX_BODY_POINTS>,
     scratch: Scratch,
 }
 
@@ -185,22 +185,22 @@ impl BodyManifold {
             hulls: Vec::with_capacity(points),
             polygons: [(); 3].map(|()| Vec::with_capacity(points + 4)),
         };
-        Self { points: [BodyPoint::EMPTY; MAX_BODY_POINTS], count: 0, scratch }
+        Self { points: ArrayVec::new(), scratch }
     }
 
     /// The points; the group with the deepest point comes first.
     pub fn points(&self) -> &[BodyPoint] {
-        self.points.get(..self.count).unwrap_or_default()
+        &self.points
     }
 
     /// The points, for storing impulses and user data.
     pub fn points_mut(&mut self) -> &mut [BodyPoint] {
-        self.points.get_mut(..self.count).unwrap_or_default()
+        &mut self.points
     }
 
     /// Removes all points.
     pub fn clear(&mut self) {
-        self.count = 0;
+        self.points.clear();
     }
 
     /// Chooses points from `manifolds`, which have just been updated.
@@ -209,16 +209,14 @@ impl BodyManifold {
     /// O(n²) for n points, and O(n log n) if few of them are corners of a convex hull. Allocates
     /// only if more pairs of parts touch than [`new`](Self::new) was told.
     pub fn update(&mut self, manifolds: &CompoundManifolds) {
-        let last = self.points;
-        let last = last.get(..self.count).unwrap_or_default();
-        self.count = 0;
+        let last: ArrayVec<BodyPoint, MAX_BODY_POINTS> = self.points.drain(..).collect();
         let Scratch { members, candidates, taken, own, hulls, polygons } = &mut self.scratch;
         collect(manifolds, members, candidates);
         if candidates.is_empty() {
             return;
         }
         let body = manifolds.body();
-        find_last(last, SAME_PLACE * body.reach, taken, candidates);
+        find_last(&last, SAME_PLACE * body.reach, taken, candidates);
         let (mut groups, mut wanted) = ([Group::default(); MAX_BODY_POINTS], [0; MAX_BODY_POINTS]);
         let count = group(members);
         hulls.clear();
@@ -229,12 +227,13 @@ impl BodyManifold {
         for (group, share) in groups.iter().zip(shares(&wanted, MAX_BODY_POINTS)).take(count) {
             let chosen = places.choose(group, share, own, hulls, polygons);
             for candidate in chosen.iter().filter_map(|index| candidates.get(*index)) {
-                let Some(free) = self.points.get_mut(self.count) else { break };
-                *free = candidate.point;
+                let mut chosen = candidate.point;
                 if let Some(old) = candidate.last.and_then(|index| last.get(index)) {
-                    free.point.keep(&old.point);
+                    chosen.point.keep(&old.point);
                 }
-                self.count += 1;
+                if self.points.try_push(chosen).is_err() {
+                    break;
+                }
             }
         }
     }
