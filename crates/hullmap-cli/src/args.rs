@@ -457,8 +457,8 @@ pub struct RobotArgs {
     /// Folder that contains packages or models, or is one itself; repeatable
     #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Make collisions from visuals: for links without a collision, for all links, whose collisions
-    /// are replaced, or for no link
+    /// Links that get collisions from their visuals: links without one (missing), all links, which
+    /// lose their own (always), or none (never)
     #[arg(
         long,
         value_enum,
@@ -471,11 +471,12 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
-    /// Replace the inertia of links by the inertia of their meshes, for the mass that they state
+    /// Replace the inertia of each link by the inertia of its meshes, for the mass that the link states
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
-    /// `exclude` elements; beside a URDF file, an SRDF file is written
+    /// `exclude` elements. A URDF file gets an SRDF file, which also has neighbours, and pairs that
+    /// touched in no random pose, which is no proof
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links

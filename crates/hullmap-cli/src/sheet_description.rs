@@ -74,7 +74,7 @@ pub fn count_materials(materials: impl Iterator<Item = u16>) -> BTreeMap<u16, us
 pub fn list_materials(counts: &BTreeMap<u16, usize>) -> String {
     let listed = counts.iter().take(MATERIALS_IN_TEXT);
     let listed: Vec<String> =
-        listed.map(|(material, count)| format!("{} of {material}", grouped(*count as u64))).collect();
+        listed.map(|(material, count)| format!("{material}: {} triangles", grouped(*count as u64))).collect();
     let more = if counts.len() > MATERIALS_IN_TEXT { ", …" } else { "" };
     format!("{}{more}", listed.join(", "))
 }

@@ -81,7 +81,7 @@ pub enum Fault {
     Utf16,
     /// No `v` line.
     #[error(
-        "no `v x y z` line found, but a hull requires at least one point: check that this is an OBJ file and that the export finished"
+        "no `v x y z` line found, but a hull requires at least one point: check that this is an OBJ, glTF, GLB, STL, PLY, COLLADA or MSH file and that the export finished"
     )]
     NoVertices,
     /// More vertices than `u32` can index.

@@ -98,6 +98,8 @@ enum Foreign {
     LfsPointer,
     /// An archive or compressed file of this kind.
     Packed(&'static str),
+    /// A PNG image, which may be a height field.
+    Image,
     /// A page of a web site, often a login page or a preview.
     WebPage,
 }
@@ -146,6 +148,9 @@ fn fault(foreign: Foreign) -> Fault {
         Foreign::Misnamed => "the file is COLLADA, with the extension of another format: rename it to .dae".to_owned(),
         Foreign::LfsPointer => format!("the file is a Git LFS pointer, not the mesh itself: {LFS_REMEDY}"),
         Foreign::Packed(kind) => format!("the file is {kind}; expected {NAMES}: unpack it"),
+        Foreign::Image => {
+            format!("the file is an image; expected {NAMES}: name a mesh, or add --height-field if it is a terrain")
+        }
         Foreign::WebPage => format!("the file is a web page; expected {NAMES}: download the mesh itself"),
     })
 }
@@ -164,6 +169,7 @@ fn of_content(bytes: &[u8]) -> Option<Foreign> {
             let is_usdz = [&b".usdc"[..], b".usda", b".usd"].into_iter().any(has);
             return Some(if is_usdz { Foreign::Scene(&USD) } else { Foreign::Packed("a ZIP archive") });
         }
+        [0x89, b'P', b'N', b'G', ..] => return Some(Foreign::Image),
         [0x1F, 0x8B, 8, ..] => return Some(Foreign::Packed("compressed with gzip")),
         [0x28, 0xB5, 0x2F, 0xFD, ..] => return Some(Foreign::Packed("compressed with Zstandard")),
         _ => {}
@@ -221,6 +227,7 @@ mod tests {
     fn foreign_content_is_named_behind_every_extension() {
         let zip = |name: &str| [b"PK\x03\x04\x0A\0\0\0\0\0", &[0; 20][..], name.as_bytes()].concat();
         let files: [(&[u8], &str); 16] = [
+            (b"\x89PNG\r\n\x1a\n", "the file is an image; expected OBJ"),
             (b"Kaydara FBX Binary  \0\x1A\0", "the file is FBX"),
             (b"; FBX 7.3.0 project file\n", "the file is FBX"),
             (b"<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"\">", "the file is COLLADA"),

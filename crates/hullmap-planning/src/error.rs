@@ -22,6 +22,12 @@ pub enum PlanningError {
         /// The cause, and what to do.
         cause: String,
     },
+    /// A folder of packs does not exist.
+    #[error("{}: no such folder; name folders of packs that `bake` has written, or none", folder.display())]
+    NoSuchFolder {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// No link and no obstacle has this name.
     #[error("`{name}` is neither a link with a collision nor an obstacle; there are {}", listed(known))]
     UnknownName {

@@ -10,6 +10,7 @@ use hullmap_bake::{IndexKind, PointSet};
 use hullmap_import::{self as import, ImportOptions, Imported, Limits, ReadError, SourceFile, Split};
 use hullmap_robot::{MeshUse, Submesh};
 
+use crate::PlanningError;
 use crate::convex::hull_of;
 
 /// The source of the hulls of meshes.
@@ -28,8 +29,14 @@ pub struct Packs {
 
 impl Packs {
     /// Packs in these folders.
-    pub fn in_folders(folders: Vec<PathBuf>) -> Self {
-        Self { folders, ..Self::default() }
+    ///
+    /// # Errors
+    /// A folder does not exist: [`PlanningError::NoSuchFolder`].
+    pub fn in_folders(folders: Vec<PathBuf>) -> Result<Self, PlanningError> {
+        match folders.iter().find(|folder| !folder.is_dir()) {
+            Some(missing) => Err(PlanningError::NoSuchFolder { folder: missing.clone() }),
+            None => Ok(Self { folders, ..Self::default() }),
+        }
     }
 
     /// The hulls of a mesh.

@@ -225,7 +225,7 @@ impl Robot {
             let beside = Places::beside(&path).unwrap_or_default();
             let places = Places { packages, ..beside };
             let description = Description::read(&path, &places)?;
-            let mut packs = Packs::in_folders(packs);
+            let mut packs = Packs::in_folders(packs)?;
             let robot = Planner::new(&description, |mesh| packs.hulls(mesh))?;
             Ok(Self { robot, format: description.format.name() })
         };

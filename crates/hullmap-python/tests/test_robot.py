@@ -192,6 +192,8 @@ def test_wrong_input(balls: hullmap.Robot, folder: pathlib.Path) -> None:
         hullmap.Robot.from_urdf(folder / "balls.xml")
     with pytest.raises(hullmap.Error, match="lists of folders"):
         hullmap.Robot.from_urdf(folder / "arm.urdf", packs=str(folder))
+    with pytest.raises(hullmap.Error, match="nowhere: no such folder; name folders of packs"):
+        hullmap.Robot.from_urdf(folder / "arm.urdf", packs=[folder / "nowhere"])
     with pytest.raises(hullmap.ArrayError, match=r"q: expected the shape \(..., 2\)"):
         balls.in_collision([0.0, 1.0, 2.0])
     with pytest.raises(hullmap.ArrayError, match="pass q, or poses"):

@@ -145,7 +145,7 @@ impl Document {
                 roxmltree::Error::NodesLimitReached => {
                     format!("has more than {MAX_NODES} nodes; this is not a robot description")
                 }
-                error => format!("invalid XML: {error}; correct the file"),
+                error => format!("invalid XML: {error}; name a URDF, MJCF or SDF file, or correct this one"),
             };
             RobotError::rejected(&self.path, Some(position), message)
         })

@@ -1,6 +1,6 @@
 //! Reading and editing of a description in any format: the root element decides.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::description::{Change, Description, Format};
 use crate::document::Document;
@@ -20,9 +20,11 @@ impl Description {
         let tree = document.parse()?;
         let root = tree.root_element();
         if let Some(node) = tree.descendants().find(|node| is_xacro(*node, &document)) {
-            let name = path.display().to_string();
-            let expanded = name.strip_suffix(".xacro").map_or_else(|| format!("{name}.urdf"), str::to_owned);
-            let message = format!("has macros of xacro; expand them first: xacro {name} > {expanded}");
+            let message = format!(
+                "has macros of xacro; expand them first: xacro {} > {}",
+                path.display(),
+                expanded(path).display()
+            );
             return Err(document.error(node.range().start, message));
         }
         let (name, at) = (root.tag_name().name().to_owned(), root.range().start);
@@ -55,6 +57,19 @@ impl Description {
         };
         let apply = |(document, edits): (&Document, Vec<Edit>)| document.edited(edits);
         self.documents.iter().zip(edits).map(apply).collect()
+    }
+}
+
+/// Where the expansion of a file with macros may go: `arm.urdf` for `arm.xacro` and `arm.urdf.xacro`,
+/// `arm_expanded.urdf` for `arm.urdf`.
+fn expanded(path: &Path) -> PathBuf {
+    let stem = path.with_extension("");
+    match path.extension().is_some_and(|extension| extension == "xacro") {
+        true => stem.with_extension("urdf"),
+        false => {
+            let name = stem.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            stem.with_file_name(format!("{name}_expanded.urdf"))
+        }
     }
 }
 

@@ -103,7 +103,7 @@ impl Places {
         let path = plain(path);
         let outside = || {
             Unresolved::Failed(format!(
-                "`{name}` leads out of the project and of all packages; name its folder with --package-path"
+                "`{name}` leads out of the project and of all packages; name its folder with --package-path (in Python: packages)"
             ))
         };
         let packages: Vec<PathBuf> = self.packages.iter().filter_map(|package| package.canonicalize().ok()).collect();
@@ -114,10 +114,12 @@ impl Places {
             Ok(_) => Err(Unresolved::Failed(format!("`{name}` is not a regular file; name a mesh"))),
             Err(_) => {
                 // The error reveals a missing file only if its nearest existing folder may be read.
-                let above = path.ancestors().skip(1).find_map(|above| above.canonicalize().ok());
+                // The folder of a bare name is the current one.
+                let real = |above: &Path| Path::new(".").join(above).canonicalize().ok();
+                let above = path.ancestors().skip(1).find_map(real);
                 match above {
                     Some(above) if is_inside(&above) => Err(Unresolved::Failed(format!(
-                        "no file `{name}`; restore it, or leave its link alone with --skip"
+                        "no file `{name}`; restore it, or leave its link alone with `bake robot --skip`"
                     ))),
                     _ => Err(outside()),
                 }
@@ -132,7 +134,7 @@ impl Places {
         let (package, below) = rest.split_once('/').unwrap_or((rest, ""));
         let not_found = || {
             Unresolved::Failed(format!(
-                "no folder of the {} `{package}`; name it, or the folder that holds it, with --package-path",
+                "no folder of the {} `{package}`; name it, or the folder that holds it, with --package-path (in Python: packages)",
                 if scheme == Scheme::Package { "package" } else { "model" }
             ))
         };

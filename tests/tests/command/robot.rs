@@ -110,6 +110,9 @@ fn rules_and_flags_choose_for_each_link() {
     let found =
         run(folder.path(), "robot in/arm.urdf --out out --no-config --skip base --from-visual never --json").expect(0);
     assert_eq!(actions(&found.json()[0]), ["kept", "kept", "hull"]);
+    assert!(!found.stderr.contains("links without a collision"), "{}", found.stderr);
+    let found = run(folder.path(), "robot in/arm.urdf --out out --no-config --json").expect(0);
+    assert!(found.stderr.contains("links without a collision get one from their visuals: `"), "{}", found.stderr);
     let found = run(folder.path(), "robot in/arm.urdf --out out --no-config --from-visual always --json").expect(0);
     assert_eq!(actions(&found.json()[0]), ["removed", "removed", "hull", "hull", "primitive"]);
     let text = fs::read_to_string(folder.path().join("out/arm.urdf")).unwrap();
@@ -135,24 +138,32 @@ fn a_description_that_fails_leaves_no_output_and_the_others_go_on() {
     write("cycle.xml", "<mujoco>\n<include file='cycle.xml'/></mujoco>");
     write("bomb.urdf", "<!DOCTYPE r [<!ENTITY a 'aaaaaaaa'>]>\n<robot name='&a;'/>");
     write("deep.urdf", &"<a>".repeat(3_400_000));
+    write("macros.urdf", "<robot xmlns:xacro='x'><xacro:if value='1'/></robot>");
+    write("m.xacro", "<robot xmlns:xacro='x'><xacro:if value='1'/></robot>");
     write("x.urdf.xacro", "<robot xmlns:xacro='x'><xacro:if value='1'/></robot>");
-    let all = "in/gone.urdf in/out.urdf in/text.urdf in/cycle.xml in/bomb.urdf in/deep.urdf in/x.urdf.xacro in/none.urdf in/arm.urdf";
+    let all = "in/gone.urdf in/out.urdf in/text.urdf in/cycle.xml in/bomb.urdf in/deep.urdf in/x.urdf.xacro in/macros.urdf in/m.xacro in/none.urdf in/arm.urdf";
     let found = run(folder.path(), &format!("robot {all} --out out --json")).expect(2);
     let states: Vec<String> = found.json().iter().map(|row| row["status"].as_str().unwrap().to_owned()).collect();
-    assert_eq!(states[..8], ["failed"; 8]);
-    assert_eq!(states[8], "written");
+    assert_eq!(states[..10], ["failed"; 10]);
+    assert_eq!(states[10], "written");
     for expected in [
-        "in/gone.urdf:2: link `l`: no file `gone.stl`; restore it, or leave its link alone with --skip",
-        "leads out of the project and of all packages; name its folder with --package-path",
+        "in/gone.urdf:2: link `l`: no file `gone.stl`; restore it, or leave its link alone with `bake robot --skip`",
+        "leads out of the project and of all packages; name its folder with --package-path (in Python: packages)",
         "a rule or --skip leaves its link alone",
         "in/cycle.xml:2: `cycle.xml` is included already",
         "remove <!DOCTYPE>",
         "in/deep.urdf:1: elements are nested deeper than 1000",
         "expand them first: xacro in/x.urdf.xacro > in/x.urdf",
+        "expand them first: xacro in/macros.urdf > in/macros_expanded.urdf",
+        "expand them first: xacro in/m.xacro > in/m.urdf",
         "in/none.urdf: cannot read",
     ] {
         assert!(found.stderr.contains(expected), "{expected}: {}", found.stderr);
     }
+    // Beside the description, where names have no folder.
+    let beside = run(&folder.path().join("in"), "robot gone.urdf --out x.urdf").expect(1);
+    assert!(beside.stderr.contains("no file `gone.stl`; restore it"), "{}", beside.stderr);
+    assert!(beside.stdout.contains("gone.urdf: failed; nothing written"), "{}", beside.stdout);
     let written = files(&folder.path().join("out"));
     assert!(
         !written
@@ -226,6 +237,7 @@ fn inputs_are_not_replaced_by_accident() {
     let before = files(&folder.path().join("in"));
     let found = run(folder.path(), "robot in/arm.urdf --out in").expect(2);
     assert!(found.stderr.contains("is an input, and would be replaced"), "{}", found.stderr);
+    assert!(files(&folder.path().join("in")) == before, "nothing is baked before that is clear");
     let found = run(folder.path(), "robot in/arm.xml --out in/other.xml").expect(2);
     assert!(found.stderr.contains("tip.xml: is an input"), "the included file has collisions: {}", found.stderr);
     let after = files(&folder.path().join("in"));

@@ -235,7 +235,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: LengthOrNone,
         default: DefaultValue::Value("none"),
         value_name: "E|E%",
-        help: "Maximum error: a length, or a share of the mesh's diagonal such as 1%. Without --decompose: how far an enclosing hull may extend beyond the exact one; default none, the exact hull. With --decompose: how far parts may protrude from the mesh's solid; default 2%",
+        help: "Maximum error: a length (2mm is 0.002 units of the mesh), or a share of the mesh's diagonal such as 1%. Without --decompose: how far an enclosing hull may extend beyond the exact one; default none, the exact hull. With --decompose: how far parts may protrude from the mesh's solid; default 2%",
         section: Section::Shape,
         group: Group::Limit,
         ..OPTION
@@ -323,7 +323,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["auto", "none"]),
         default: DefaultValue::Value("auto"),
         value_name: "auto|none",
-        help: "Make the parts of a symmetric mesh symmetric, unless that takes more parts (auto), or ignore symmetry (none)",
+        help: "auto: make the parts of a symmetric mesh symmetric if that takes no more parts; none: ignore symmetry",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),

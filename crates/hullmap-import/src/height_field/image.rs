@@ -33,6 +33,10 @@ pub(super) fn is_png(bytes: &[u8]) -> bool {
 pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, LineFault> {
     let Samples { columns, rows, samples, white } = samples(bytes)?;
     let white = f64::from(white);
+    if let Some(hole) = options.hole.filter(|hole| !(0.0..=white).contains(hole) || hole.fract() != 0.0) {
+        let text = format!("no sample is {hole}; name a grey value from 0 to {white} with --hole");
+        return Err(Fault::format(text).of_file());
+    }
     let height = |sample: u16| {
         let sample = f64::from(sample);
         if Some(sample) == options.hole { f32::NAN } else { options.height(sample / white) }

@@ -30,6 +30,10 @@ fn images_count_from_black_to_white_and_their_top_row_is_the_last() {
     assert!(found.heights[5].is_nan());
     let eight = image(2, 1, png::ColorType::Grayscale, png::BitDepth::Eight, &[51, 255]);
     assert_eq!(import_heights("a", &eight, &options).unwrap().heights, [10.0, 90.0]);
+    for hole in [256.0, -1.0, 0.5] {
+        let found = message(&eight, &HeightOptions { hole: Some(hole), ..options });
+        assert!(found.contains(&format!("no sample is {hole}; name a grey value from 0 to 255")), "{found}");
+    }
 }
 
 #[test]

@@ -76,10 +76,12 @@ pub fn starts_with(path: &Path, text: &str) -> bool {
 }
 
 /// Unused hulls in a folder: hulls of links or parts that no longer exist.
-pub fn left_over(folder: &Path, used: &BTreeSet<PathBuf>) -> usize {
+pub fn left_over(folder: &Path, used: &BTreeSet<PathBuf>) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_hull = |path: &PathBuf| {
         path.extension().is_some_and(|extension| extension == "obj") && starts_with(path, obj::FIRST_LINE)
     };
-    entries.filter(is_hull).filter(|path| !used.contains(path)).count()
+    let mut unused: Vec<PathBuf> = entries.filter(is_hull).filter(|path| !used.contains(path)).collect();
+    unused.sort();
+    unused
 }

@@ -28,7 +28,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullmap_robot::{Change, Description, Format, Geometry, Places, RobotError, SRDF_FIRST_LINE, escaped, relative};
+use hullmap_robot::{
+    Change, Description, Format, Geometry, Link, Places, RobotError, SRDF_FIRST_LINE, escaped, relative,
+};
 
 use crate::args::{DECIDED_BY_ROBOTS, RobotArgs, reason_of_robots};
 use crate::baker::bake_pack;
@@ -162,6 +164,10 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let target = Target::new(args, &description).map_err(one)?;
     let chooser = Chooser { args, description: &description, target: &target };
     let mut choices = chooser.choose(configs).map_err(one)?;
+    // Before meshes are baked, which may take minutes.
+    if !args.force && !choices.jobs.is_empty() && is_same_file(input, &target.file) {
+        return Err(one(would_be_replaced(input)));
+    }
     if !choices.errors.is_empty() {
         return Err(std::mem::take(&mut choices.errors).into_iter().map(Failure::rejected).collect());
     }
@@ -212,6 +218,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     row.output = Some(shown(&target.file));
     row.notes.extend(description.notes.iter().cloned());
     row.warnings.extend(choices.warnings.iter().cloned());
+    row.notes.extend(links_from_visuals(&description, &choices));
     for (own, _) in baked {
         row.baked += usize::from(own.status == build_rows::Status::Baked);
         row.notes.extend(own.notes.iter().map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
@@ -262,11 +269,34 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     if let Some((file, page)) = args.report.as_ref().zip(page) {
         files::Output { path: file.clone(), bytes: page.into_bytes() }.write_if_changed()?;
     }
-    let count = files::left_over(&target.meshes, &used(&description, &outputs));
-    if count > 0 && description.mesh_folder(&target.folder).is_none() {
-        row.notes.push(format!("{}: {count} hulls of earlier runs are not in use; remove them", shown(&target.meshes)));
+    let unused = files::left_over(&target.meshes, &used(&description, &outputs));
+    if !unused.is_empty() && description.mesh_folder(&target.folder).is_none() {
+        let names = listed(unused.iter().map(|path| shown(path)));
+        row.notes.push(format!("hulls of earlier runs are not in use: {names}; remove them"));
     }
     Ok(exit)
+}
+
+/// Number of names in a note.
+const NAMES_IN_NOTE: usize = 5;
+
+/// The first names, and how many others there are.
+fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
+    let others = names.len().saturating_sub(NAMES_IN_NOTE);
+    let first: Vec<String> = names.take(NAMES_IN_NOTE).collect();
+    if others == 0 { first.join(", ") } else { format!("{} and {others} more", first.join(", ")) }
+}
+
+/// A note about links that had no collision and now have one.
+fn links_from_visuals(description: &Description, choices: &Choices) -> Option<String> {
+    let from_visual: BTreeSet<usize> =
+        choices.shapes.iter().filter(|own| own.from_visual).map(|own| own.link).collect();
+    let had_none: Vec<&Link> =
+        from_visual.iter().map(|link| &description.links[*link]).filter(|link| link.collisions.is_empty()).collect();
+    let names = listed(had_none.iter().map(|link| format!("`{}`", link.name)));
+    let note =
+        format!("links without a collision get one from their visuals: {names}; --from-visual never leaves them");
+    (!had_none.is_empty()).then_some(note)
 }
 
 /// Lists the pairs that are excluded. For a URDF file, they are written to a separate file.
@@ -465,6 +495,15 @@ fn described(
     Ok(outputs)
 }
 
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
+}
+
+fn would_be_replaced(input: &Path) -> Failure {
+    let message = "is an input, and would be replaced; name another file or folder with --out, or pass --force";
+    Failure::usage(format!("{}: {message}", input.display()))
+}
+
 /// Fails if an input would be replaced by other bytes.
 fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::Output]) -> Result<(), Failure> {
     if args.force {
@@ -474,10 +513,7 @@ fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::O
         let real = document.path().canonicalize().ok();
         let own = outputs.iter().find(|output| output.path.canonicalize().ok() == real && real.is_some());
         if own.is_some_and(|own| own.bytes != document.bytes()) {
-            return Err(Failure::usage(format!(
-                "{}: is an input, and would be replaced; name another file or folder with --out, or pass --force",
-                document.path().display()
-            )));
+            return Err(would_be_replaced(document.path()));
         }
     }
     Ok(())

@@ -171,7 +171,10 @@ impl Row {
             Status::Missing => "missing",
             Status::Failed => "failed",
         };
-        let output = self.output.as_deref().unwrap_or("nothing written");
+        let Some(output) = &self.output else {
+            out.line(format_args!("{}: {state}; nothing written", self.file))?;
+            return Ok(());
+        };
         out.line(format_args!(
             "{} -> {output}: {state}; collisions: {} hulls, {} in parts, {} from primitives, {} kept; {} meshes baked",
             self.file,
