@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn foreign_content_is_named_behind_every_extension() {
         let zip = |name: &str| [b"PK\x03\x04\x0A\0\0\0\0\0", &[0; 20][..], name.as_bytes()].concat();
-        let files: [(&[u8], &str); 16] = [
+        let files: [(&[u8], &str); 17] = [
             (b"\x89PNG\r\n\x1a\n", "the file is an image; expected OBJ"),
             (b"Kaydara FBX Binary  \0\x1A\0", "the file is FBX"),
             (b"; FBX 7.3.0 project file\n", "the file is FBX"),
