@@ -57,7 +57,7 @@ fn answer_all<'s, A, B, Q, const N: usize>(
 ) where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
-    Q: SteppedQuery<A, B>,
+    Q: SteppedQuery,
 {
     // An array of workspaces would be built in copies, which take several times the stack.
     let mut in_flight =
@@ -91,7 +91,7 @@ fn answer_all<'s, A, B, Q, const N: usize>(
         for InFlight { query: suspended, workspace } in &mut in_flight {
             let (Some((at, query)), Some(workspace)) = (suspended.as_mut(), workspace) else { continue };
             let Some(cache) = caches.get_mut(*at) else { continue };
-            if let Some(answer) = query.resume(settings, cache, workspace) {
+            if let Some(answer) = query.resume(cache, workspace) {
                 if let Some(out) = out.get_mut(*at) {
                     *out = answer;
                 }

@@ -19,7 +19,7 @@
 
 use glam::DVec3;
 
-use super::answer::{Contact, separated_contact};
+use super::answer::Contact;
 use super::cache::Cache;
 use super::minkowski::Minkowski;
 use super::status::Status;
@@ -70,7 +70,7 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     if depth < -margin && is_inside(normal, 0.0) {
         cache.set_separation(normal, &[point; 3]);
-        let contact = separated_contact(&m, cache, normal, 0);
+        let contact = m.separated_contact(cache, normal, 0);
         return Some(FaceContact { contact: Contact { point_a: foot, point_b: lowest, ..contact }, depth });
     }
     // NaN takes the failing branch.

@@ -30,7 +30,7 @@ mod witness;
 use glam::DVec3;
 
 use self::first_pass::{Arc, FirstPass, Pair, threshold};
-use super::answer::{Contact, separated_contact};
+use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS, SAME_NORMAL};
 use super::cache::Cache;
 use super::minkowski::{Minkowski, Point};
@@ -116,7 +116,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         let point = m.point(axis);
         if m.separates(axis, &point) {
             cache.set_separation(axis, &[point; 3]);
-            return Some(separated_contact(m, cache, axis, 1));
+            return Some(m.separated_contact(cache, axis, 1));
         }
     }
     // 2.
@@ -138,7 +138,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     search.evaluate_arcs(&first)?;
     if search.is_separated() {
         cache.set_simplex([search.features]);
-        return Some(separated_contact(search.m, cache, search.best.normal, search.m.support_calls()));
+        return Some(search.m.separated_contact(cache, search.best.normal, search.m.support_calls()));
     }
     // 5.
     let (status, lower) = search.interval(reach, tolerance)?;
@@ -193,7 +193,7 @@ fn separated_by_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     // NaN takes the failing branch.
     (point.w.dot(axis) < -m.rounding_error()).then(|| {
         cache.set_separation(axis, &[point; 3]);
-        separated_contact(m, cache, axis, 2)
+        m.separated_contact(cache, axis, 2)
     })
 }
 
