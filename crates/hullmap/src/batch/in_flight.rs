@@ -33,7 +33,7 @@ use crate::support::{Lookup, SupportPoint};
 pub(super) const IN_FLIGHT: usize = 8;
 
 /// Number of contacts in flight. The polytopes of all must stay in the first-level cache, and
-/// they are on the stack: 11 KB each.
+/// they are on the stack: 16 KB each.
 pub(super) const CONTACTS_IN_FLIGHT: usize = 3;
 
 /// One of the queries in flight.

@@ -190,7 +190,7 @@ fn contacts_have_the_bits_of_single_queries() {
             for found in compare(&shapes, &mut rng, count, single, in_flight) {
                 hits += usize::from(found.hit);
                 misses += usize::from(!found.hit);
-                // The second size of polytopes.
+                // The third size of polytopes.
                 large += usize::from(found.iterations > 80);
                 limited += usize::from(found.status == Status::IterationLimit);
             }

@@ -196,13 +196,15 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
                 self.query.search = Search::Expansion(search, iterations);
                 self.expand(None)
             }
-            Err(flat) => Step::Answer(self.conclude(&flat, iterations)),
+            Err(flat) => {
+                Step::Answer(self.m.contact_from_expansion(&flat, self.query.tolerance, iterations, self.cache))
+            }
         }
     }
 
     /// Steps 6 and 7, from the start of EPA, or with the next support point.
     #[inline(always)]
-    fn expand(mut self, point: Option<Point>) -> Step<Contact> {
+    fn expand(self, point: Option<Point>) -> Step<Contact> {
         let Search::Expansion(search, before) = &mut self.query.search else {
             return Step::Answer(Contact::default());
         };
@@ -210,22 +212,33 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
             (*before, Solver { query: search, m: self.m, cache: self.cache, workspace: self.workspace });
         match solver.advance(point) {
             Step::Ask(dir) => Step::Ask(dir),
-            Step::Answer(Some(expanded)) => Step::Answer(self.conclude(&expanded, before + expanded.iterations)),
+            Step::Answer(Some(expanded)) => {
+                let iterations = before + expanded.iterations;
+                let tolerance = self.query.tolerance;
+                Step::Answer(self.m.contact_from_expansion(&expanded, tolerance, iterations, self.cache))
+            }
             // The polytope of the cache is of no use.
             Step::Answer(None) => self.start_portal(Until::Decided),
         }
     }
+}
 
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
     /// The contact that follows from the outcome of EPA.
-    fn conclude(&mut self, expanded: &Expansion, iterations: u32) -> Contact {
-        let (m, tolerance) = (&*self.m, self.query.tolerance);
+    fn contact_from_expansion(
+        &self,
+        expanded: &Expansion,
+        tolerance: f64,
+        iterations: u32,
+        cache: &mut Cache,
+    ) -> Contact {
         let Bound { upper, normal, point_a, point_b } = expanded.bound;
         if expanded.end == epa::End::Separated {
-            return m.separated_contact(self.cache, normal, iterations);
+            return self.separated_contact(cache, normal, iterations);
         }
-        self.cache.forget_axis();
-        let rounding = m.rounding_error();
-        let depth_lower = (expanded.lower - m.noise()).max(0.0);
+        cache.forget_axis();
+        let rounding = self.rounding_error();
+        let depth_lower = (expanded.lower - self.noise()).max(0.0);
         // The expansion may prove a face to be the nearest before it tests whether its offset is zero.
         let touching = match expanded.end {
             epa::End::Touching => upper <= epa::FLAT_ROUNDINGS * rounding,
@@ -263,11 +276,11 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
             point_a,
             point_b,
             iterations,
-            support_calls: m.support_calls(),
+            support_calls: self.support_calls(),
             features: expanded.features,
             ..Contact::default()
         }
-        .with_others(expanded.others - m.noise(), m.outer_radius())
+        .with_others(expanded.others - self.noise(), self.outer_radius())
     }
 }
 
@@ -312,20 +325,17 @@ mod tests {
     #[test]
     fn positive_lower_bound_is_not_touching() {
         let (a, b) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
-        let mut m = Minkowski::new(&a, &b, Pose::from_translation(DVec3::X).unwrap());
-        let noise = m.noise();
-        let mut found = |lower, upper| {
+        let m = Minkowski::new(&a, &b, Pose::from_translation(DVec3::X).unwrap());
+        let found = |lower, upper| {
             let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
             let (features, others) = (Point::CENTER, 0.0);
             let expanded = Expansion { end: epa::End::Touching, lower, bound, iterations: 1, features, others };
-            let mut query = ContactQuery::new(&Settings { tolerance: 0.0, ..Settings::default() });
-            let (cache, workspace) = (&mut Cache::new(), &mut Workspace::default());
-            Solver { query: &mut query, m: &mut m, cache, workspace }.conclude(&expanded, 1)
+            m.contact_from_expansion(&expanded, 0.0, 1, &mut Cache::new())
         };
-        let deep = found(1.25 * noise, 1.5 * noise);
+        let deep = found(1.25 * m.noise(), 1.5 * m.noise());
         assert_eq!(deep.status, Status::Exact);
         assert!(0.0 < deep.depth_lower && deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper);
-        let unknown = found(0.75 * noise, 1.5 * noise);
+        let unknown = found(0.75 * m.noise(), 1.5 * m.noise());
         assert_eq!((unknown.status, unknown.depth, unknown.depth_lower), (Status::Touching, 0.0, 0.0));
     }
 }

@@ -117,13 +117,18 @@ impl SteppedQuery for IntersectionQuery {
             Self::Axis(_) => solver.after_axis(),
             Self::Portal(search) => match search.continue_with(point) {
                 None => Step::Ask(search.direction()),
-                Some(found) => solver.after_portal(found),
+                Some(found) => {
+                    let (status, steps) = conclude(solver.m, solver.cache, found, search.portal());
+                    let iterations = search.iterations() + steps;
+                    solver.answer(status, iterations)
+                }
             },
         }
     }
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, IntersectionQuery, ()> {
+    #[inline(always)]
     fn answer(&self, status: Overlap, iterations: u32) -> Step<Intersection> {
         Step::Answer(Intersection { status, iterations, support_calls: self.m.support_calls() })
     }
@@ -140,35 +145,36 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Inters
         *self.query = IntersectionQuery::Portal(search);
         Step::Ask(dir)
     }
+}
 
-    /// What MPR has found, and step 4.
-    fn after_portal(mut self, found: Found) -> Step<Intersection> {
-        let Self { query: IntersectionQuery::Portal(search), m, cache, .. } = &mut self else {
-            return Step::Answer(Intersection::default());
-        };
-        let (portal, iterations) = (search.portal(), search.iterations());
-        let start = match found {
-            Found::Separated { axis } => {
-                cache.set_separation(axis, &portal.vertices);
-                return self.answer(Overlap::Separated, iterations);
-            }
-            Found::Portal { is_behind: true }
-                if portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error()) =>
-            {
-                cache.forget_axis();
-                cache.set_portal(&portal.vertices);
-                return self.answer(Overlap::Overlapping, iterations);
-            }
-            Found::Portal { .. } => Some(portal.tetrahedron(m)),
-            Found::Nothing => None,
-        };
-        let (status, Bound { normal, .. }, steps) = m.decide_by_expansion(start, cache);
-        match status {
-            Overlap::Separated => cache.set_axis(normal),
-            _ => cache.forget_axis(),
+/// What follows from the outcome of MPR, and step 4: the status, and the number of steps of EPA.
+fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    cache: &mut Cache,
+    found: Found,
+    portal: &Portal,
+) -> (Overlap, u32) {
+    let start = match found {
+        Found::Separated { axis } => {
+            cache.set_separation(axis, &portal.vertices);
+            return (Overlap::Separated, 0);
         }
-        self.answer(status, iterations + steps)
+        Found::Portal { is_behind: true }
+            if portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error()) =>
+        {
+            cache.forget_axis();
+            cache.set_portal(&portal.vertices);
+            return (Overlap::Overlapping, 0);
+        }
+        Found::Portal { .. } => Some(portal.tetrahedron(m)),
+        Found::Nothing => None,
+    };
+    let (status, Bound { normal, .. }, steps) = m.decide_by_expansion(start, cache);
+    match status {
+        Overlap::Separated => cache.set_axis(normal),
+        _ => cache.forget_axis(),
     }
+    (status, steps)
 }
 
 /// Whether the origin is certainly in the tetrahedron of the centre and of the portal of these

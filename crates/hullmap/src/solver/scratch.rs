@@ -3,43 +3,69 @@
 
 use super::epa::polytope::Polytope;
 
-/// Maximum number of vertices of each polytope size. The first is enough for nearly all queries, the
-/// second for sphere-like hulls; the last limits the cost of a query.
-pub(super) const SIZES: [usize; 3] = [64, 256, 1024];
+/// Maximum number of vertices of each polytope size. The first is enough for small hulls and
+/// touching pairs, the second for nearly all queries, the third for sphere-like hulls; the last
+/// limits the cost of a query.
+pub(super) const SIZES: [usize; 4] = [24, 64, 256, 1024];
 
 pub(super) type Small = Polytope<{ SIZES[0] }, { 2 * SIZES[0] }>;
-pub(super) type Big = Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>;
-pub(super) type Biggest = Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>;
+pub(super) type Medium = Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>;
+pub(super) type Big = Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>;
+pub(super) type Biggest = Polytope<{ SIZES[3] }, { 2 * SIZES[3] }>;
 
-/// The polytope of the first size: 11 KB, of which only what a query needs is written.
+/// The polytopes of the first two sizes: 16 KB, of which only what a query needs is written.
 #[derive(Debug, Default)]
-pub(crate) struct Workspace(Option<Small>);
+pub(crate) struct Workspace {
+    pub(super) small: Option<Small>,
+    pub(super) medium: Option<Medium>,
+}
 
 impl Workspace {
-    /// The polytope. There is one: a search starts with [`cleared`](Self::cleared).
     #[inline(always)]
-    pub(super) fn polytope(&mut self) -> &mut Small {
-        match &mut self.0 {
-            Some(polytope) => polytope,
-            none => insert_empty(none),
-        }
+    pub(super) fn small(&mut self) -> &mut Small {
+        existing(&mut self.small)
     }
 
-    /// The polytope, without a surface. `noise` is the error bound of offsets, a length.
     #[inline(always)]
-    pub(super) fn cleared(&mut self, noise: f64) -> &mut Small {
-        if let Some(polytope) = &mut self.0 {
-            polytope.clear(noise);
+    pub(super) fn medium(&mut self) -> &mut Medium {
+        existing(&mut self.medium)
+    }
+
+    #[inline(never)]
+    pub(super) fn enlarge(&mut self) {
+        let medium = self.medium.get_or_insert_with(|| Polytope::empty(0.0));
+        if let Some(small) = &self.small {
+            small.overwrite(medium);
         }
-        self.0.get_or_insert_with(|| Polytope::empty(noise))
+    }
+}
+
+/// The polytope in `place`. There is one: a search starts with [`cleared`].
+#[inline(always)]
+fn existing<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
+    match place {
+        Some(polytope) => polytope,
+        none => insert_empty(none),
     }
 }
 
 /// Not inlined: the polytope would be on the stack of each caller before it is moved.
 #[cold]
 #[inline(never)]
-fn insert_empty(place: &mut Option<Small>) -> &mut Small {
+fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
     place.insert(Polytope::empty(0.0))
+}
+
+/// The polytope in `place`, without a surface. `noise` is the error bound of offsets, a length.
+#[inline(always)]
+pub(super) fn cleared<const V: usize, const F: usize>(
+    place: &mut Option<Polytope<V, F>>,
+    noise: f64,
+) -> &mut Polytope<V, F> {
+    if let Some(polytope) = place {
+        polytope.clear(noise);
+    }
+    place.get_or_insert_with(|| Polytope::empty(noise))
 }
 
 /// Memory for the large polytopes of deep contacts. With it, every query runs on a stack of

@@ -27,8 +27,12 @@ pub(crate) trait SteppedQuery: Sized {
     ) -> Step<Self::Answer>;
 }
 
-/// A query of a pair, with everything that its steps share: the same for all of them.
+/// A query of a pair, with everything that its steps share.
+///
+/// The steps are methods, and are inlined: a call would move the whole state of the query into
+/// memory. What is not inlined takes only what it needs.
 pub(crate) struct Solver<'q, 's, A: ?Sized, B: ?Sized, Q, W> {
+    /// The state between two steps.
     pub(super) query: &'q mut Q,
     pub(super) m: &'q mut Minkowski<'s, A, B>,
     pub(super) cache: &'q mut Cache,

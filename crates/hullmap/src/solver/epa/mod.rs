@@ -29,7 +29,7 @@
 //!   curved side with many vertices. Then GJK finds the witness points ([`Bound::search`]).
 //! - The ball around the interior points bounds the depth from below too, so round shapes end at
 //!   once.
-//! - Polytopes come in three sizes: most queries never touch the large arrays.
+//! - Polytopes come in four sizes: most queries never touch the large arrays.
 
 mod flat;
 pub(in crate::solver) mod polytope;
@@ -41,15 +41,15 @@ pub(in crate::solver) use self::search::{End, Expansion, TOUCHING_ROUNDINGS, Ter
 use self::polytope::Polytope;
 use self::search::{KEEP, Next, State};
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
-use crate::solver::cache::Cache;
+use crate::solver::cache::{Cache, CachedPolytope};
 use crate::solver::minkowski::{Minkowski, Point, Step};
-use crate::solver::scratch::{Big, Biggest, SIZES, Scratch, Small, Workspace};
+use crate::solver::scratch::{Big, Biggest, Medium, SIZES, Scratch, Workspace, cleared};
 use crate::solver::status::Overlap;
 use crate::solver::steps::Solver;
 use crate::support::SupportMap;
 
 /// Number of expansions that need no polytope of the last size, from any start.
-pub(in crate::solver) const MAX_BIG_EXPANSIONS: u32 = (SIZES[1] - KEEP) as u32;
+pub(in crate::solver) const MAX_BIG_EXPANSIONS: u32 = (SIZES[2] - KEEP) as u32;
 
 /// A portal is not a start if the height of its tetrahedron is at most this many rounding errors:
 /// its planes would be noise.
@@ -57,6 +57,9 @@ const THIN_ROUNDINGS: f64 = 64.0;
 
 /// Expansions from a kept polytope after which it is stale and dropped.
 const WORN_OUT: u32 = 8;
+
+/// Free vertices that a kept polytope must leave in the smallest size.
+const SPARE: usize = 6;
 
 /// Maximum number of EPA steps for a decision. Touching pairs need about a dozen.
 const MAX_DECISION_STEPS: u32 = 250;
@@ -66,8 +69,11 @@ const MAX_DECISION_STEPS: u32 = 250;
 pub(crate) struct EpaSearch {
     terms: Terms,
     state: State,
+    is_medium: bool,
     /// It has started from the polytope of the cache.
     again: bool,
+    /// The polytope is stored in the cache while it grows.
+    keeps: bool,
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q> Solver<'_, '_, A, B, Q, Workspace> {
@@ -83,27 +89,43 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q> Solver<'_, '_, A, B, Q, 
         terms: Terms,
         bound: Bound,
     ) -> Result<EpaSearch, Expansion> {
-        let polytope = self.workspace.cleared(self.m.noise());
+        let small = cleared(&mut self.workspace.small, self.m.noise());
         let thin = THIN_ROUNDINGS * self.m.rounding_error();
-        if !tetrahedron.is_some_and(|tetrahedron| polytope.start(tetrahedron, thin))
-            && let Err(normal) = self.m.seed(polytope)
+        if !tetrahedron.is_some_and(|tetrahedron| small.start(tetrahedron, thin))
+            && let Err(normal) = self.m.seed(small)
         {
             let expansion = self.m.expand_flat(normal, State::new(bound, false).out);
             return Err(self.m.settle_expansion(expansion));
         }
-        Ok(EpaSearch { terms, state: State::new(bound, polytope.encloses()), again: false })
+        let (state, keeps) = (State::new(bound, small.encloses()), terms.keeps_polytope());
+        Ok(EpaSearch { terms, state, is_medium: false, again: false, keeps })
     }
 
     /// Starts from the polytope in the cache. `None` if there is none, or if it does not certainly
     /// enclose the origin under the new pose.
     #[inline(always)]
     pub(in crate::solver) fn start_from_cache(&mut self, terms: Terms) -> Option<EpaSearch> {
-        let (m, kept) = (&*self.m, self.cache.polytope()?);
-        let polytope = self.workspace.cleared(m.noise());
-        let points = kept.points.iter().map(|features| m.recall(*features));
-        let encloses = polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses();
-        encloses.then_some(EpaSearch { terms, state: State::new(Bound::none(), true), again: true })
+        let (m, kept, workspace) = (&*self.m, self.cache.polytope()?, &mut *self.workspace);
+        let is_medium = kept.points.len() + SPARE > SIZES[0];
+        let encloses = if is_medium {
+            restore(m, cleared(&mut workspace.medium, m.noise()), &kept)
+        } else {
+            restore(m, cleared(&mut workspace.small, m.noise()), &kept)
+        };
+        let state = State::new(Bound::none(), true);
+        encloses.then_some(EpaSearch { terms, state, is_medium, again: true, keeps: false })
     }
+}
+
+/// Restores a polytope under the new pose. Returns whether it certainly encloses the origin.
+#[inline]
+fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
+    m: &Minkowski<'_, A, B>,
+    polytope: &mut Polytope<V, F>,
+    kept: &CachedPolytope<'_>,
+) -> bool {
+    let points = kept.points.iter().map(|features| m.recall(*features));
+    polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses()
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSearch, Workspace> {
@@ -111,22 +133,33 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSea
     /// `None` if the expansion started from the polytope of the cache and has stalled.
     #[inline(always)]
     pub(in crate::solver) fn advance(self, point: Option<Point>) -> Step<Option<Expansion>> {
-        let Self { query: EpaSearch { terms, state, again }, m, cache, workspace } = self;
-        let polytope = workspace.polytope();
-        let has_ended = point.is_some_and(|point| state.expand(polytope, terms, point));
-        let keeps = !*again && terms.keeps_polytope();
-        let mut next = if has_ended { Next::Ended } else { state.aim(polytope, terms, keeps.then_some(&mut *cache)) };
-        if matches!(next, Next::Full) && polytope.enlarge() {
-            next = state.aim(polytope, terms, keeps.then_some(&mut *cache));
+        let Self { query: EpaSearch { terms, state, is_medium, again, keeps }, m, cache, workspace } = self;
+        let has_ended = match point {
+            Some(point) if *is_medium => state.expand(workspace.medium(), terms, point),
+            Some(point) => state.expand(workspace.small(), terms, point),
+            None => false,
+        };
+        let mut next = if has_ended {
+            Next::Ended
+        } else if *is_medium {
+            state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache))
+        } else {
+            state.aim(workspace.small(), terms, keeps.then_some(&mut *cache))
+        };
+        if matches!(next, Next::Full) && !*is_medium {
+            workspace.enlarge();
+            (*is_medium, *keeps) = (true, terms.keeps_polytope());
+            next = state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache));
         }
         let expansion = match next {
             Next::Ask => return Step::Ask(state.nearest.direction),
-            Next::Ended => m.finish_expansion(polytope, state, terms, Some(&mut *cache)),
+            Next::Ended if *is_medium => m.finish_expansion(workspace.medium(), state, terms, Some(&mut *cache)),
+            Next::Ended => m.finish_expansion(workspace.small(), state, terms, Some(&mut *cache)),
             // Polytopes of the last two sizes are not kept, and they are rare: they are expanded at
             // once.
             Next::Full => match cache.scratch() {
-                Some(scratch) => m.expand_in_scratch(polytope, state, terms, scratch),
-                None => m.expand_on_stack(polytope, state, terms),
+                Some(scratch) => m.expand_in_scratch(workspace.medium(), state, terms, scratch),
+                None => m.expand_on_stack(workspace.medium(), state, terms),
             },
         };
         if *again && state.out.iterations > WORN_OUT {
@@ -179,12 +212,12 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
     #[inline(never)]
     fn expand_in_scratch(
         &mut self,
-        small: &Small,
+        medium: &Medium,
         state: &mut State,
         terms: &Terms,
         Scratch { big, biggest }: &mut Scratch,
     ) -> Expansion {
-        match self.expand_in(small, big, state, terms) {
+        match self.expand_in(medium, big, state, terms) {
             Ok(expansion) => expansion,
             Err(big) => self
                 .expand_in(big, biggest, state, terms)
@@ -193,9 +226,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
     }
 
     #[inline(never)]
-    fn expand_on_stack(&mut self, small: &Small, state: &mut State, terms: &Terms) -> Expansion {
+    fn expand_on_stack(&mut self, medium: &Medium, state: &mut State, terms: &Terms) -> Expansion {
         let mut big = Big::empty(0.0);
-        self.expand_in(small, &mut big, state, terms).unwrap_or_else(|big| self.expand_to_the_limit(big, state, terms))
+        self.expand_in(medium, &mut big, state, terms).unwrap_or_else(|big| self.expand_to_the_limit(big, state, terms))
     }
 
     /// A function of its own, since most expansions do not need its stack.

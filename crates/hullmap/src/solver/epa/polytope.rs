@@ -52,13 +52,6 @@ const LANES: usize = 4;
 
 const OFFSET_LANES: usize = 8;
 
-/// Maximum number of vertices at first: enough for small hulls and touching pairs. Fewer face places
-/// are then compared.
-const FIRST_ROOM: usize = 24;
-
-/// Free vertices that a cached polytope must leave in [`FIRST_ROOM`].
-const SPARE: usize = 6;
-
 /// Up to this many face places, all are compared, whether in use or not. A loop of varying length
 /// costs more.
 const FULL_SCAN_PLACES: usize = 128;
@@ -86,8 +79,6 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     features: [[u32; 2]; V],
     /// Also counts vertices that are inside the surface by now.
     pub(super) point_count: usize,
-    /// Maximum number of vertices at present.
-    room: usize,
     /// Squares of the faces' offsets, with the signs of the offsets. So faces that are never
     /// selected cost no square root. Infinite for free places.
     offsets: [f64; F],
@@ -123,7 +114,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             a: [DVec3::ZERO; V],
             features: [[0; 2]; V],
             point_count: 0,
-            room: if V < FIRST_ROOM { V } else { FIRST_ROOM },
             offsets: [f64::INFINITY; F],
             planes: [[0.0; F]; 4],
             corners: [[0; 3]; F],
@@ -169,13 +159,10 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// free. Returns false if the surface does not fit, a point is unknown, or a face has no area.
     pub(in crate::solver) fn restore(
         &mut self,
-        points: impl ExactSizeIterator<Item = Option<Point>>,
+        points: impl Iterator<Item = Option<Point>>,
         corners: &[[u8; 3]],
         neighbours: &[[u8; 3]],
     ) -> bool {
-        if points.len() + SPARE > self.room {
-            self.enlarge();
-        }
         self.point_count = 0;
         for point in points {
             let (Some(point), true) = (point, self.point_count < V) else { return false };
@@ -238,8 +225,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
     /// Makes the polytope as [`empty`](Self::empty) returns it.
     pub(in crate::solver) fn clear(&mut self, noise: f64) {
-        self.room = FIRST_ROOM.min(V);
-        self.offsets[..2 * self.room].fill(f64::INFINITY);
+        self.offsets.fill(f64::INFINITY);
+        self.corners.fill([0; 3]);
         (self.point_count, self.face_count, self.nearest, self.encloses) = (0, 0, 0, false);
         self.slack = COPLANAR_NOISES * noise;
     }
@@ -248,8 +235,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     #[inline(always)]
     pub(in crate::solver) fn overwrite<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         // Field by field: an empty polytope would take the stack that this saves.
-        big.room = W;
         big.offsets.fill(f64::INFINITY);
+        big.corners.fill([0; 3]);
         big.encloses = false;
         big.slack = self.slack;
         for axis in 0..3 {
@@ -284,8 +271,10 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
     #[inline(always)]
     fn find_nearest(&self) -> usize {
-        let used = if F <= FULL_SCAN_PLACES { 2 * self.room } else { self.face_count.next_multiple_of(OFFSET_LANES) };
-        self.dispatch.argmin(self.offsets[..used.min(F)].as_chunks::<OFFSET_LANES>().0)
+        // A small polytope always compares the same number of chunks, so there is no branch to
+        // predict.
+        let used = if F <= FULL_SCAN_PLACES { F } else { self.face_count.next_multiple_of(OFFSET_LANES).min(F) };
+        self.dispatch.argmin(self.offsets[..used].as_chunks::<OFFSET_LANES>().0)
     }
 
     #[inline(always)]
@@ -380,17 +369,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 
     pub(in crate::solver) fn is_full(&self) -> bool {
-        self.point_count == self.room
-    }
-
-    /// Makes room for `V` vertices. Returns false if there is.
-    pub(in crate::solver) fn enlarge(&mut self) -> bool {
-        if self.room == V {
-            return false;
-        }
-        self.offsets[2 * self.room..].fill(f64::INFINITY);
-        self.room = V;
-        true
+        self.point_count == V
     }
 
     /// EPA's insertion: adds a vertex above `face` and replaces all faces that it sees by a fan.
