@@ -72,8 +72,6 @@ pub(crate) struct EpaSearch {
     is_medium: bool,
     /// It has started from the polytope of the cache.
     again: bool,
-    /// The polytope is stored in the cache while it grows.
-    keeps: bool,
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q> Solver<'_, '_, A, B, Q, Workspace> {
@@ -97,8 +95,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q> Solver<'_, '_, A, B, Q, 
             let expansion = self.m.expand_flat(normal, State::new(bound, false).out);
             return Err(self.m.settle_expansion(expansion));
         }
-        let (state, keeps) = (State::new(bound, small.encloses()), terms.keeps_polytope());
-        Ok(EpaSearch { terms, state, is_medium: false, again: false, keeps })
+        Ok(EpaSearch { terms, state: State::new(bound, small.encloses()), is_medium: false, again: false })
     }
 
     /// Starts from the polytope in the cache. `None` if there is none, or if it does not certainly
@@ -112,8 +109,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q> Solver<'_, '_, A, B, Q, 
         } else {
             restore(m, cleared(&mut workspace.small, m.noise()), &kept)
         };
-        let state = State::new(Bound::none(), true);
-        encloses.then_some(EpaSearch { terms, state, is_medium, again: true, keeps: false })
+        encloses.then_some(EpaSearch { terms, state: State::new(Bound::none(), true), is_medium, again: true })
     }
 }
 
@@ -133,7 +129,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSea
     /// `None` if the expansion started from the polytope of the cache and has stalled.
     #[inline(always)]
     pub(in crate::solver) fn advance(self, point: Option<Point>) -> Step<Option<Expansion>> {
-        let Self { query: EpaSearch { terms, state, is_medium, again, keeps }, m, cache, workspace } = self;
+        let Self { query: EpaSearch { terms, state, is_medium, again }, m, cache, workspace } = self;
+        // While it grows. What the cache has already is kept.
+        let keeps = !*again && terms.keeps_polytope();
         let has_ended = match point {
             Some(point) if *is_medium => state.expand(workspace.medium(), terms, point),
             Some(point) => state.expand(workspace.small(), terms, point),
@@ -148,7 +146,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSea
         };
         if matches!(next, Next::Full) && !*is_medium {
             workspace.enlarge();
-            (*is_medium, *keeps) = (true, terms.keeps_polytope());
+            *is_medium = true;
             next = state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache));
         }
         let expansion = match next {
