@@ -239,7 +239,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
         cache.forget_axis();
         let rounding = self.rounding_error();
         let depth_lower = (expanded.lower - self.noise()).max(0.0);
-        // The expansion may prove a face to be the nearest before it tests whether its offset is zero.
+        // The expansion may prove a face to be the nearest before it tests whether its offset is
+        // zero.
         let touching = match expanded.end {
             epa::End::Touching => upper <= epa::FLAT_ROUNDINGS * rounding,
             // The origin may lie in the plane of a flat difference, but outside the difference.

@@ -78,7 +78,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
         if is_solid { Ok(()) } else { Err(widest_normal(tetrahedron.map(|v| v.w))) }
     }
 
-    /// Solves a difference that is flat along `normal`: its depth is zero if it contains the origin.
+    /// Solves a difference that is flat along `normal`: its depth is zero if it contains the
+    /// origin.
     #[inline(never)]
     pub(super) fn expand_flat(&mut self, normal: DVec3, mut state: Expansion) -> Expansion {
         state.lower = 0.0;
@@ -93,10 +94,10 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
 
     /// Corrects the witness points of a bound whose face does not give them.
     ///
-    /// If the origin is in the plane of a face but beside the face, the face proves nothing: two flat
-    /// shapes may be separated within their common plane. GJK decides. And if a limit or rounding error
-    /// ended the search, a support point replaces points that are less deep than the interval of the
-    /// depth allows.
+    /// If the origin is in the plane of a face but beside the face, the face proves nothing: two
+    /// flat shapes may be separated within their common plane. GJK decides. And if a limit or
+    /// rounding error ended the search, a support point replaces points that are less deep than the
+    /// interval of the depth allows.
     #[inline]
     pub(super) fn settle_expansion(&mut self, mut expansion: Expansion) -> Expansion {
         let length_sq = expansion.bound.point_a.distance_squared(expansion.bound.point_b);

@@ -197,8 +197,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
         let status = match end {
             End::Separated => Overlap::Separated,
             End::Inside => Overlap::Overlapping,
-            // The face may be far from the origin and still on the surface of a polytope that is too
-            // thin to enclose the origin for certain.
+            // The face may be far from the origin and still on the surface of a polytope that is
+            // too thin to enclose the origin for certain.
             End::Touching | End::Converged if bound.upper <= FLAT_ROUNDINGS * self.rounding_error() => {
                 Overlap::Touching
             }
