@@ -2,30 +2,18 @@
 
 use std::sync::OnceLock;
 
+use hullmap_outside::clock::thread_time;
+
 /// Number of readings by which the time of a reading is measured.
 const READINGS: usize = 1001;
-
-/// Processor time of this thread in nanoseconds. Wall time on systems other than Linux.
-#[cfg(target_os = "linux")]
-fn thread_ns() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    time.tv_sec as f64 * 1e9 + time.tv_nsec as f64
-}
-
-#[cfg(not(target_os = "linux"))]
-fn thread_ns() -> f64 {
-    use std::time::Instant;
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_secs_f64() * 1e9
-}
 
 /// Nanoseconds of processor time that `work` takes. The time of reading the clock, which is a call
 /// of the operating system, does not count.
 pub fn time_ns(work: impl FnOnce()) -> f64 {
     let reading = reading_ns();
-    let start = thread_ns();
+    let start = thread_time();
     work();
-    (thread_ns() - start - reading).max(0.0)
+    ((thread_time() - start).as_nanos() as f64 - reading).max(0.0)
 }
 
 /// Median time from one reading to the next.
@@ -33,8 +21,8 @@ fn reading_ns() -> f64 {
     static READING: OnceLock<f64> = OnceLock::new();
     *READING.get_or_init(|| {
         let times = (0..READINGS).map(|_| {
-            let start = thread_ns();
-            thread_ns() - start
+            let start = thread_time();
+            (thread_time() - start).as_nanos() as f64
         });
         median(times.collect()).unwrap_or(0.0)
     })

@@ -12,7 +12,6 @@
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
 //! | [`game_hulls`] | game hulls, from outside of the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
-//! | [`processor`] | processor time of a thread | `decompose-soak`, `decompose-table` |
 //! | [`wavefront`] | second opinion: a plain OBJ reader | |
 
 pub mod directions;
@@ -22,7 +21,6 @@ pub mod fuzzed;
 pub mod game_hulls;
 pub mod hostile;
 pub mod index_truth;
-pub mod processor;
 pub mod regret;
 pub mod sampler;
 pub mod sheets;

@@ -5,14 +5,7 @@
 //! earlier one. Exponents are of the time, between two sizes ten times apart: 1 is linear work, 2
 //! is quadratic work.
 
-use std::{
-    error::Error,
-    fmt::Write as _,
-    fs,
-    path::PathBuf,
-    process::Command,
-    time::{Duration, Instant},
-};
+use std::{error::Error, fmt::Write as _, fs, path::PathBuf, process::Command};
 
 use clap::Parser;
 use hullmap::Pack;
@@ -22,6 +15,7 @@ use hullmap_bake::{
     write_owned_pack,
 };
 use hullmap_bench::{csv::Csv, machine::Machine, output};
+use hullmap_outside::clock::process_time;
 use shapes::families::Family;
 
 /// Measures each stage of a bake: points on a sphere, points in a ball, and a cube grid.
@@ -239,26 +233,12 @@ struct Stages(Vec<Figure>);
 impl Stages {
     fn measure<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
         forget_peak();
-        let (start, before) = (Instant::now(), processor_time());
+        let start = process_time();
         let result = work();
-        let seconds = match (before, processor_time()) {
-            (Some(before), Some(after)) => (after - before).as_secs_f64(),
-            _ => start.elapsed().as_secs_f64(),
-        };
+        let seconds = (process_time() - start).as_secs_f64();
         self.0.push(Figure { stage: stage.to_owned(), seconds, megabytes: peak_megabytes() });
         result
     }
-}
-
-/// Processor time of all threads of this process; `None` on systems other than Linux. No thread
-/// ends before the process does.
-fn processor_time() -> Option<Duration> {
-    let mut sum = 0;
-    for task in fs::read_dir("/proc/self/task").ok()? {
-        let text = fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
-        sum += text.split_whitespace().next()?.parse::<u64>().ok()?;
-    }
-    Some(Duration::from_nanos(sum))
 }
 
 /// Resets the peak memory to the current memory. Does nothing on systems other than Linux.

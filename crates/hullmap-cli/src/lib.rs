@@ -21,6 +21,7 @@
 //! | `in_memory` | bakes that write no file, for bindings |
 //! | `mesh_file` | hulls as files of meshes: OBJ, GLB, STL, USD |
 //! | `scene` | colliders that are added to glTF files |
+//! | `principal_axes` | principal axes of an inertia tensor |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | finds the source of a pack |
 //! | `project` | the folder outside of which no source is read |
@@ -65,6 +66,8 @@ mod packs;
 mod pair;
 #[cfg(feature = "command")]
 mod pose;
+#[cfg(feature = "command")]
+mod principal_axes;
 #[cfg(feature = "command")]
 mod project;
 #[cfg(feature = "remote")]

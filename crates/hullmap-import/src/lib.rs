@@ -78,6 +78,7 @@ pub use limits::Limits;
 pub use materials::Materials;
 pub use mesh::Polygons;
 pub use options::{ImportOptions, Split, UpAxis, Vertices};
+pub use point_sets::unique_names;
 pub use read::{ReadError, SourceFile, buffers_of, open_regular, read};
 pub use scene_objects::{SceneObject, scene_objects};
 

@@ -78,7 +78,7 @@ pub fn point_sets(
         let vertices = members(mesh, object, referenced, takes_all);
         parts.push((name, vertices, faces_of(mesh, object)));
     }
-    let unique = unique_names(&parts.iter().map(|(name, ..)| name.clone()).collect::<Vec<_>>());
+    let unique = unique_names(parts.iter().map(|(name, ..)| name.clone()).collect(), str::to_owned);
     let mut renamed = 0;
     for (part, name) in parts.iter_mut().zip(unique) {
         renamed += usize::from(part.0 != name);
@@ -142,8 +142,8 @@ pub fn object_names(mesh: &SourceMesh, stem: &str) -> Vec<(usize, String)> {
         referenced[vertex as usize] = true;
     }
     let objects = all_objects(mesh, &referenced, !mesh.has_elements(), stem, &mut Sets::default());
-    let names: Vec<String> = objects.iter().map(|&object| name_of(mesh, object, stem).to_owned()).collect();
-    objects.into_iter().zip(unique_names(&names)).collect()
+    let names = objects.iter().map(|&object| name_of(mesh, object, stem).to_owned()).collect();
+    objects.into_iter().zip(unique_names(names, str::to_owned)).collect()
 }
 
 /// Indices of all objects with points.
@@ -346,28 +346,32 @@ fn build(
 }
 
 /// The names, where each repetition gets the lowest suffix `_2`, `_3`, … that gives a new name.
-fn unique_names(names: &[String]) -> Vec<String> {
-    let mut taken: HashSet<String> = names.iter().cloned().collect();
+/// Names with the same `key` are repetitions, for instance the names in lower case.
+///
+/// ```
+/// let names = ["a", "A", "b"].map(str::to_owned).into();
+/// assert_eq!(hullmap_import::unique_names(names, str::to_lowercase), ["a", "A_2", "b"]);
+/// ```
+pub fn unique_names(names: Vec<String>, key: impl Fn(&str) -> String) -> Vec<String> {
+    let mut taken: HashSet<String> = names.iter().map(|name| key(name)).collect();
     let mut seen = HashSet::new();
     // Next suffix to try for each name. Without this, n equal names would try O(n²) suffixes.
-    let mut next = HashMap::new();
-    let mut unique = Vec::with_capacity(names.len());
-    for name in names {
-        if seen.insert(name.as_str()) {
-            unique.push(name.clone());
-            continue;
+    let mut next: HashMap<String, u64> = HashMap::new();
+    let mut unique = |name: String| {
+        let own = key(&name);
+        if seen.insert(own.clone()) {
+            return name;
         }
-        let number = next.entry(name.as_str()).or_insert(2_u64);
-        let free = loop {
+        let number = next.entry(own).or_insert(2);
+        loop {
             let free = format!("{name}_{number}");
             *number += 1;
-            if taken.insert(free.clone()) {
-                break free;
+            if taken.insert(key(&free)) {
+                return free;
             }
-        };
-        unique.push(free);
-    }
-    unique
+        }
+    };
+    names.into_iter().map(&mut unique).collect()
 }
 
 #[cfg(test)]
@@ -376,14 +380,14 @@ mod tests {
 
     #[test]
     fn suffixes_never_repeat_an_existing_name() {
-        let names = ["a", "a", "a_2", "a", "b", "a_2"].map(str::to_owned);
-        assert_eq!(unique_names(&names), ["a", "a_3", "a_2", "a_4", "b", "a_2_2"]);
+        let names = ["a", "a", "a_2", "a", "b", "a_2"].map(str::to_owned).into();
+        assert_eq!(unique_names(names, str::to_owned), ["a", "a_3", "a_2", "a_4", "b", "a_2_2"]);
     }
 
     #[test]
     fn a_hundred_thousand_equal_names_become_unique() {
         let names = vec![String::from("part"); 100_000];
-        let unique = unique_names(&names);
+        let unique = unique_names(names, str::to_owned);
         assert_eq!(unique[99_999], "part_100000");
     }
 }

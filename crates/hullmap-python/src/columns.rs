@@ -85,6 +85,44 @@ macro_rules! columns {
 }
 pub(crate) use columns;
 
+/// The value of a field, which becomes one or more numbers of a row.
+pub trait Field {
+    /// Type of the numbers.
+    type Number;
+
+    /// Writes the value to row `at`.
+    fn write(self, column: &mut [Self::Number], at: usize);
+}
+
+macro_rules! numbers {
+    ($($kind:ty),*) => {
+        $(impl Field for $kind {
+            type Number = $kind;
+
+            fn write(self, column: &mut [$kind], at: usize) {
+                put(column, at, self);
+            }
+        })*
+    };
+}
+numbers!(bool, u32, f64);
+
+impl Field for DVec3 {
+    type Number = f64;
+
+    fn write(self, column: &mut [f64], at: usize) {
+        put_vector(column, at, self);
+    }
+}
+
+/// Writes these fields of an answer to row `at` of the columns of the same names.
+macro_rules! put_fields {
+    ($rows:expr, $at:expr, $answer:expr; $($field:ident),* $(,)?) => {
+        $($crate::columns::Field::write($answer.$field, $rows.$field, $at);)*
+    };
+}
+pub(crate) use put_fields;
+
 /// Writes `value` to entry `at`.
 pub fn put<T>(column: &mut [T], at: usize, value: T) {
     if let Some(entry) = column.get_mut(at) {

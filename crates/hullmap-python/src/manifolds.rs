@@ -9,13 +9,12 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
 use crate::error::{ArrayError, PoseError};
 use crate::pairs::Queried;
 use crate::pose::PoseArrays;
 use crate::query::{self, convex};
 use crate::shape::Side;
-use crate::solve::code;
 use crate::task::{Cut, Task, fill};
 use crate::threads::Threads;
 
@@ -82,9 +81,7 @@ pub fn manifold<'py>(
         |_| None,
         |rows, at, found| {
             let (manifold, contact) = &found.answer;
-            put_vector(rows.normal, at, contact.normal);
-            put(rows.hit, at, contact.hit);
-            put(rows.status, at, code(contact.status));
+            put_fields!(rows, at, contact; normal, hit, status);
             put_points!(rows, at, Some(manifold));
         },
     )

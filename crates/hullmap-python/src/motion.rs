@@ -11,7 +11,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
 use crate::error::{ArrayError, PoseError, ShapeError};
 use crate::pose::Rows;
 use crate::query::{Caches, Found, convex};
@@ -253,16 +253,10 @@ pub fn cast_motion<'py>(
             let mut caches = Caches::default();
             let Some(found) = settings.answer(&a, &b, [motion_a, motion_b], &mut caches) else { continue };
             let answer = &found.answer;
-            put(rows.hit, at, answer.hit);
-            put(rows.t, at, answer.t);
-            put(rows.t_lower, at, answer.t_lower);
-            put(rows.t_upper, at, answer.t_upper);
-            put(rows.status, at, code(answer.status));
-            put_vector(rows.normal, at, answer.normal);
-            put_vector(rows.point_a, at, answer.point_a);
-            put_vector(rows.point_b, at, answer.point_b);
-            put(rows.iterations, at, answer.iterations);
-            put(rows.support_calls, at, answer.support_calls);
+            put_fields!(
+                rows, at, answer;
+                hit, t, t_lower, t_upper, status, normal, point_a, point_b, iterations, support_calls
+            );
             put_all(rows.parts, at, &found.parts);
             let by = derivatives_of_time(answer, [&a, &b], found.parts, [motion_a, motion_b]);
             put(rows.differentiability, at, by.as_ref().map_or(6, |by| differentiability_code(by.status)));
@@ -323,12 +317,7 @@ pub fn clear<'py>(
             let Some(found) = settings.answer(&a, &b, [&motion_a, &motion_b], &mut caches) else { continue };
             let answer = &found.answer;
             put(rows.verdict, at, verdict_code(answer.verdict));
-            put(rows.clearance, at, answer.clearance);
-            put(rows.nearest, at, answer.nearest);
-            put(rows.t_lower, at, answer.t_lower);
-            put(rows.t_upper, at, answer.t_upper);
-            put(rows.iterations, at, answer.iterations);
-            put(rows.support_calls, at, answer.support_calls);
+            put_fields!(rows, at, answer; clearance, nearest, t_lower, t_upper, iterations, support_calls);
             put_all(rows.parts, at, &found.parts);
         }
         Ok(())

@@ -12,7 +12,7 @@ use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
 use crate::error::{self, ArrayError, Error};
 use crate::pose::Rows;
 use crate::shape::{Shape, Side};
@@ -397,10 +397,7 @@ impl Robot {
                 let found = self.robot.clear(self.row(&start, row), self.row(&end, row), &settings, &mut memory);
                 let found = found.map_err(|error| (row, format!("edge {row}: {error}")))?;
                 put(rows.verdict, at, verdict_code(found.answer.verdict));
-                put(rows.clearance, at, found.answer.clearance);
-                put(rows.nearest, at, found.answer.nearest);
-                put(rows.t_lower, at, found.answer.t_lower);
-                put(rows.t_upper, at, found.answer.t_upper);
+                put_fields!(rows, at, found.answer; clearance, nearest, t_lower, t_upper);
                 put_all(rows.pair, at, &pair_code(found.colliders));
                 put(rows.queries, at, found.answer.iterations);
             }

@@ -10,7 +10,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::columns::{Columns, Field, columns, put, put_all, put_fields, put_vector};
 use crate::error::{ArrayError, ShapeError};
 use crate::gpu;
 use crate::pairs::Queried;
@@ -85,6 +85,14 @@ pub fn code(status: Status) -> u8 {
     }
 }
 
+impl Field for Status {
+    type Number = u8;
+
+    fn write(self, column: &mut [u8], at: usize) {
+        put(column, at, code(self));
+    }
+}
+
 /// The code of an overlap, as in `hullmap.Overlap`.
 fn overlap_code(overlap: Overlap) -> u8 {
     match overlap {
@@ -145,15 +153,10 @@ pub fn distance<'py>(
         known,
         |rows, at, found| {
             let answer = &found.answer;
-            put(rows.distance, at, answer.distance);
-            put(rows.lower, at, answer.lower);
-            put(rows.upper, at, answer.upper);
-            put(rows.status, at, code(answer.status));
-            put_vector(rows.normal, at, answer.normal);
-            put_vector(rows.point_a, at, answer.point_a);
-            put_vector(rows.point_b, at, answer.point_b);
-            put(rows.iterations, at, answer.iterations);
-            put(rows.support_calls, at, answer.support_calls);
+            put_fields!(
+                rows, at, answer;
+                distance, lower, upper, status, normal, point_a, point_b, iterations, support_calls
+            );
             put_all(rows.parts, at, &found.parts);
         },
     )
@@ -181,16 +184,10 @@ pub fn contact<'py>(
         known,
         |rows, at, found| {
             let answer = &found.answer;
-            put(rows.hit, at, answer.hit);
-            put(rows.depth, at, answer.depth);
-            put(rows.depth_lower, at, answer.depth_lower);
-            put(rows.depth_upper, at, answer.depth_upper);
-            put(rows.status, at, code(answer.status));
-            put_vector(rows.normal, at, answer.normal);
-            put_vector(rows.point_a, at, answer.point_a);
-            put_vector(rows.point_b, at, answer.point_b);
-            put(rows.iterations, at, answer.iterations);
-            put(rows.support_calls, at, answer.support_calls);
+            put_fields!(
+                rows, at, answer;
+                hit, depth, depth_lower, depth_upper, status, normal, point_a, point_b, iterations, support_calls
+            );
             put_all(rows.parts, at, &found.parts);
         },
     )
@@ -222,16 +219,10 @@ pub fn cast<'py>(
         |_| None,
         |rows, at, found| {
             let answer = &found.answer;
-            put(rows.hit, at, answer.hit);
-            put(rows.t, at, answer.t);
-            put(rows.t_lower, at, answer.t_lower);
-            put(rows.t_upper, at, answer.t_upper);
-            put(rows.status, at, code(answer.status));
-            put_vector(rows.normal, at, answer.normal);
-            put_vector(rows.point_a, at, answer.point_a);
-            put_vector(rows.point_b, at, answer.point_b);
-            put(rows.iterations, at, answer.iterations);
-            put(rows.support_calls, at, answer.support_calls);
+            put_fields!(
+                rows, at, answer;
+                hit, t, t_lower, t_upper, status, normal, point_a, point_b, iterations, support_calls
+            );
             put_all(rows.parts, at, &found.parts);
         },
     )
@@ -309,15 +300,7 @@ pub fn ray<'py>(
         for at in 0..count {
             let ray = rays.get(first + at)?;
             let (hit, part) = cast_ray(&side, &ray, &settings);
-            put(rows.hit, at, hit.hit);
-            put(rows.t, at, hit.t);
-            put(rows.t_lower, at, hit.t_lower);
-            put(rows.t_upper, at, hit.t_upper);
-            put(rows.status, at, code(hit.status));
-            put_vector(rows.normal, at, hit.normal);
-            put_vector(rows.point, at, hit.point);
-            put(rows.iterations, at, hit.iterations);
-            put(rows.support_calls, at, hit.support_calls);
+            put_fields!(rows, at, hit; hit, t, t_lower, t_upper, status, normal, point, iterations, support_calls);
             put(rows.parts, at, part);
         }
         Ok(())
@@ -370,14 +353,7 @@ pub fn signed_distance<'py>(
             }
             let found = signed(&side, points.get(row), &settings, &mut caches);
             let (found, part) = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
-            put(rows.distance, at, found.distance);
-            put(rows.lower, at, found.lower);
-            put(rows.upper, at, found.upper);
-            put(rows.status, at, code(found.status));
-            put_vector(rows.normal, at, found.normal);
-            put_vector(rows.point, at, found.point);
-            put(rows.iterations, at, found.iterations);
-            put(rows.support_calls, at, found.support_calls);
+            put_fields!(rows, at, found; distance, lower, upper, status, normal, point, iterations, support_calls);
             put(rows.parts, at, part);
         }
         Ok(())

@@ -1,7 +1,8 @@
-//! What tests use outside of their own process.
+//! What tests use outside of their own process, and clocks.
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`clock`] | processor time |
 //! | [`command`] | the `bake` command, built and run; cargo |
 //! | [`files`] | the workspace's folder, files in a folder, inputs named by environment variables |
 //!
@@ -9,5 +10,6 @@
 
 #![forbid(unsafe_code)]
 
+pub mod clock;
 pub mod command;
 pub mod files;

@@ -1,7 +1,8 @@
 //! Many bodies on a cuboid: the time of a step while they fall into a pile, and when it is settled.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use hullmap_outside::clock::thread_time;
 use rapier3d::prelude::*;
 
 use crate::model::Model;
@@ -44,21 +45,11 @@ impl Pile {
     }
 }
 
-/// Time of `steps` steps of a world: of the processor where the system reports it (Linux), so that
-/// other processes do not count, otherwise elapsed time.
+/// Processor time of `steps` steps of a world.
 pub fn timed_steps(world: &mut PhysicsWorld, steps: usize) -> Duration {
-    let (start, on_processor) = (Instant::now(), processor_time());
+    let start = thread_time();
     for _ in 0..steps {
         world.step();
     }
-    match (on_processor, processor_time()) {
-        (Some(before), Some(after)) => after.saturating_sub(before),
-        _ => start.elapsed(),
-    }
-}
-
-/// Time that this thread has spent on a processor.
-fn processor_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split(' ').next()?.parse().ok()?))
+    thread_time() - start
 }

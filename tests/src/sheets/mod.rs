@@ -20,6 +20,7 @@ use hullmap::compound::{self, surface_distance};
 use hullmap::{CastSettings, CompoundCache, Contact, Motion, Overlap, Ray, Settings};
 use hullmap_testkit::depth::signed_depth_by_points;
 use hullmap_testkit::gap::distance_by_features;
+use hullmap_testkit::triangles::{distance_from_triangle, winding};
 use shapes::rng::SplitMix64;
 
 use exact::Whole;
@@ -274,7 +275,7 @@ impl Judge<'_> {
     fn point(&mut self, rng: &mut SplitMix64) {
         let scene = self.scene;
         let point = scene.point(rng);
-        let nearest = scene.triangles.iter().map(|c| from_triangle(*c, point)).fold(f64::INFINITY, f64::min);
+        let nearest = scene.triangles.iter().map(|c| distance_from_triangle(*c, point)).fold(f64::INFINITY, f64::min);
         let (settings, cache) = (Settings::default(), &mut CompoundCache::default());
         let Ok(found) = surface_distance(&scene.mesh, point, &settings, cache).map(|found| found.answer) else {
             // Not closed: the distance from the triangles.
@@ -376,27 +377,4 @@ fn meeting(triangle: &[DVec3; 3], body: &[DVec3], velocity: DVec3, slack: f64) -
     }
     let time = |i: usize| if enter[i] <= leave[i] { enter[i] } else { f64::INFINITY };
     (time(0), time(1))
-}
-
-/// Distance of a point from a triangle: from its plane if the foot is inside, or from an edge.
-fn from_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
-    let from_edge = |q: DVec3, r: DVec3| {
-        let t = ((p - q).dot(r - q) / (r - q).length_squared()).clamp(0.0, 1.0);
-        p.distance(q + (r - q) * t)
-    };
-    let normal = (b - a).cross(c - a).normalize();
-    let is_over = [(a, b), (b, c), (c, a)].iter().all(|(q, r)| (*r - *q).cross(p - *q).dot(normal) >= 0.0);
-    let edges = from_edge(a, b).min(from_edge(b, c)).min(from_edge(c, a));
-    if is_over { edges.min((p - a).dot(normal).abs()) } else { edges }
-}
-
-/// Number of times that a surface winds around a point: its solid angle over the sphere's.
-/// Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.
-fn winding(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
-    let angle = |corners: &[DVec3; 3]| {
-        let [a, b, c] = corners.map(|corner| corner - p);
-        let (x, y, z) = (a.length(), b.length(), c.length());
-        2.0 * a.dot(b.cross(c)).atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
-    };
-    triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
 }

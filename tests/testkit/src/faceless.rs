@@ -1,13 +1,13 @@
-//! A hull as a shape without faces, so that the solver takes the general path.
+//! A shape without faces and without a core, so that the solver takes the general path.
 
-use hullmap::{Hull, Shape, SupportMap, SupportPoint, glam::DVec3};
+use hullmap::{Shape, SupportMap, SupportPoint, glam::DVec3};
 
-/// A hull whose faces are hidden from the solver: contacts come from portal refinement (MPR) and
-/// EPA, never from the separating axis test.
+/// A shape whose faces and core are hidden from the solver: contacts come from portal refinement
+/// (MPR) and EPA on the shape itself, never from the separating axis test or from the core.
 #[derive(Clone, Copy, Debug)]
-pub struct Faceless<'a>(pub Hull<'a>);
+pub struct Faceless<S>(pub S);
 
-impl SupportMap for Faceless<'_> {
+impl<S: SupportMap> SupportMap for Faceless<S> {
     #[inline(always)]
     fn support_point(&self, dir: DVec3) -> SupportPoint {
         self.0.support_point(dir)
@@ -27,6 +27,9 @@ impl SupportMap for Faceless<'_> {
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.0.point(feature)
     }
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        self.0.support_point_from(dir, hint)
+    }
 }
 
-impl Shape for Faceless<'_> {}
+impl<S: SupportMap> Shape for Faceless<S> {}

@@ -146,7 +146,7 @@ pub fn distance_by_features(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 /// Distance of `p` from the inside of the triangle; infinite if its foot falls outside, because
 /// then an edge is nearer.
-fn to_triangle(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> f64 {
+pub(crate) fn to_triangle(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> f64 {
     let n = (r - q).cross(s - q);
     let inside = |side: DVec3, from: DVec3| n.cross(side).dot(p - from) >= 0.0;
     let solid = n.length() > FLAT * (r - q).length() * (s - q).length();
@@ -157,7 +157,7 @@ fn to_triangle(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> f64 {
     }
 }
 
-fn to_segment(p: DVec3, q: DVec3, r: DVec3) -> f64 {
+pub(crate) fn to_segment(p: DVec3, q: DVec3, r: DVec3) -> f64 {
     let side = r - q;
     let share = ((p - q).dot(side) / side.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     p.distance(q + side * share)

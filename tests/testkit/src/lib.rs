@@ -10,8 +10,9 @@
 //! | [`polytope`] | a hull as points, face normals and edges |
 //! | [`depth`] | signed depth by all facets of the Minkowski difference, and its slow twin |
 //! | [`entry`] | when a moving hull enters another, by all facets |
-//! | [`faceless`] | a hull as a shape without faces |
+//! | [`faceless`] | a shape without its faces and its core |
 //! | [`gap`] | distance with a certificate, and its slow twin |
+//! | [`triangles`] | the distance of a point from a triangle, and how often a surface winds around it |
 //!
 //! Depths and distances are computed in f64 without any code of the solver. Packages use this one
 //! only as a development dependency.
@@ -33,3 +34,4 @@ pub mod packs;
 pub mod polytope;
 pub mod random;
 pub mod reach;
+pub mod triangles;

@@ -27,6 +27,15 @@ pub struct Edge {
     pub faces: [usize; 2],
 }
 
+/// Signed distance of `point` from the planes of a hull's faces: the greatest one, negative inside.
+pub fn height_over_faces(hull: &Hull<'_>, point: DVec3) -> f64 {
+    let over = |face: u32| {
+        let corner = hull.face(face).next().and_then(|vertex| hull.vertex(vertex)).unwrap().as_dvec3();
+        hull.face_normal(face).unwrap().dot(point - corner)
+    };
+    (0..hull.face_count() as u32).map(over).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// A solid or a polygon.
 #[derive(Clone, Debug)]
 pub struct Polytope {

@@ -11,15 +11,15 @@ fn bake(folder: &TempDir, line: &str) -> Run {
     bake_in(folder.path(), line.split_whitespace())
 }
 
-/// What a run printed.
-trait Says {
+/// Assertions about what a run printed.
+trait OutputAssertions {
     /// Asserts that standard output has this text.
     fn out(&self, part: &str);
     /// Asserts that standard error has this text.
     fn err(&self, part: &str);
 }
 
-impl Says for Run {
+impl OutputAssertions for Run {
     #[track_caller]
     fn out(&self, part: &str) {
         assert!(self.stdout.contains(part), "no `{part}` in {}", self.stdout);

@@ -47,6 +47,13 @@ macro_rules! rejection {
     };
 }
 
+/// Asserts the message after each of these changes alone.
+macro_rules! assert_rejections {
+    ($file:expr; $([$($change:tt)+] => $expected:expr,)+) => {
+        $(assert_eq!(rejection!($file, $($change)+), $expected);)+
+    };
+}
+
 /// Two hulls of these points each.
 fn two(names: [&str; 2], points: &[[f32; 3]]) -> Vec<u8> {
     let sets = names.map(|name| point_set(name, points));
@@ -57,8 +64,10 @@ fn two(names: [&str; 2], points: &[[f32; 3]]) -> Vec<u8> {
 fn sections_and_spans() {
     let cube = samples::named("cube, tree");
     let pair = samples::named("two hulls, tree");
-    assert_eq!(rejection!(&cube, spans[0].vertex = 1_u32), "hull 0: its vertices start at 1 (expected 0)");
-    assert_eq!(rejection!(&cube, spans[1].face = 5_u32), "the faces of all hulls end at 5 (expected 6)");
+    assert_rejections! { &cube;
+        [spans[0].vertex = 1_u32] => "hull 0: its vertices start at 1 (expected 0)",
+        [spans[1].face = 5_u32] => "the faces of all hulls end at 5 (expected 6)",
+    }
     assert_eq!(rejection!(&pair, spans[2].edge = 70_u32), "hull 2: its edges start at 70 (expected at least 72)");
     assert_eq!(rejection!(&cube, source_path[3] = 0xff_u8), "section source_path is not UTF-8 from byte 3 on");
     // Two bytes of names leave a gap of two bytes before the spans.
@@ -80,31 +89,26 @@ fn records() {
     let five = samples::named("five hulls, no index");
     let named = two(["é", "x"], &[[0.0; 3]]);
     assert_eq!(rejection!(&named, spans[1].name = 1_u32), "hull 0: its name is not UTF-8 from byte 0 on");
-    assert_eq!(
-        rejection!(&cube, hulls[0].diameter = -1.0_f64),
-        "hull 0: its diameter is -1 (expected a finite number of at least 0)"
-    );
-    assert_eq!(
-        rejection!(&cube, hulls[0].centroid[1] = f64::NAN),
-        "hull 0: component 1 of its centroid is NaN (expected a finite number)"
-    );
-    assert_eq!(rejection!(&cube, hulls[0].rank = 4_u32), "hull 0: its rank is 4 (expected 0 to 3)");
-    assert_eq!(rejection!(&cube, hulls[0].rank = 1_u32), "hull 0: it has 8 vertices (expected 2 for rank 1)");
+    assert_rejections! { &cube;
+        [hulls[0].diameter = -1.0_f64] => "hull 0: its diameter is -1 (expected a finite number of at least 0)",
+        [hulls[0].centroid[1] = f64::NAN] => "hull 0: component 1 of its centroid is NaN (expected a finite number)",
+        [hulls[0].rank = 4_u32] => "hull 0: its rank is 4 (expected 0 to 3)",
+        [hulls[0].rank = 1_u32] => "hull 0: it has 8 vertices (expected 2 for rank 1)",
+    }
     let radii = rejection!(&cube, hulls[0].inner_radius = 5.0_f64);
     assert!(radii.starts_with("hull 0: its inner radius 5 is greater than its outer radius 0.86"), "{radii}");
-    assert_eq!(rejection!(&five, hulls[3].part = 2_u32), "hull 3: its part is 2 (expected 0)");
-    assert_eq!(rejection!(&five, hulls[3].part_count = 3_u32), "hull 3: its object has 3 parts (expected at most 2)");
+    assert_rejections! { &five;
+        [hulls[3].part = 2_u32] => "hull 3: its part is 2 (expected 0)",
+        [hulls[3].part_count = 3_u32] => "hull 3: its object has 3 parts (expected at most 2)",
+    }
     let parts = samples::named("parts, tree");
-    assert_eq!(rejection!(&parts, hulls[2].part = 0_u32), "hull 2: its part is 0 (expected 1)");
-    assert_eq!(
-        rejection!(&parts, hulls[2].part_count = 4_u32),
-        "hull 2: its object has 4 parts (expected 3, as in the part before it)"
-    );
-    assert_eq!(rejection!(&parts, hulls[1].solid = 4_u32), "hull 1: its kind of solid is 4 (expected 0 to 3)");
-    assert_eq!(
-        rejection!(&parts, hulls[1].solid = 0_u32),
-        "hull 1: its kind of solid states that it was not measured, but its uncovered distance or its protrusion is not 0"
-    );
+    assert_rejections! { &parts;
+        [hulls[2].part = 0_u32] => "hull 2: its part is 0 (expected 1)",
+        [hulls[2].part_count = 4_u32] => "hull 2: its object has 4 parts (expected 3, as in the part before it)",
+        [hulls[1].solid = 4_u32] => "hull 1: its kind of solid is 4 (expected 0 to 3)",
+        [hulls[1].solid = 0_u32]
+            => "hull 1: its kind of solid states that it was not measured, but its uncovered distance or its protrusion is not 0",
+    }
     assert_eq!(
         rejection!(&five, hulls[1].solid = 1_u32),
         "hull 1: it is not a part of an object, but states a kind of solid"
@@ -136,63 +140,46 @@ fn masses() {
         assert!(found.starts_with("hull 1: the second moments of its mesh are ["), "{found}");
         assert!(found.ends_with("] (expected a positive semidefinite matrix)"), "{found}");
     }
-    assert_eq!(rejection!(&pair, spans[1].mass = 2_u32), "hull 0: it has 2 mass records (expected at most 1)");
-    assert_eq!(rejection!(&pair, spans[2].mass = 1_u32), "hull 2: it has 1 mass records (expected at most 0)");
-    assert_eq!(rejection!(&pair, spans[3].mass = 3_u32), "the mass records of all hulls end at 3 (expected 2)");
+    assert_rejections! { &pair;
+        [spans[1].mass = 2_u32] => "hull 0: it has 2 mass records (expected at most 1)",
+        [spans[2].mass = 1_u32] => "hull 2: it has 1 mass records (expected at most 0)",
+        [spans[3].mass = 3_u32] => "the mass records of all hulls end at 3 (expected 2)",
+    }
 }
 
 #[test]
 fn vertices_faces_and_neighbours() {
     let cube = samples::named("cube, tree");
     let pair = samples::named("two hulls, tree");
-    assert_eq!(
-        rejection!(&cube, vertices[5][1] = 9.0_f32),
-        "hull 0: vertex 5: coordinate 1 is 9 (the bounds are 0 to 1)"
-    );
-    assert_eq!(
-        rejection!(&cube, source_vertices[3] = 0_u32),
-        "hull 0: vertex 3: source vertex 0 does not follow source vertex 2 of the vertex before it"
-    );
+    assert_rejections! { &cube;
+        [vertices[5][1] = 9.0_f32] => "hull 0: vertex 5: coordinate 1 is 9 (the bounds are 0 to 1)",
+        [source_vertices[3] = 0_u32]
+            => "hull 0: vertex 3: source vertex 0 does not follow source vertex 2 of the vertex before it",
+    }
     assert_eq!(
         rejection!(&pair, spans[1].face = 0_u32),
         "hull 0: it has 0 faces and 24 face vertices (rank 3 has at least 2 faces)"
     );
-    assert_eq!(
-        rejection!(&cube, face_starts[2] = 6_u32),
-        "hull 0: face 1: its vertices are entries 4..6 of 24 (runs must be contiguous, of 3 entries or more)"
-    );
-    assert_eq!(
-        rejection!(&cube, face_vertices[12] = 8_u32),
-        "hull 0: face 3: vertex index 8 is out of range (the hull has 8 vertices)"
-    );
+    assert_rejections! { &cube;
+        [face_starts[2] = 6_u32]
+            => "hull 0: face 1: its vertices are entries 4..6 of 24 (runs must be contiguous, of 3 entries or more)",
+        [face_vertices[12] = 8_u32] => "hull 0: face 3: vertex index 8 is out of range (the hull has 8 vertices)",
+    }
     assert_eq!(
         rejection!(&pair, spans[1].face = 5_u32),
         "hull 0: its 8 vertices, 5 faces and 24 face vertices (two per edge) violate Euler's formula"
     );
-    assert_eq!(
-        rejection!(&cube, neighbour_starts[3] = 25_u32),
-        "hull 0: vertex 2: its neighbours are entries 6..25 of 24 (runs must be contiguous)"
-    );
-    assert_eq!(
-        rejection!(&cube, hulls[0].max_neighbours = 4_u32),
-        "hull 0: its record states at most 4 neighbours of a vertex (expected 3)"
-    );
-    assert_eq!(
-        rejection!(&cube, neighbours[11] = 12_u32),
-        "hull 0: neighbour 11: vertex index 12 is out of range (the hull has 8 vertices)"
-    );
-    assert_eq!(
-        rejection!(&cube, neighbour_faces[7] = 6_u32),
-        "hull 0: neighbour 7: face index 6 is out of range (the hull has 6 faces)"
-    );
-    assert_eq!(
-        rejection!(&cube, neighbour_faces[7] = 5_u32),
-        "hull 0: face 1 and the neighbours disagree on the edge from vertex 2 to vertex 3"
-    );
-    assert_eq!(
-        rejection!(&cube, face_vertices[1] = 3_u32),
-        "hull 0: face 0 and the neighbours disagree on the edge from vertex 0 to vertex 3"
-    );
+    assert_rejections! { &cube;
+        [neighbour_starts[3] = 25_u32]
+            => "hull 0: vertex 2: its neighbours are entries 6..25 of 24 (runs must be contiguous)",
+        [hulls[0].max_neighbours = 4_u32] => "hull 0: its record states at most 4 neighbours of a vertex (expected 3)",
+        [neighbours[11] = 12_u32] => "hull 0: neighbour 11: vertex index 12 is out of range (the hull has 8 vertices)",
+        [neighbour_faces[7] = 6_u32] => "hull 0: neighbour 7: face index 6 is out of range (the hull has 6 faces)",
+        [neighbour_faces[7] = 5_u32]
+            => "hull 0: face 1 and the neighbours disagree on the edge from vertex 2 to vertex 3",
+        [face_vertices[1] = 3_u32]
+            => "hull 0: face 0 and the neighbours disagree on the edge from vertex 0 to vertex 3",
+    }
     assert_eq!(
         rejection!(&pair, spans[1].neighbour = 23_u32),
         "hull 0: its vertices have 23 neighbours (expected 24, one per face vertex)"
@@ -202,11 +189,10 @@ fn vertices_faces_and_neighbours() {
     assert!(rejection!(&prism, quads[0].corners[1] = 0_u32).starts_with("hull 0: quad 0: its corners are ["));
     assert_eq!(rejection!(&prism, quads[1].fall = f32::NAN), "hull 0: quad 1: its fall is NaN (expected 0 to 1)");
     let prisms = two(["a", "b"], &solids::extrusion(&solids::regular_polygon(7, 1.0), -1.0, 1.0).vertices);
-    assert_eq!(rejection!(&prisms, spans[1].quad = 1_u32), "hull 0: face 8 has more than four corners and no quad");
-    assert_eq!(
-        rejection!(&prisms, spans[1].quad = 3_u32),
-        "hull 0: quad 2: its face is 1 (expected no more faces with more than four corners)"
-    );
+    assert_rejections! { &prisms;
+        [spans[1].quad = 1_u32] => "hull 0: face 8 has more than four corners and no quad",
+        [spans[1].quad = 3_u32] => "hull 0: quad 2: its face is 1 (expected no more faces with more than four corners)",
+    }
     assert_eq!(rejection!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 
@@ -335,18 +321,12 @@ fn lean_packs() {
     assert_eq!((pack.header().format_version, pack.hull_count()), (LEAN_FORMAT_VERSION, 3));
     let faces: Vec<usize> = pack.hulls().map(|hull| hull.face_count()).collect();
     assert_eq!(faces, [0, 6, 0]);
-    assert_eq!(
-        rejection!(&lean, hulls[0].max_neighbours = 3_u32),
-        "hull 0: its record states at most 3 neighbours of a vertex (expected 0)"
-    );
-    assert_eq!(
-        rejection!(&lean, face_vertices[12] = 8_u32),
-        "hull 1: face 3: vertex index 8 is out of range (the hull has 8 vertices)"
-    );
-    assert_eq!(
-        rejection!(&lean, spans[1].face = 1_u32),
-        "hull 0: it has 1 faces (a lean pack has none of a hull of 36 vertices, more than 32)"
-    );
+    assert_rejections! { &lean;
+        [hulls[0].max_neighbours = 3_u32] => "hull 0: its record states at most 3 neighbours of a vertex (expected 0)",
+        [face_vertices[12] = 8_u32] => "hull 1: face 3: vertex index 8 is out of range (the hull has 8 vertices)",
+        [spans[1].face = 1_u32]
+            => "hull 0: it has 1 faces (a lean pack has none of a hull of 36 vertices, more than 32)",
+    }
     let of_version = |file: &[u8], version: u32| {
         let mut file = file.to_vec();
         file[8..12].copy_from_slice(&version.to_le_bytes());
@@ -367,26 +347,17 @@ fn outer_hulls_and_indices() {
     let rocks = two(["a", "b"], &Family::Rock.points(300, 1));
     let cube = samples::named("cube, tree");
     let pair = samples::named("two hulls, tree");
-    assert_eq!(
-        rejection!(&rocks, spans[1].outer = 3_u32),
-        "hull 0: its outer hull has 3 vertices (expected 0, or 4 to 64)"
-    );
-    assert_eq!(
-        rejection!(&rocks, outer_vertices[2][0] = f32::INFINITY),
-        "hull 0: vertex 2 of its outer hull: coordinate 0 is inf (expected a finite number)"
-    );
-    assert_eq!(
-        rejection!(&cube, hulls[0].index_kind = 9_u32),
-        "hull 0: index kind 9 is unknown (known kinds are 0 to 3)"
-    );
-    assert_eq!(
-        rejection!(&cube, hulls[0].leaf_blocks = 3_u32),
-        "hull 0: a leaf of its index has 3 blocks (expected 1, 2 or 4)"
-    );
-    assert_eq!(
-        rejection!(&cube, hulls[0].resolution = 2_u32),
-        "hull 0: index kind 0 has resolution 2 (a cube map, kind 1, requires at least 1; all other kinds require 0)"
-    );
+    assert_rejections! { &rocks;
+        [spans[1].outer = 3_u32] => "hull 0: its outer hull has 3 vertices (expected 0, or 4 to 64)",
+        [outer_vertices[2][0] = f32::INFINITY]
+            => "hull 0: vertex 2 of its outer hull: coordinate 0 is inf (expected a finite number)",
+    }
+    assert_rejections! { &cube;
+        [hulls[0].index_kind = 9_u32] => "hull 0: index kind 9 is unknown (known kinds are 0 to 3)",
+        [hulls[0].leaf_blocks = 3_u32] => "hull 0: a leaf of its index has 3 blocks (expected 1, 2 or 4)",
+        [hulls[0].resolution = 2_u32]
+            => "hull 0: index kind 0 has resolution 2 (a cube map, kind 1, requires at least 1; all other kinds require 0)",
+    }
     assert_eq!(rejection!(&pair, spans[1].block = 0_u32), "hull 0: it has no blocks (expected at least 1)");
     let tree = samples::named("sphere, tree");
     let index = rejection!(&tree, slots[5] = (1_u32 << 30 | 9_999));
@@ -394,18 +365,13 @@ fn outer_hulls_and_indices() {
         index.starts_with("hull 0: slot 5 of the direction index refers to 1 blocks from block 9999 on"),
         "{index}"
     );
-    assert_eq!(
-        rejection!(&cube, hulls[0].max_nodes = 7_u32),
-        "hull 0: its record states a worst case of 7 nodes and 8 dot products (expected 0 and 8)"
-    );
-    assert_eq!(
-        rejection!(&cube, blocks[0].vertex[6] = 8_u32),
-        "hull 0: block 0, lane 6: vertex index 8 is out of range (the hull has 8 vertices)"
-    );
-    assert_eq!(
-        rejection!(&cube, blocks[0].y[6] = -0.5_f32),
-        "hull 0: block 0, lane 6: coordinate 1 is -0.5 (the bounds are 0 to 1)"
-    );
+    assert_rejections! { &cube;
+        [hulls[0].max_nodes = 7_u32]
+            => "hull 0: its record states a worst case of 7 nodes and 8 dot products (expected 0 and 8)",
+        [blocks[0].vertex[6] = 8_u32]
+            => "hull 0: block 0, lane 6: vertex index 8 is out of range (the hull has 8 vertices)",
+        [blocks[0].y[6] = -0.5_f32] => "hull 0: block 0, lane 6: coordinate 1 is -0.5 (the bounds are 0 to 1)",
+    }
 }
 
 /// A small hull whose leaves repeat its vertices would make queries as slow as the file is long.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::args::KeyArgs;
 use crate::jobs::key::Ingredients;
-use crate::jobs::{Job, Talk, jobs};
+use crate::jobs::{Job, Messages, jobs};
 use crate::options::RecordSource;
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
@@ -29,7 +29,7 @@ struct Row<'a> {
 pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (project, limits) = (Path::new("."), args.meshes.limits.limits());
     let out_folder = args.out.as_deref().unwrap_or(Path::new(""));
-    let (mut jobs, mut exit) = jobs(&args.meshes, out_folder, project, Talk::Warnings)?.report_empty();
+    let (mut jobs, mut exit) = jobs(&args.meshes, out_folder, project, Messages::Warnings)?.report_empty();
     if args.out.is_none() {
         jobs.iter_mut().for_each(lie_beside_the_mesh);
     }

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::args::StatusArgs;
 use crate::jobs::shard::shard_of;
-use crate::jobs::{Job, Talk, jobs};
+use crate::jobs::{Job, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
@@ -46,7 +46,7 @@ struct Row {
 
 /// Runs the command. Fails if an input or `hullmap.toml` cannot be read.
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let (jobs, exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
+    let (jobs, exit) = jobs(&args.meshes, &args.out, Path::new("."), Messages::Warnings)?.report_empty();
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();
     let is_complete = rows.iter().all(|row| row.status == State::Present);
     let exit = exit.max(if is_complete { Exit::Done } else { Exit::Rejected });

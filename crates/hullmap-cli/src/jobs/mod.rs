@@ -67,7 +67,7 @@ impl Jobs {
 
 /// Messages that [`jobs`] prints while it searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Talk {
+pub enum Messages {
     /// Nothing.
     Silent,
     /// Warnings about options without effect, and how many meshes have formats that are not
@@ -80,8 +80,8 @@ pub enum Talk {
 /// The meshes to bake, each with its options and its pack in `out`. `project` is the folder where
 /// `bake` was started. Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh
 /// is left, or an option on the command line has no effect on any mesh.
-pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<Jobs, Failure> {
-    let warns = talk != Talk::Silent;
+pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, printed: Messages) -> Result<Jobs, Failure> {
+    let warns = printed != Messages::Silent;
     if out.is_file() {
         return Err(Failure::usage(format!(
             "{}: is a file, but --out requires a folder; name a folder for the packs",
@@ -100,7 +100,7 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<J
         let config = config.map(|config| config.path.clone());
         if !skips {
             chosen.push((mesh, args.options.laid_over(&layer).resolve(), config));
-        } else if talk == Talk::All || warns && args.inputs.contains(&mesh.source) {
+        } else if printed == Messages::All || warns && args.inputs.contains(&mesh.source) {
             let (source, config) = (mesh.source.display(), config.unwrap_or_default());
             terminal::note(format_args!("{source}: left out, because {} sets skip = true", config.display()));
         }

@@ -12,7 +12,7 @@
 //! Unreal Engine, "FBX Static Mesh Pipeline"; Godot Engine, "Node type customization using name
 //! suffixes". The importer reads the same names: `conventions.rs` of `hullmap-import`.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use crate::terminal::is_escaped;
 
@@ -67,27 +67,7 @@ fn is_device(token: &str) -> bool {
 /// The names, where each repetition gets the lowest suffix `_2`, `_3`, … that gives a new name.
 /// Names that differ in case alone are repetitions, because they may name the same file.
 pub fn unique(names: Vec<String>) -> Vec<String> {
-    let mut taken: HashSet<String> = names.iter().map(|name| name.to_lowercase()).collect();
-    let mut seen = HashSet::new();
-    // Next suffix to try for each name. Without this, n equal names would try O(n²) suffixes.
-    let mut next: HashMap<String, u64> = HashMap::new();
-    names
-        .into_iter()
-        .map(|name| {
-            let folded = name.to_lowercase();
-            if seen.insert(folded.clone()) {
-                return name;
-            }
-            let number = next.entry(folded).or_insert(2);
-            loop {
-                let free = format!("{name}_{number}");
-                *number += 1;
-                if taken.insert(free.to_lowercase()) {
-                    return free;
-                }
-            }
-        })
-        .collect()
+    hullmap_import::unique_names(names, str::to_lowercase)
 }
 
 /// Name of the object of a hull: without the `_part_<nn>` that a decomposition appends.

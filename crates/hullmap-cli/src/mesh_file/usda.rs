@@ -35,6 +35,7 @@ use hullmap::{Hull, MassProperties, MassSource, Pack};
 use hullmap_import::UpAxis;
 
 use super::body::Body;
+use crate::principal_axes::principal_axes;
 
 /// Maximum number of vertices of a convex hull in PhysX: indices are bytes.
 const PHYSX_VERTICES: usize = 255;
@@ -44,9 +45,6 @@ const PHYSX_LEAST_VERTICES: usize = 4;
 
 /// Maximum number of prims on the way to another, so that writing does not exhaust the stack.
 const MAX_DEPTH: usize = 256;
-
-/// Maximum number of rotations to find principal axes. Each sweep of three squares the remainder.
-const MAX_ROTATIONS: usize = 60;
 
 /// A layer of hulls over an asset.
 #[derive(Debug)]
@@ -285,7 +283,7 @@ fn hull_text(index: usize, hull: &Hull, body: &Body, mesh: &str, share: Option<(
     text += "        uniform int newton:maxHullVertices = -1\n        uniform int mjc:maxhullvert = -1\n";
     if let Some((mass, share)) = share {
         text += &format!("        point3f physics:centerOfMass = {}\n", tuple(&mass.center.map(|x| x as f32)));
-        let inertia = mass.moments.map(|moment| (moment * share) as f32);
+        let inertia = mass.moments.to_array().map(|moment| (moment * share) as f32);
         text += &format!("        float3 physics:diagonalInertia = {}\n", tuple(&inertia));
         text += &format!("        float physics:mass = {}\n", (mass.mass * share) as f32);
         let [x, y, z, w] = mass.axes.to_array().map(|x| x as f32);
@@ -325,7 +323,7 @@ struct Principal {
     mass: f64,
     center: [f64; 3],
     /// Moments about the principal axes.
-    moments: [f64; 3],
+    moments: DVec3,
     /// Rotation from the principal axes to the axes of the frame.
     axes: DQuat,
 }
@@ -347,7 +345,8 @@ fn mass(group: &UsdGroup<'_>) -> Result<Option<(Principal, MassSource)>, UsdErro
     let (moments, axes) = principal_axes(scaled.inertia * factor);
     let mass = scaled.mass * factor;
     // Moments of a sliver may be negative by rounding; such a body has no usable inertia.
-    if !(mass > 0.0 && mass.is_finite() && moments.iter().all(|moment| *moment > 0.0 && moment.is_finite())) {
+    if !(mass > 0.0 && mass.is_finite() && moments.to_array().iter().all(|moment| *moment > 0.0 && moment.is_finite()))
+    {
         return Ok(None);
     }
     Ok(Some((Principal { mass, center: own.center_of_mass.to_array(), moments, axes }, found.source)))
@@ -361,44 +360,6 @@ fn turned(found: &MassProperties, rotation: UpAxis) -> MassProperties {
         UpAxis::ZToY => DMat3::from_cols(DVec3::X, -DVec3::Z, DVec3::Y),
     };
     MassProperties { center_of_mass: by * found.center_of_mass, inertia: by * found.inertia * by.transpose(), ..*found }
-}
-
-/// Principal moments of a symmetric tensor, and the rotation from its principal axes to its frame,
-/// by Jacobi's method: each rotation removes the largest entry beside the diagonal.
-///
-/// # Reference
-/// Golub, Van Loan, "Matrix Computations", section 8.5.
-fn principal_axes(tensor: DMat3) -> ([f64; 3], DQuat) {
-    let (mut tensor, mut axes) = (tensor.to_cols_array_2d(), DMat3::IDENTITY.to_cols_array_2d());
-    for _ in 0..MAX_ROTATIONS {
-        let largest = [(0, 1), (0, 2), (1, 2)].into_iter().max_by(|a, b| {
-            let size = |&(row, column): &(usize, usize)| tensor[column][row].abs();
-            size(a).total_cmp(&size(b))
-        });
-        let Some((p, q)) = largest else { break };
-        let (between, size) = (tensor[q][p], tensor[p][p].abs() + tensor[q][q].abs());
-        // NaN takes the branch that ends. Below this, the entry is lost in a sum with the diagonal.
-        if !(between.abs() > f64::EPSILON * size) {
-            break;
-        }
-        let ratio = (tensor[q][q] - tensor[p][p]) / (2.0 * between);
-        let tangent = ratio.signum() / (ratio.abs() + ratio.hypot(1.0));
-        let cosine = tangent.hypot(1.0).recip();
-        let sine = tangent * cosine;
-        let turn = |columns: &mut [[f64; 3]; 3]| {
-            let (first, second) = (columns[p], columns[q]);
-            columns[p] = [0, 1, 2].map(|row| cosine * first[row] - sine * second[row]);
-            columns[q] = [0, 1, 2].map(|row| sine * first[row] + cosine * second[row]);
-        };
-        turn(&mut axes);
-        turn(&mut tensor);
-        let mut rows = DMat3::from_cols_array_2d(&tensor).transpose().to_cols_array_2d();
-        turn(&mut rows);
-        tensor = DMat3::from_cols_array_2d(&rows).transpose().to_cols_array_2d();
-    }
-    // A product of rotations is one, so that it has a quaternion.
-    let axes = DQuat::from_mat3(&DMat3::from_cols_array_2d(&axes)).normalize();
-    ([tensor[0][0], tensor[1][1], tensor[2][2]], axes)
 }
 
 fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
@@ -559,13 +520,13 @@ mod tests {
         // Edges 3, 2, 2, all of them scaled; the centre is not.
         assert!((mass.mass - 24.0).abs() < 1e-12, "{mass:?}");
         assert!(DVec3::from_array(mass.center).abs_diff_eq(DVec3::new(0.5, 1.0, 2.0), 1e-12), "{mass:?}");
-        let mut moments = mass.moments;
+        let mut moments = mass.moments.to_array();
         moments.sort_by(f64::total_cmp);
         for (found, wanted) in moments.iter().zip([16.0, 26.0, 26.0]) {
             assert!((found - wanted).abs() < 1e-9, "{mass:?}");
         }
         let total = super::mass(&group(&pack, UsdMass::Total { mass: 6.0, scale })).unwrap().unwrap().0;
-        assert!((total.mass - 6.0).abs() < 1e-12 && (total.moments.iter().sum::<f64>() - 17.0).abs() < 1e-9);
+        assert!((total.mass - 6.0).abs() < 1e-12 && (total.moments.element_sum() - 17.0).abs() < 1e-9);
         let (text, of_hulls) = write(&layer(vec![group(&pack, UsdMass::Density { density: 2.0, scale })])).unwrap();
         assert_eq!(of_hulls, ["/World/box"]);
         for line in [
@@ -576,31 +537,6 @@ mod tests {
             "            int physxConvexHullCollision:hullVertexLimit = 8\n",
         ] {
             assert!(text.contains(line), "{line}\n{text}");
-        }
-    }
-
-    #[test]
-    fn principal_axes_rebuild_the_tensor() {
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
-        };
-        let mut tensors = vec![DMat3::IDENTITY, DMat3::ZERO, DMat3::from_diagonal(DVec3::new(3.0, 1.0, 2.0))];
-        for size in [1e-12, 1.0, 1e12] {
-            for _ in 0..1000 {
-                let [a, b, c] = [0; 3].map(|_| DVec3::new(random(), random(), random()));
-                let half = DMat3::from_cols(a, b, c);
-                tensors.push(half * half.transpose() * size);
-            }
-        }
-        for tensor in tensors {
-            let (moments, axes) = principal_axes(tensor);
-            let turn = DMat3::from_quat(axes);
-            let again = turn * DMat3::from_diagonal(DVec3::from_array(moments)) * turn.transpose();
-            let size = tensor.to_cols_array().iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
-            let error = (again - tensor).to_cols_array().iter().fold(0.0_f64, |error, entry| error.max(entry.abs()));
-            assert!(error <= 1e-14 * size, "{tensor} {moments:?} {axes}: {error}");
         }
     }
 }

@@ -58,7 +58,7 @@ pub enum Draft {
     #[default]
     #[value(name = "2025-10")]
     October2025,
-    /// As readers changed in August 2026: a collider names the mesh.
+    /// Of June 2026: a collider names the mesh. fastgltf reads it since August 2026.
     #[value(name = "2026-06")]
     June2026,
 }

@@ -5,9 +5,7 @@
 //! | `container` | a glTF file, as text or GLB, taken apart and put together |
 //! | `edit` | insertions into JSON text |
 //! | `colliders` | hulls and masses as nodes with physics extensions |
-//! | `principal` | principal axes of an inertia tensor |
 
 pub mod colliders;
 pub mod container;
 pub mod edit;
-pub mod principal;

@@ -15,7 +15,7 @@
 //!
 //! # Deviations
 //! The drafts of `KHR_physics_rigid_bodies` differ: the draft of October 2025 names a `node` with a
-//! mesh, and drafts since June 2026 a `mesh`. Both are read. Negative scale factors of a node
+//! mesh, and the draft of June 2026 a `mesh`. Both are read. Negative scale factors of a node
 //! mirror a shape, which changes only tapered shapes.
 //!
 //! # Reference

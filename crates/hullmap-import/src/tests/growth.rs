@@ -17,7 +17,9 @@
 use std::path::Path;
 
 use std::fmt::Write as _;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use hullmap_outside::clock::thread_time;
 
 use super::super::*;
 use crate::options::Split;
@@ -361,27 +363,19 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Processor time of this thread where the system reports it, else the time since `start`.
-fn thread_time(start: Instant) -> Duration {
-    let schedstat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = schedstat.split_whitespace().next().and_then(|word| word.parse().ok());
-    nanoseconds.map_or_else(|| start.elapsed(), Duration::from_nanos)
-}
-
 /// Time of repeated imports in one thread, whether it succeeds or fails.
 fn time(case: &Case, source: &SourceFile, repetitions: usize) -> Duration {
     let path = Path::new(case.file);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
-        let start = Instant::now();
-        let before = thread_time(start);
+        let start = thread_time();
         for _ in 0..repetitions {
             drop(import(case.file, "shape", path, source, &OBJECTS, &Limits::DEFAULT));
             if case.file.ends_with(".gltf") {
                 drop(crate::gltf::buffer_paths(&source.bytes));
             }
         }
-        thread_time(start) - before
+        thread_time() - start
     })
 }
 

@@ -23,11 +23,8 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 import numpy as np
 
-from ._gradients import ImpactValue, PairValue, RayValue, RobotValue, check_width, perturbations, required
-from ._hullmap import ArrayError
-from ._motion import MOTION_TOLERANCE
-from ._robot import Robot
-from ._shapes import Shape
+from ._differentiable import Functions
+from ._gradients import check_width, perturbations, required
 
 if TYPE_CHECKING:
     import torch
@@ -61,95 +58,13 @@ def _apply(evaluate: Any, inputs: Sequence[Any], width: Optional[int]) -> Any:
     return _function().apply(evaluate, *required("torch").broadcast_tensors(*inputs))
 
 
-def _pair(value: PairValue, b_in_a: Any, a_in_world: Any, b_in_world: Any) -> Any:
-    given = [own is not None for own in (b_in_a, a_in_world, b_in_world)]
-    if given not in ([True, False, False], [False, True, True]):
-        raise ArrayError("pass either b_in_a, or both a_in_world and b_in_world")
-    return _apply(value, [b_in_a] if given[0] else [a_in_world, b_in_world], 7)
-
-
-def distance(
-    a: Shape,
-    b: Shape,
-    b_in_a: Optional[torch.Tensor] = None,
-    *,
-    a_in_world: Optional[torch.Tensor] = None,
-    b_in_world: Optional[torch.Tensor] = None,
-    tolerance: float = 0.0,
-    strict: bool = False,
-) -> torch.Tensor:
-    """Distances of convex shapes; 0 with a gradient of 0 where they overlap."""
-    value = PairValue("distance", a, b, tolerance, strict)
-    found: torch.Tensor = _pair(value, b_in_a, a_in_world, b_in_world)
-    return found
-
-
-def depth(
-    a: Shape,
-    b: Shape,
-    b_in_a: Optional[torch.Tensor] = None,
-    *,
-    a_in_world: Optional[torch.Tensor] = None,
-    b_in_world: Optional[torch.Tensor] = None,
-    tolerance: float = 0.0,
-    strict: bool = False,
-) -> torch.Tensor:
-    """Penetration depths of convex shapes; 0 with a gradient of 0 where they are separated."""
-    found: torch.Tensor = _pair(PairValue("depth", a, b, tolerance, strict), b_in_a, a_in_world, b_in_world)
-    return found
-
-
-def clearance(
-    a: Shape,
-    b: Shape,
-    b_in_a: Optional[torch.Tensor] = None,
-    *,
-    a_in_world: Optional[torch.Tensor] = None,
-    b_in_world: Optional[torch.Tensor] = None,
-    tolerance: float = 0.0,
-    strict: bool = False,
-) -> torch.Tensor:
-    """Signed distances of convex shapes: the distance, or the negative depth where they overlap. For the signed
-    distance of points, B is ``hullmap.Sphere(0)``."""
-    value = PairValue("clearance", a, b, tolerance, strict)
-    found: torch.Tensor = _pair(value, b_in_a, a_in_world, b_in_world)
-    return found
-
-
-def ray(
-    shape: Shape, origins: torch.Tensor, directions: torch.Tensor, *, tolerance: float = 1e-6, strict: bool = False
-) -> torch.Tensor:
-    """Where rays enter a convex shape, at ``origins + t * directions``; infinite with a gradient of 0 where they
-    miss it. Origins and directions have the shape (..., 3)."""
-    found: torch.Tensor = _apply(RayValue(shape, tolerance, strict), [origins, directions], 3)
-    return found
-
-
-def time_of_impact(
-    a: Shape,
-    b: Shape,
-    motion_a: torch.Tensor,
-    motion_b: torch.Tensor,
-    *,
-    target_distance: float = 0.0,
-    tolerance: float = MOTION_TOLERANCE,
-    strict: bool = False,
-) -> torch.Tensor:
-    """Times from 0 to 1 at which convex shapes that move and turn first come within ``target_distance`` of each other;
-    infinite with a gradient of 0 where they do not.
-
-    Motions have the shape (..., 13): the pose at the start, the displacement of the origin of the shape's frame until
-    time 1, and the rotation vector by which the shape turns about that origin until then. The gradient is by all of
-    these numbers. With a tolerance of ε, it is off by as much as the shapes turn in the time that ε takes."""
-    value = ImpactValue(a, b, target_distance, tolerance, strict)
-    found: torch.Tensor = _apply(value, [motion_a, motion_b], 13)
-    return found
-
-
-def robot_clearance(robot: Robot, q: torch.Tensor, *, tolerance: float = 0.0, strict: bool = False) -> torch.Tensor:
-    """Clearances of a robot in the configurations ``q``, (..., J): the signed distance of the nearest pair."""
-    found: torch.Tensor = _apply(RobotValue(robot, tolerance, strict), [q], None)
-    return found
+_functions: Functions[torch.Tensor] = Functions(_apply)
+distance = _functions.distance
+depth = _functions.depth
+clearance = _functions.clearance
+ray = _functions.ray
+time_of_impact = _functions.time_of_impact
+robot_clearance = _functions.robot_clearance
 
 
 def perturbed(

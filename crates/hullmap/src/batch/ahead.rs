@@ -12,10 +12,11 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::pair::{Pair, SupportQuery, has_facets};
+use super::query::BatchQuery;
 use crate::facets::view::Facets;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::shapes::{Feature, Shape};
-use crate::solver::{Cache, Contact, Distance, Intersection, Ray, Settings, queries};
+use crate::solver::{Cache, Contact, Ray, Settings, queries};
 use crate::support::simd::{fetch, fetch_start};
 use crate::support::{SupportMap, SupportPoint};
 
@@ -83,26 +84,18 @@ pub(super) fn support_points<S: Shape + ?Sized>(queries: &[SupportQuery<'_, S>],
     }
 }
 
-/// [`crate::intersects`] of all pairs. The slices have equal lengths.
-pub(super) fn intersects<A, B>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [Intersection])
-where
+/// Answers all pairs by plain queries. The slices have equal lengths.
+pub(super) fn answer_all<A, B, Q>(
+    pairs: &[Pair<'_, A, B>],
+    settings: &Q::Settings,
+    caches: &mut [Cache],
+    out: &mut [Q::Answer],
+) where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
+    Q: BatchQuery,
 {
-    each(pairs, caches, out, fetch_start, |_, pair, cache, out| {
-        *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
-    });
-}
-
-/// [`crate::distance()`] of all pairs. The slices have equal lengths.
-pub(super) fn distance<A, B>(pairs: &[Pair<'_, A, B>], settings: &Settings, caches: &mut [Cache], out: &mut [Distance])
-where
-    A: Shape + ?Sized,
-    B: Shape + ?Sized,
-{
-    each(pairs, caches, out, fetch_start, |_, pair, cache, out| {
-        *out = queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
-    });
+    each(pairs, caches, out, fetch_start, |_, pair, cache, out| *out = Q::answer(pair, settings, cache));
 }
 
 /// [`crate::contact()`] of all pairs. The slices have equal lengths.

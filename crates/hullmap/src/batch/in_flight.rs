@@ -23,20 +23,18 @@
 
 use super::ahead::{fetch_pairs, fetch_queries};
 use super::pair::{Pair, SupportQuery};
+use super::query::BatchQuery;
 use crate::shapes::Shape;
-use crate::solver::{
-    Cache, Contact, ContactQuery, Distance, DistanceQuery, Intersection, IntersectionQuery, Settings, SteppedQuery,
-    Suspended, queries,
-};
+use crate::solver::{Cache, Suspended};
 use crate::support::simd::fetch_start;
 use crate::support::{Lookup, SupportPoint};
 
 /// Number of queries in flight. A processor core can wait for 10 to 16 cache lines at a time.
-const IN_FLIGHT: usize = 8;
+pub(super) const IN_FLIGHT: usize = 8;
 
 /// Number of contacts in flight. The polytopes of all must stay in the first-level cache, and
 /// they are on the stack: 16 KB each.
-const CONTACTS_IN_FLIGHT: usize = 3;
+pub(super) const CONTACTS_IN_FLIGHT: usize = 3;
 
 /// One of the queries in flight.
 struct InFlight<Q, R> {
@@ -46,18 +44,17 @@ struct InFlight<Q, R> {
     workspace: Option<R>,
 }
 
-/// Answers all pairs, `N` at a time: rounded shapes by `at_once`, all others as suspended queries.
-/// The slices have equal lengths.
-fn answer_all<'s, A, B, Q, const N: usize>(
+/// Answers all pairs, `N` at a time: rounded shapes at once, all others as suspended queries. The
+/// slices have equal lengths.
+pub(super) fn answer_all<'s, A, B, Q, const N: usize>(
     pairs: &[Pair<'s, A, B>],
     settings: &Q::Settings,
     caches: &mut [Cache],
     out: &mut [Q::Answer],
-    at_once: impl Fn(&Pair<'s, A, B>, &mut Cache) -> Q::Answer,
 ) where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
-    Q: SteppedQuery<A, B>,
+    Q: BatchQuery,
 {
     // An array of workspaces would be built in copies, which take several times the stack.
     let mut in_flight =
@@ -72,7 +69,7 @@ fn answer_all<'s, A, B, Q, const N: usize>(
                 break;
             };
             if is_rounded(pair) {
-                *out = at_once(pair, cache);
+                *out = Q::answer(pair, settings, cache);
                 continue;
             }
             match Suspended::start((pair.a, pair.b, pair.b_in_a), settings, cache, workspace) {
@@ -91,7 +88,7 @@ fn answer_all<'s, A, B, Q, const N: usize>(
         for InFlight { query: suspended, workspace } in &mut in_flight {
             let (Some((at, query)), Some(workspace)) = (suspended.as_mut(), workspace) else { continue };
             let Some(cache) = caches.get_mut(*at) else { continue };
-            if let Some(answer) = query.resume(settings, cache, workspace) {
+            if let Some(answer) = query.resume(cache, workspace) {
                 if let Some(out) = out.get_mut(*at) {
                     *out = answer;
                 }
@@ -104,39 +101,6 @@ fn answer_all<'s, A, B, Q, const N: usize>(
 
 pub(super) fn is_rounded<A: Shape + ?Sized, B: Shape + ?Sized>(pair: &Pair<'_, A, B>) -> bool {
     pair.a.convex_radius() + pair.b.convex_radius() > 0.0
-}
-
-/// [`crate::intersects`] of all pairs. The slices have equal lengths.
-pub(super) fn intersects<A, B>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [Intersection])
-where
-    A: Shape + ?Sized,
-    B: Shape + ?Sized,
-{
-    answer_all::<A, B, IntersectionQuery, IN_FLIGHT>(pairs, &(), caches, out, |pair, cache| {
-        queries::intersects(pair.a, pair.b, pair.b_in_a, cache)
-    });
-}
-
-/// [`crate::distance()`] of all pairs. The slices have equal lengths.
-pub(super) fn distance<A, B>(pairs: &[Pair<'_, A, B>], settings: &Settings, caches: &mut [Cache], out: &mut [Distance])
-where
-    A: Shape + ?Sized,
-    B: Shape + ?Sized,
-{
-    answer_all::<A, B, DistanceQuery, IN_FLIGHT>(pairs, settings, caches, out, |pair, cache| {
-        queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache)
-    });
-}
-
-/// [`crate::contact()`] of all pairs. The slices have equal lengths.
-pub(super) fn contact<A, B>(pairs: &[Pair<'_, A, B>], settings: &Settings, caches: &mut [Cache], out: &mut [Contact])
-where
-    A: Shape + ?Sized,
-    B: Shape + ?Sized,
-{
-    answer_all::<A, B, ContactQuery, CONTACTS_IN_FLIGHT>(pairs, settings, caches, out, |pair, cache| {
-        queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache)
-    });
 }
 
 /// The support points of all queries. The slices have equal lengths.

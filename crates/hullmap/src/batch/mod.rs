@@ -24,15 +24,18 @@ mod in_flight;
 mod moving_pair;
 mod pair;
 mod plan;
+mod query;
 #[cfg(test)]
 mod tests;
 
+use self::in_flight::{CONTACTS_IN_FLIGHT, IN_FLIGHT};
 pub use self::moving_pair::{MovingPair, clear, clear_compounds};
 pub use self::pair::{Pair, SupportQuery};
 use self::plan::Plan;
+use self::query::BatchQuery;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::shapes::Shape;
-use crate::solver::{Cache, Contact, Distance, Intersection, Settings, queries};
+use crate::solver::{Cache, Contact, ContactQuery, Distance, DistanceQuery, Intersection, IntersectionQuery, Settings};
 use crate::support::SupportPoint;
 
 /// Minimum number of pairs per task: about 20 µs of work, ten times the cost of handing a task to
@@ -166,17 +169,8 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    check_lengths(pairs.len(), caches.len(), out.len())?;
-    match Plan::of_contacts(pairs) {
-        Plan::Loop => each(pairs, caches, out, |pair, cache, out| {
-            *out = queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
-        }),
-        Plan::Ahead => in_runs(pairs, caches, out, |pairs, caches, out| ahead::contact(pairs, settings, caches, out)),
-        Plan::InFlight => {
-            in_runs(pairs, caches, out, |pairs, caches, out| in_flight::contact(pairs, settings, caches, out));
-        }
-    }
-    Ok(())
+    let plan = Plan::of_contacts(pairs);
+    answer_all::<A, B, ContactQuery, CONTACTS_IN_FLIGHT>(plan, pairs, settings, caches, out, ahead::contact)
 }
 
 /// Writes the [`distance`](crate::distance()) of each `pairs[i]` to `out[i]`, using `caches[i]`.
@@ -213,17 +207,8 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    check_lengths(pairs.len(), caches.len(), out.len())?;
-    match Plan::of_pairs(pairs) {
-        Plan::Loop => each(pairs, caches, out, |pair, cache, out| {
-            *out = queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
-        }),
-        Plan::Ahead => in_runs(pairs, caches, out, |pairs, caches, out| ahead::distance(pairs, settings, caches, out)),
-        Plan::InFlight => {
-            in_runs(pairs, caches, out, |pairs, caches, out| in_flight::distance(pairs, settings, caches, out));
-        }
-    }
-    Ok(())
+    let (plan, ahead) = (Plan::of_pairs(pairs), ahead::answer_all::<A, B, DistanceQuery>);
+    answer_all::<A, B, DistanceQuery, IN_FLIGHT>(plan, pairs, settings, caches, out, ahead)
 }
 
 /// Writes whether the shapes of each `pairs[i]` [`intersect`](crate::intersects()) to `out[i]`,
@@ -260,15 +245,8 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    check_lengths(pairs.len(), caches.len(), out.len())?;
-    match Plan::of_pairs(pairs) {
-        Plan::Loop => each(pairs, caches, out, |pair, cache, out| {
-            *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
-        }),
-        Plan::Ahead => in_runs(pairs, caches, out, ahead::intersects),
-        Plan::InFlight => in_runs(pairs, caches, out, in_flight::intersects),
-    }
-    Ok(())
+    let (plan, ahead) = (Plan::of_pairs(pairs), ahead::answer_all::<A, B, IntersectionQuery>);
+    answer_all::<A, B, IntersectionQuery, IN_FLIGHT>(plan, pairs, &(), caches, out, ahead)
 }
 
 /// Calls [`Manifold::update`] on each `manifolds[i]` for `pairs[i]`, using `caches[i]`.
@@ -313,6 +291,31 @@ where
         }),
         Plan::Loop | Plan::InFlight => each(pairs, caches, manifolds, |pair, cache, manifold| {
             manifold.update(pair.a, pair.b, pair.b_in_a, settings, cache);
+        }),
+    }
+    Ok(())
+}
+
+/// Answers all pairs as planned, with up to `N` in flight.
+fn answer_all<'s, A, B, Q, const N: usize>(
+    plan: Plan,
+    pairs: &[Pair<'s, A, B>],
+    settings: &Q::Settings,
+    caches: &mut [Cache],
+    out: &mut [Q::Answer],
+    ahead: impl Fn(&[Pair<'s, A, B>], &Q::Settings, &mut [Cache], &mut [Q::Answer]) + Sync,
+) -> Result<(), BatchError>
+where
+    A: Shape + Sync + ?Sized,
+    B: Shape + Sync + ?Sized,
+    Q: BatchQuery,
+{
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    match plan {
+        Plan::Loop => each(pairs, caches, out, |pair, cache, out| *out = Q::answer(pair, settings, cache)),
+        Plan::Ahead => in_runs(pairs, caches, out, |pairs, caches, out| ahead(pairs, settings, caches, out)),
+        Plan::InFlight => in_runs(pairs, caches, out, |pairs, caches, out| {
+            in_flight::answer_all::<A, B, Q, N>(pairs, settings, caches, out);
         }),
     }
     Ok(())

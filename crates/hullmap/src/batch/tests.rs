@@ -12,6 +12,7 @@ use super::plan::Plan;
 use super::*;
 use crate::pack::Pack;
 use crate::shapes::{Capsule, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use crate::solver::queries;
 use crate::{Hull, Overlap, Pose, Status};
 
 type AnyShape<'h> = dyn Shape + Sync + 'h;
@@ -113,13 +114,13 @@ fn intersections_have_the_bits_of_single_queries() {
         let single =
             |pair: &AnyPair<'_, '_>, cache: &mut Cache| queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
         let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Intersection]| {
-            in_flight::intersects(pairs, caches, out);
+            in_flight::answer_all::<_, _, IntersectionQuery, IN_FLIGHT>(pairs, &(), caches, out);
         };
         for found in compare(&shapes, &mut rng, count, single, in_flight) {
             kinds[found.status as usize] += 1;
         }
         let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Intersection]| {
-            ahead::intersects(pairs, caches, out);
+            ahead::answer_all::<_, _, IntersectionQuery>(pairs, &(), caches, out);
         };
         compare(&shapes, &mut rng, count, single, ahead);
     }
@@ -148,10 +149,10 @@ fn distances_have_the_bits_of_single_queries() {
                 queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache)
             };
             let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Distance]| {
-                in_flight::distance(pairs, settings, caches, out);
+                in_flight::answer_all::<_, _, DistanceQuery, IN_FLIGHT>(pairs, settings, caches, out);
             };
             let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Distance]| {
-                ahead::distance(pairs, settings, caches, out);
+                ahead::answer_all::<_, _, DistanceQuery>(pairs, settings, caches, out);
             };
             compare(&shapes, &mut rng, count, single, ahead);
             for found in compare(&shapes, &mut rng, count, single, in_flight) {
@@ -180,7 +181,7 @@ fn contacts_have_the_bits_of_single_queries() {
                 queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache)
             };
             let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Contact]| {
-                in_flight::contact(pairs, settings, caches, out);
+                in_flight::answer_all::<_, _, ContactQuery, CONTACTS_IN_FLIGHT>(pairs, settings, caches, out);
             };
             let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Contact]| {
                 ahead::contact(pairs, settings, caches, out);

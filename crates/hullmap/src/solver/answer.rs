@@ -96,25 +96,22 @@ impl Default for Contact {
     }
 }
 
-/// No contact: `axis` separates the shapes. Stores the axis in the cache.
-pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    cache: &mut Cache,
-    axis: DVec3,
-    iterations: u32,
-) -> Contact {
-    let axis = unit(axis).unwrap_or(DVec3::X);
-    cache.set_axis(axis);
-    let center = m.center_point();
-    Contact {
-        hit: false,
-        status: Status::Separated,
-        depth_upper: 0.0,
-        normal: axis,
-        point_a: center.a,
-        point_b: center.b(),
-        iterations,
-        support_calls: m.support_calls(),
-        ..Contact::default()
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
+    /// No contact: `axis` separates the shapes. Stores the axis in the cache.
+    pub(super) fn separated_contact(&self, cache: &mut Cache, axis: DVec3, iterations: u32) -> Contact {
+        let axis = unit(axis).unwrap_or(DVec3::X);
+        cache.set_axis(axis);
+        let center = self.center_point();
+        Contact {
+            hit: false,
+            status: Status::Separated,
+            depth_upper: 0.0,
+            normal: axis,
+            point_a: center.a,
+            point_b: center.b(),
+            iterations,
+            support_calls: self.support_calls(),
+            ..Contact::default()
+        }
     }
 }

@@ -43,10 +43,9 @@ pub(crate) fn on_segment(p: DVec3, q: DVec3) -> Nearest<2> {
     Nearest { weights: [1.0 - t, t], point: p + edge * t }
 }
 
-/// The closest point on the triangle `p`, `q`, `r`, if it is in the interior and the triangle has
-/// an area.
-#[inline]
-fn inside_triangle(p: DVec3, q: DVec3, r: DVec3) -> Option<Nearest<3>> {
+/// The closest point on the triangle `p`, `q`, `r`. A triangle without area counts as its three
+/// edges.
+pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     let (pq, pr) = (q - p, r - p);
     let n = pq.cross(pr);
     let n_sq = n.length_squared();
@@ -54,25 +53,14 @@ fn inside_triangle(p: DVec3, q: DVec3, r: DVec3) -> Option<Nearest<3>> {
     let at_r = n.dot(p.cross(pq));
     let at_p = n_sq - at_q - at_r;
     // NaN takes the failing branch.
-    let inside = at_p >= 0.0
+    let is_inside = at_p >= 0.0
         && at_q >= 0.0
         && at_r >= 0.0
         && n_sq > MIN_SINE * MIN_SINE * pq.length_squared() * pr.length_squared();
-    inside.then(|| {
+    if is_inside {
         let scale = 1.0 / (at_p + at_q + at_r);
-        Nearest {
-            weights: [at_p * scale, at_q * scale, at_r * scale],
-            // The plane gives more accurate digits for a direction than the weights do.
-            point: n * (n.dot(p) / n_sq),
-        }
-    })
-}
-
-/// The closest point on the triangle `p`, `q`, `r`. A triangle without area counts as its three
-/// edges.
-pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
-    if let Some(inside) = inside_triangle(p, q, r) {
-        return inside;
+        // The plane gives more accurate digits for a direction than the weights do.
+        return Nearest { weights: [at_p * scale, at_q * scale, at_r * scale], point: n * (n.dot(p) / n_sq) };
     }
     let (on_pq, on_qr, on_rp) = (on_segment(p, q), on_segment(q, r), on_segment(r, p));
     let mut best = Nearest { weights: [0.0, on_qr.weights[0], on_qr.weights[1]], point: on_qr.point };
@@ -273,6 +261,8 @@ pub(crate) fn blend<const N: usize>(weights: &[f64; N], points: [DVec3; N]) -> D
 
 #[cfg(test)]
 mod tests {
+    use ::shapes::rng::SplitMix64;
+
     use super::*;
 
     fn assert_weights<const N: usize>(nearest: &Nearest<N>, points: [DVec3; N], expected: DVec3) {
@@ -305,12 +295,10 @@ mod tests {
     /// Compares the fast path with the slow one, for vertices that GJK would add.
     #[test]
     fn fast_path_with_the_newest_vertex_agrees_with_the_full_simplex() {
-        let mut rng = ::shapes::rng::SplitMix64::new(8);
+        let mut rng = SplitMix64::new(8);
         let mut counts = [0; 5];
         for _ in 0..4000 {
-            let at = |rng: &mut ::shapes::rng::SplitMix64| {
-                DVec3::from_array(rng.direction()) * rng.between(0.2, 1.0) + DVec3::X * 0.8
-            };
+            let at = |rng: &mut SplitMix64| DVec3::from_array(rng.direction()) * rng.between(0.2, 1.0) + DVec3::X * 0.8;
             let mut v = [DVec3::ZERO; 4].map(|_| at(&mut rng));
             for count in 1..4 {
                 // As in the search, only the vertices that span the closest point stay.
@@ -344,11 +332,11 @@ mod tests {
 
     #[test]
     fn correction_repairs_the_weights_of_slivers() {
-        let mut rng = ::shapes::rng::SplitMix64::new(5);
+        let mut rng = SplitMix64::new(5);
         let (mut worst, mut worst_corrected) = (0.0_f64, 0.0_f64);
         for round in 0..3000 {
             let thin = [1e-4, 1e-6, 1e-8][round % 3];
-            let dir = |rng: &mut ::shapes::rng::SplitMix64| DVec3::from_array(rng.direction());
+            let dir = |rng: &mut SplitMix64| DVec3::from_array(rng.direction());
             let (x, y) = (dir(&mut rng), dir(&mut rng));
             let around =
                 [x * -1.1 + y * thin * 0.3, x * 0.9 + y * thin * 0.2, x * 0.3 - y * thin * rng.between(0.2, 0.9)];

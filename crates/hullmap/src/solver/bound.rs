@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::barycentric::{blend, on_segment, on_triangle};
-use super::gjk::{Simplex, closest_within};
+use super::gjk::Simplex;
 use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 
@@ -119,7 +119,7 @@ impl Bound {
             if simplex.is_empty() {
                 simplex.push(m.point(normal));
             }
-            let near = closest_within(m, &mut simplex, enough, 0.0, MAX_STEPS);
+            let near = m.closest_within(&mut simplex, enough, 0.0, MAX_STEPS);
             let (point_a, _, off) = simplex.witnesses(near.upper, m.noise());
             // NaN is no improvement.
             if off.length() < self.off() {

@@ -23,17 +23,17 @@
 //!   refined to the surface is a poor start for EPA.
 //! - A depth of zero has a normal, and a status of its own.
 
-use super::answer::{Contact, separated_contact};
+use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
-use super::epa::{self, Expansion};
+use super::epa::{self, EpaSearch, Expansion};
 use super::minkowski::{Minkowski, Point, Step};
-use super::mpr::{self, Found, Until};
+use super::mpr::{Found, MprSearch, Until};
 use super::sat;
 use super::scratch::Workspace;
 use super::settings::Settings;
 use super::status::Status;
-use super::steps::{SteppedQuery, at_once};
+use super::steps::{Solver, SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -49,7 +49,7 @@ pub(super) fn core_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Contact {
-    at_once::<A, B, ContactQuery>(&mut Minkowski::new(a, b, b_in_a), settings, cache)
+    at_once::<A, B, ContactQuery>((a, b, b_in_a), settings, cache)
 }
 
 /// Contact by the separating axis test alone, whether it pays or not; `None` if it does not decide,
@@ -82,216 +82,207 @@ pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Some(out)
 }
 
-/// A contact query in steps. It waits for a support point.
+/// A contact query in steps.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum ContactQuery {
-    /// Along this separating axis of the cache.
-    Axis(DVec3),
-    /// For MPR.
-    Portal(mpr::MprSearch),
-    /// For EPA, after this number of steps of MPR.
-    Expansion(epa::EpaSearch, u32),
+pub(crate) struct ContactQuery {
+    tolerance: f64,
+    max_iterations: u32,
+    search: Search,
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for ContactQuery {
+/// What waits for a support point.
+#[derive(Clone, Copy, Debug)]
+enum Search {
+    /// The test of this separating axis of the cache.
+    Axis(DVec3),
+    Portal(MprSearch),
+    /// EPA, after this number of steps of MPR.
+    Expansion(EpaSearch, u32),
+}
+
+impl SteppedQuery for ContactQuery {
     type Settings = Settings;
     type Answer = Contact;
     type Workspace = Workspace;
 
-    fn new() -> Self {
-        Self::Axis(DVec3::ZERO)
+    #[inline(always)]
+    fn new(settings: &Settings) -> Self {
+        let (tolerance, max_iterations) = (settings.relative_tolerance(), settings.max_iterations);
+        Self { tolerance, max_iterations, search: Search::Axis(DVec3::ZERO) }
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
+    fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, Self, Workspace>,
         point: Option<Point>,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
     ) -> Step<Contact> {
         let Some(point) = point else {
             // Step 1, up to the last separating axis.
-            if let Some(axis) = m.axis_of_balls() {
-                return Step::Answer(separated_contact(m, cache, axis, 0));
+            if let Some(axis) = solver.m.axis_of_balls() {
+                return Step::Answer(solver.m.separated_contact(solver.cache, axis, 0));
             }
-            if let Some(axis) = cache.axis() {
-                *self = Self::Axis(axis);
-                return Step::Ask(axis);
-            }
-            return self.after_axis(m, settings, cache, workspace);
+            let Some(axis) = solver.cache.axis() else { return solver.after_axis() };
+            solver.query.search = Search::Axis(axis);
+            return Step::Ask(axis);
         };
-        match self {
-            Self::Axis(axis) if m.separates(*axis, &point) => Step::Answer(separated_contact(m, cache, *axis, 0)),
-            Self::Axis(_) => self.after_axis(m, settings, cache, workspace),
-            Self::Portal(search) => match search.continue_with(point) {
+        match &mut solver.query.search {
+            Search::Axis(axis) if solver.m.separates(*axis, &point) => {
+                Step::Answer(solver.m.separated_contact(solver.cache, *axis, 0))
+            }
+            Search::Axis(_) => solver.after_axis(),
+            Search::Portal(search) => match search.continue_with(point) {
                 None => Step::Ask(search.direction()),
-                Some(found) => self.after_portal(found, m, settings, cache, workspace),
+                Some(found) => solver.after_portal(found),
             },
-            Self::Expansion(..) => self.expand(Some(point), m, settings, cache, workspace),
+            Search::Expansion(..) => solver.expand(Some(point)),
         }
     }
 }
 
-impl ContactQuery {
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, ContactQuery, Workspace> {
     /// The rest of step 1, and steps 2 and 3: the axis of the cache does not separate the shapes.
     #[inline(always)]
-    fn after_axis<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Step<Contact> {
-        let tolerance = settings.relative_tolerance();
-        if let Some(found) = contact_of_balls(m, tolerance) {
-            cache.forget_axis();
+    fn after_axis(mut self) -> Step<Contact> {
+        let ContactQuery { tolerance, max_iterations, .. } = *self.query;
+        if let Some(found) = contact_of_balls(self.m, tolerance) {
+            self.cache.forget_axis();
             return Step::Answer(found);
         }
-        if settings.max_iterations == 0 {
-            return self.start_portal(m, Until::Surface { tolerance });
+        if max_iterations == 0 {
+            return self.start_portal(Until::Surface { tolerance });
         }
-        if let Some(facets) = m.facets()
-            && sat::pays(m, &facets, cache)
-            && let Some(found) = sat::contact(m, facets, tolerance, cache)
+        if let Some(facets) = self.m.facets()
+            && sat::pays(self.m, &facets, self.cache)
+            && let Some(found) = sat::contact(self.m, facets, tolerance, self.cache)
         {
-            return Step::Answer(Contact { support_calls: m.support_calls(), ..found });
+            return Step::Answer(Contact { support_calls: self.m.support_calls(), ..found });
         }
-        let terms = epa::Terms::new(m, Some(tolerance), settings.max_iterations);
-        match epa::EpaSearch::start_again(m, terms, cache, workspace) {
+        let terms = epa::Terms::new(self.m, Some(tolerance), max_iterations);
+        match self.start_from_cache(terms) {
             Some(search) => {
-                *self = Self::Expansion(search, 0);
-                self.expand(None, m, settings, cache, workspace)
+                self.query.search = Search::Expansion(search, 0);
+                self.expand(None)
             }
-            None => self.start_portal(m, Until::Decided),
+            None => self.start_portal(Until::Decided),
         }
     }
 
     /// Steps 4 and 5, up to the first support query.
     #[inline(always)]
-    fn start_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        m: &Minkowski<'_, A, B>,
-        until: Until,
-    ) -> Step<Contact> {
-        let search = mpr::MprSearch::new(m, until);
+    fn start_portal(self, until: Until) -> Step<Contact> {
+        let search = MprSearch::new(self.m, until);
         let dir = search.direction();
-        *self = Self::Portal(search);
+        self.query.search = Search::Portal(search);
         Step::Ask(dir)
     }
 
     /// Step 6, from what MPR has found.
     #[inline(always)]
-    fn after_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        found: Found,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Step<Contact> {
-        let Self::Portal(search) = self else { return Step::Answer(Contact::default()) };
+    fn after_portal(mut self, found: Found) -> Step<Contact> {
+        let Search::Portal(search) = &self.query.search else { return Step::Answer(Contact::default()) };
         let (portal, bound, iterations) = (search.portal(), search.bound(), search.iterations());
         let start = match found {
             Found::Separated { axis } => {
-                cache.set_separation(axis, &portal.vertices);
-                return Step::Answer(separated_contact(m, cache, axis, iterations));
+                self.cache.set_separation(axis, &portal.vertices);
+                return Step::Answer(self.m.separated_contact(self.cache, axis, iterations));
             }
-            Found::Portal { .. } => Some(portal.tetrahedron(m)),
+            Found::Portal { .. } => Some(portal.tetrahedron(self.m)),
             Found::Nothing => None,
         };
-        let terms = epa::Terms::new(m, Some(settings.relative_tolerance()), settings.max_iterations);
-        match epa::EpaSearch::start(m, start, terms, bound, cache, workspace) {
+        let terms = epa::Terms::new(self.m, Some(self.query.tolerance), self.query.max_iterations);
+        match self.start_expansion(start, terms, bound) {
             Ok(search) => {
-                *self = Self::Expansion(search, iterations);
-                self.expand(None, m, settings, cache, workspace)
+                self.cache.forget_polytope();
+                self.query.search = Search::Expansion(search, iterations);
+                self.expand(None)
             }
-            Err(flat) => Step::Answer(contact_from_expansion(m, cache, &flat, settings, iterations)),
+            Err(flat) => {
+                Step::Answer(self.m.contact_from_expansion(&flat, self.query.tolerance, iterations, self.cache))
+            }
         }
     }
 
     /// Steps 6 and 7, from the start of EPA, or with the next support point.
     #[inline(always)]
-    fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        point: Option<Point>,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Step<Contact> {
-        let Self::Expansion(search, before) = self else { return Step::Answer(Contact::default()) };
-        match search.advance(point, m, cache, workspace) {
+    fn expand(self, point: Option<Point>) -> Step<Contact> {
+        let Search::Expansion(search, before) = &mut self.query.search else {
+            return Step::Answer(Contact::default());
+        };
+        let (before, solver) =
+            (*before, Solver { query: search, m: self.m, cache: self.cache, workspace: self.workspace });
+        match solver.advance(point) {
             Step::Ask(dir) => Step::Ask(dir),
             Step::Answer(Some(expanded)) => {
-                let iterations = *before + expanded.iterations;
-                Step::Answer(contact_from_expansion(m, cache, &expanded, settings, iterations))
+                let iterations = before + expanded.iterations;
+                let tolerance = self.query.tolerance;
+                Step::Answer(self.m.contact_from_expansion(&expanded, tolerance, iterations, self.cache))
             }
             // The polytope of the cache is of no use.
-            Step::Answer(None) => self.start_portal(m, Until::Decided),
+            Step::Answer(None) => self.start_portal(Until::Decided),
         }
     }
 }
 
-/// The contact that follows from the outcome of EPA.
-fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    cache: &mut Cache,
-    expanded: &Expansion,
-    settings: &Settings,
-    iterations: u32,
-) -> Contact {
-    let tolerance = settings.relative_tolerance();
-    let Bound { upper, normal, point_a, point_b } = expanded.bound;
-    if expanded.end == epa::End::Separated {
-        return separated_contact(m, cache, normal, iterations);
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
+    /// The contact that follows from the outcome of EPA.
+    fn contact_from_expansion(
+        &self,
+        expanded: &Expansion,
+        tolerance: f64,
+        iterations: u32,
+        cache: &mut Cache,
+    ) -> Contact {
+        let Bound { upper, normal, point_a, point_b } = expanded.bound;
+        if expanded.end == epa::End::Separated {
+            return self.separated_contact(cache, normal, iterations);
+        }
+        cache.forget_axis();
+        let rounding = self.rounding_error();
+        let depth_lower = (expanded.lower - self.noise()).max(0.0);
+        // The expansion may prove a face to be the nearest before it tests whether its offset is
+        // zero.
+        let touching = match expanded.end {
+            epa::End::Touching => upper <= epa::FLAT_ROUNDINGS * rounding,
+            // The origin may lie in the plane of a flat difference, but outside the difference.
+            epa::End::Stalled => false,
+            _ => upper <= epa::TOUCHING_ROUNDINGS * rounding,
+        };
+        let off = expanded.bound.off();
+        // Shapes that only touch need not have opposite witness points.
+        let roundings = if touching && depth_lower == 0.0 { epa::BESIDE_ROUNDINGS } else { FOOT_ROUNDINGS };
+        // The interval is as wide as the witness points are off. NaN takes the failing branch.
+        let width = upper - expanded.lower.max(0.0);
+        let is_settled = off <= width.max(0.0) + roundings * rounding;
+        let width = if is_settled { upper - expanded.lower } else { off.max(upper - expanded.lower) };
+        let status = match expanded.end {
+            epa::End::Limit if !touching => Status::IterationLimit,
+            // A pair with a positive lower bound penetrates, however little.
+            _ if touching && is_settled && depth_lower == 0.0 => Status::Touching,
+            _ if touching && is_settled => Status::Exact,
+            epa::End::Stalled | epa::End::Separated => Status::Stalled,
+            _ if width <= rounding => Status::Exact,
+            _ if width <= tolerance * upper + 2.0 * rounding => Status::Within,
+            // The face is on the surface, but the polytope is too thin to enclose the origin for
+            // certain, or the witness points are not opposite each other.
+            _ => Status::Stalled,
+        };
+        let depth_lower = if status == Status::Within { depth_lower.min(upper - width).max(0.0) } else { depth_lower };
+        Contact {
+            hit: true,
+            status,
+            depth: if status == Status::Touching { 0.0 } else { upper.max(depth_lower) },
+            depth_lower,
+            depth_upper: upper.max(0.0) + rounding,
+            normal: unit(normal).unwrap_or(DVec3::X),
+            point_a,
+            point_b,
+            iterations,
+            support_calls: self.support_calls(),
+            features: expanded.features,
+            ..Contact::default()
+        }
+        .with_others(expanded.others - self.noise(), self.outer_radius())
     }
-    cache.forget_axis();
-    let rounding = m.rounding_error();
-    let depth_lower = (expanded.lower - m.noise()).max(0.0);
-    // The expansion may prove a face to be the nearest before it tests whether its offset is zero.
-    let touching = match expanded.end {
-        epa::End::Touching => upper <= epa::FLAT_ROUNDINGS * rounding,
-        // The origin may lie in the plane of a flat difference, but outside the difference.
-        epa::End::Stalled => false,
-        _ => upper <= epa::TOUCHING_ROUNDINGS * rounding,
-    };
-    let off = expanded.bound.off();
-    // Shapes that only touch need not have opposite witness points.
-    let roundings = if touching && depth_lower == 0.0 { epa::BESIDE_ROUNDINGS } else { FOOT_ROUNDINGS };
-    // The interval is as wide as the witness points are off. NaN takes the failing branch.
-    let width = upper - expanded.lower.max(0.0);
-    let is_settled = off <= width.max(0.0) + roundings * rounding;
-    let width = if is_settled { upper - expanded.lower } else { off.max(upper - expanded.lower) };
-    let status = match expanded.end {
-        epa::End::Limit if !touching => Status::IterationLimit,
-        // A pair with a positive lower bound penetrates, however little.
-        _ if touching && is_settled && depth_lower == 0.0 => Status::Touching,
-        _ if touching && is_settled => Status::Exact,
-        epa::End::Stalled | epa::End::Separated => Status::Stalled,
-        _ if width <= rounding => Status::Exact,
-        _ if width <= tolerance * upper + 2.0 * rounding => Status::Within,
-        // The face is on the surface, but the polytope is too thin to enclose the origin for
-        // certain, or the witness points are not opposite each other.
-        _ => Status::Stalled,
-    };
-    let depth_lower = if status == Status::Within { depth_lower.min(upper - width).max(0.0) } else { depth_lower };
-    Contact {
-        hit: true,
-        status,
-        depth: if status == Status::Touching { 0.0 } else { upper.max(depth_lower) },
-        depth_lower,
-        depth_upper: upper.max(0.0) + rounding,
-        normal: unit(normal).unwrap_or(DVec3::X),
-        point_a,
-        point_b,
-        iterations,
-        support_calls: m.support_calls(),
-        features: expanded.features,
-        ..Contact::default()
-    }
-    .with_others(expanded.others - m.noise(), m.outer_radius())
 }
 
 /// Contact of shapes that are balls within the tolerance. The line of centres gives it, with one
@@ -340,8 +331,7 @@ mod tests {
             let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
             let (features, others) = (Point::CENTER, 0.0);
             let expanded = Expansion { end: epa::End::Touching, lower, bound, iterations: 1, features, others };
-            let exact = Settings { tolerance: 0.0, ..Settings::default() };
-            contact_from_expansion(&m, &mut Cache::new(), &expanded, &exact, 1)
+            m.contact_from_expansion(&expanded, 0.0, 1, &mut Cache::new())
         };
         let deep = found(1.25 * m.noise(), 1.5 * m.noise());
         assert_eq!(deep.status, Status::Exact);

@@ -13,12 +13,11 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
-use super::gjk::{self, Closest, Simplex};
-use super::intersection::decide_by_expansion;
-use super::minkowski::{Minkowski, Point, Step};
+use super::gjk::{self, Closest, GjkSearch, Simplex};
+use super::minkowski::{Point, Step};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
-use super::steps::{SteppedQuery, at_once};
+use super::steps::{Solver, SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -88,50 +87,47 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Distance {
-    at_once::<A, B, DistanceQuery>(&mut Minkowski::new(a, b, b_in_a), settings, cache)
+    at_once::<A, B, DistanceQuery>((a, b, b_in_a), settings, cache)
 }
 
 /// A distance query in steps. It waits for a support point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceQuery {
+    settings: Settings,
     simplex: Simplex,
     /// `None` while the support point is the first vertex of the simplex.
-    search: Option<gjk::GjkSearch>,
+    search: Option<GjkSearch>,
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for DistanceQuery {
+impl SteppedQuery for DistanceQuery {
     type Settings = Settings;
     type Answer = Distance;
     type Workspace = ();
 
     #[inline(always)]
-    fn new() -> Self {
-        Self { simplex: Simplex::empty(), search: None }
+    fn new(settings: &Settings) -> Self {
+        Self { settings: *settings, simplex: Simplex::empty(), search: None }
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
+    fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, Self, ()>,
         mut point: Option<Point>,
-        m: &mut Minkowski<'_, A, B>,
-        settings: &Settings,
-        cache: &mut Cache,
-        (): &mut (),
     ) -> Step<Distance> {
-        let Self { simplex, search } = self;
+        let (m, Self { settings, simplex, search }) = (&*solver.m, &mut *solver.query);
         if point.is_none() {
             if m.inner_balls_overlap() {
-                cache.forget_axis();
+                solver.cache.forget_axis();
                 let common = m.point_in_both_balls();
-                return Step::Answer(Distance { point_a: common, point_b: common, ..overlapping(m) });
+                return Step::Answer(Distance { point_a: common, point_b: common, ..solver.overlapping() });
             }
-            for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+            for vertex in solver.cache.simplex().iter().filter_map(|features| m.recall(*features)) {
                 if !simplex.contains(vertex.w) {
                     simplex.push(vertex);
                 }
             }
             if simplex.is_empty() {
-                match cache.start() {
+                match solver.cache.start() {
                     Some(axis) => return Step::Ask(axis),
                     None => _ = simplex.push(m.center_point()),
                 }
@@ -144,109 +140,102 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for Dist
                     simplex.push(first);
                 }
                 let (rounding, tolerance) = (m.rounding_error(), settings.relative_tolerance());
-                none.insert(gjk::GjkSearch::new(simplex, rounding, rounding, tolerance, settings.max_iterations))
+                none.insert(GjkSearch::new(simplex, rounding, rounding, tolerance, settings.max_iterations))
             }
         };
         match search.advance(simplex, point) {
             Step::Ask(dir) => Step::Ask(dir),
-            Step::Answer(found) => Step::Answer(conclude(m, simplex, &found, settings, cache)),
+            Step::Answer(found) => Step::Answer(solver.conclude(&found)),
         }
     }
 }
 
-/// The answer if the search proves nothing else: shapes that overlap.
-#[inline(always)]
-fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>) -> Distance {
-    let center = m.center_point();
-    Distance {
-        status: Status::Overlapping,
-        upper: 0.0,
-        normal: unit(-center.w).unwrap_or(DVec3::X),
-        point_a: center.a,
-        point_b: center.b(),
-        ..Distance::default()
-    }
-}
-
-#[inline(always)]
-fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    simplex: &Simplex,
-    found: &Closest,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Distance {
-    let (rounding, tolerance, center) = (m.rounding_error(), settings.relative_tolerance(), m.center_point().w);
-    let mut out = overlapping(m);
-    cache.set_simplex(simplex.features());
-    out.features = Point::first_features(simplex.features());
-    let (point_a, point_b, between) = simplex.witnesses(found.upper, m.noise());
-    (out.point_a, out.point_b) = (point_a, point_b);
-    out.iterations = found.iterations;
-    if found.normal != DVec3::ZERO {
-        out.normal = found.normal;
-    }
-    let separated = found.lower > rounding;
-    if separated {
-        cache.set_axis(out.normal);
-    } else {
-        cache.forget_axis();
-    }
-    if found.end == gjk::End::Inside && !separated {
-        out.support_calls = m.support_calls();
-        return out;
-    }
-    // The distance of the returned witness points, not of the search's last plane: rounding error
-    // in the search cannot make it wrong.
-    out.distance = between.length();
-    let by_balls = center.length() - m.outer_radius();
-    if by_balls > found.lower {
-        // The planes that prove it are perpendicular to the line of centres.
-        out.normal = unit(-center).unwrap_or(out.normal);
-    }
-    let lower = found.lower.max(by_balls);
-    (out.lower, out.upper) = ((lower - rounding).max(0.0), out.distance + m.noise());
-    out.status = match found.end {
-        gjk::End::Converged if out.distance - lower <= rounding => Status::Exact,
-        gjk::End::Converged if out.distance - lower <= tolerance * out.distance + 2.0 * rounding => Status::Within,
-        gjk::End::Limit => Status::IterationLimit,
-        _ => Status::Stalled,
-    };
-    if found.upper <= 2.0 * rounding && !separated {
-        settle_at_origin(m, &mut out, cache);
-    }
-    out.support_calls = m.support_calls();
-    out
-}
-
-/// The origin is on the simplex, within rounding error. Decides by EPA whether it is inside the
-/// Minkowski difference or on its surface.
-#[inline(always)]
-fn settle_at_origin<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    out: &mut Distance,
-    cache: &mut Cache,
-) {
-    let (overlap, bound, steps) = decide_by_expansion(m, None, cache);
-    out.iterations += steps;
-    // Witness points that nearly coincide give no direction. The face that the origin is on does.
-    if overlap != Overlap::Overlapping && bound.normal != DVec3::ZERO {
-        out.normal = bound.normal;
-        let length = bound.point_a.distance(bound.point_b);
-        if length < out.distance {
-            (out.point_a, out.point_b, out.upper) = (bound.point_a, bound.point_b, length + m.noise());
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, DistanceQuery, ()> {
+    /// The answer if the search proves nothing else: shapes that overlap.
+    #[inline(always)]
+    fn overlapping(&self) -> Distance {
+        let center = self.m.center_point();
+        Distance {
+            status: Status::Overlapping,
+            upper: 0.0,
+            normal: unit(-center.w).unwrap_or(DVec3::X),
+            point_a: center.a,
+            point_b: center.b(),
+            ..Distance::default()
         }
     }
-    out.lower = 0.0;
-    match overlap {
-        Overlap::Overlapping => {
-            let (points, steps) = Bound::common_point(m, [out.point_a, out.point_b], out.normal);
-            [out.point_a, out.point_b] = points;
-            out.iterations += steps;
-            (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0);
+
+    #[inline(always)]
+    fn conclude(mut self, found: &Closest) -> Distance {
+        let (rounding, center, simplex) = (self.m.rounding_error(), self.m.center_point().w, &self.query.simplex);
+        let (mut out, tolerance) = (self.overlapping(), self.query.settings.relative_tolerance());
+        self.cache.set_simplex(simplex.features());
+        out.features = Point::first_features(simplex.features());
+        let (point_a, point_b, between) = simplex.witnesses(found.upper, self.m.noise());
+        (out.point_a, out.point_b) = (point_a, point_b);
+        out.iterations = found.iterations;
+        if found.normal != DVec3::ZERO {
+            out.normal = found.normal;
         }
-        Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
-        // The shapes may penetrate.
-        Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),
+        let separated = found.lower > rounding;
+        if separated {
+            self.cache.set_axis(out.normal);
+        } else {
+            self.cache.forget_axis();
+        }
+        if found.end == gjk::End::Inside && !separated {
+            out.support_calls = self.m.support_calls();
+            return out;
+        }
+        // The distance of the returned witness points, not of the search's last plane: rounding
+        // error in the search cannot make it wrong.
+        out.distance = between.length();
+        let by_balls = center.length() - self.m.outer_radius();
+        if by_balls > found.lower {
+            // The planes that prove it are perpendicular to the line of centres.
+            out.normal = unit(-center).unwrap_or(out.normal);
+        }
+        let lower = found.lower.max(by_balls);
+        (out.lower, out.upper) = ((lower - rounding).max(0.0), out.distance + self.m.noise());
+        out.status = match found.end {
+            gjk::End::Converged if out.distance - lower <= rounding => Status::Exact,
+            gjk::End::Converged if out.distance - lower <= tolerance * out.distance + 2.0 * rounding => Status::Within,
+            gjk::End::Limit => Status::IterationLimit,
+            _ => Status::Stalled,
+        };
+        if found.upper <= 2.0 * rounding && !separated {
+            self.settle_at_origin(&mut out);
+        }
+        out.support_calls = self.m.support_calls();
+        out
+    }
+
+    /// The origin is on the simplex, within rounding error. Decides by EPA whether it is inside the
+    /// Minkowski difference or on its surface.
+    #[inline(always)]
+    fn settle_at_origin(&mut self, out: &mut Distance) {
+        let (overlap, bound, steps) = self.m.decide_by_expansion(None, self.cache);
+        out.iterations += steps;
+        // Witness points that nearly coincide give no direction. The face that the origin is on
+        // does.
+        if overlap != Overlap::Overlapping && bound.normal != DVec3::ZERO {
+            out.normal = bound.normal;
+            let length = bound.point_a.distance(bound.point_b);
+            if length < out.distance {
+                (out.point_a, out.point_b, out.upper) = (bound.point_a, bound.point_b, length + self.m.noise());
+            }
+        }
+        out.lower = 0.0;
+        match overlap {
+            Overlap::Overlapping => {
+                let (points, steps) = Bound::common_point(self.m, [out.point_a, out.point_b], out.normal);
+                [out.point_a, out.point_b] = points;
+                out.iterations += steps;
+                (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0);
+            }
+            Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
+            // The shapes may penetrate.
+            Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),
+        }
     }
 }

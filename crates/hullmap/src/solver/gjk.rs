@@ -226,21 +226,23 @@ pub(super) struct Closest {
     pub(super) iterations: u32,
 }
 
-/// GJK: searches from `simplex`, in place, until upper − lower ≤ `tolerance` · upper + rounding
-/// error, or until the upper bound is at most `enough`.
-pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    simplex: &mut Simplex,
-    enough: f64,
-    tolerance: f64,
-    max_iterations: u32,
-) -> Closest {
-    let mut search = GjkSearch::new(simplex, m.rounding_error(), enough, tolerance, max_iterations);
-    let mut point = None;
-    loop {
-        match search.advance(simplex, point) {
-            Step::Ask(dir) => point = Some(m.point(dir)),
-            Step::Answer(found) => return found,
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
+    /// GJK: searches from `simplex`, in place, until upper − lower ≤ `tolerance` · upper + rounding
+    /// error, or until the upper bound is at most `enough`.
+    pub(super) fn closest_within(
+        &mut self,
+        simplex: &mut Simplex,
+        enough: f64,
+        tolerance: f64,
+        max_iterations: u32,
+    ) -> Closest {
+        let mut search = GjkSearch::new(simplex, self.rounding_error(), enough, tolerance, max_iterations);
+        let mut point = None;
+        loop {
+            match search.advance(simplex, point) {
+                Step::Ask(dir) => point = Some(self.point(dir)),
+                Step::Answer(found) => return found,
+            }
         }
     }
 }

@@ -15,17 +15,13 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
-use super::epa::{self, Expansion};
 use super::minkowski::{Minkowski, Point, Step};
-use super::mpr::{self, Found, Portal, Until, is_clearly_negative};
+use super::mpr::{Found, MprSearch, Portal, Until, is_clearly_negative};
 use super::status::Overlap;
-use super::steps::{SteppedQuery, at_once};
+use super::steps::{Solver, SteppedQuery, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use glam::DVec3;
-
-/// Maximum number of EPA steps for a decision. Touching pairs need about a dozen.
-const MAX_DECISION_STEPS: u32 = 250;
 
 /// Answer of [`intersects`](crate::intersects()).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +72,7 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     b_in_a: Pose,
     cache: &mut Cache,
 ) -> Intersection {
-    at_once::<A, B, IntersectionQuery>(&mut Minkowski::new(a, b, b_in_a), &(), cache)
+    at_once::<A, B, IntersectionQuery>((a, b, b_in_a), &(), cache)
 }
 
 /// An intersection test in steps. It waits for a support point.
@@ -86,111 +82,99 @@ pub(crate) enum IntersectionQuery {
     /// Along this separating axis of the cache.
     Axis(DVec3),
     /// For MPR.
-    Portal(mpr::MprSearch),
+    Portal(MprSearch),
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SteppedQuery<A, B> for IntersectionQuery {
+impl SteppedQuery for IntersectionQuery {
     type Settings = ();
     type Answer = Intersection;
     type Workspace = ();
 
-    fn new() -> Self {
+    fn new((): &()) -> Self {
         Self::Axis(DVec3::ZERO)
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
+    fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, Self, ()>,
         point: Option<Point>,
-        m: &mut Minkowski<'_, A, B>,
-        (): &(),
-        cache: &mut Cache,
-        (): &mut (),
     ) -> Step<Intersection> {
         let Some(point) = point else {
-            if m.inner_balls_overlap() {
-                cache.forget_axis();
-                return answer(m, Overlap::Overlapping, 0);
+            if solver.m.inner_balls_overlap() {
+                solver.cache.forget_axis();
+                return solver.answer(Overlap::Overlapping, 0);
             }
-            if let Some(axis) = m.axis_of_balls() {
-                cache.set_axis(axis);
-                return answer(m, Overlap::Separated, 0);
+            if let Some(axis) = solver.m.axis_of_balls() {
+                solver.cache.set_axis(axis);
+                return solver.answer(Overlap::Separated, 0);
             }
-            if let Some(axis) = cache.axis() {
-                *self = Self::Axis(axis);
-                return Step::Ask(axis);
-            }
-            return self.after_axis(m, cache);
+            let Some(axis) = solver.cache.axis() else { return solver.after_axis() };
+            *solver.query = Self::Axis(axis);
+            return Step::Ask(axis);
         };
-        match self {
-            Self::Axis(axis) if m.separates(*axis, &point) => answer(m, Overlap::Separated, 0),
-            Self::Axis(_) => self.after_axis(m, cache),
+        match &mut *solver.query {
+            Self::Axis(axis) if solver.m.separates(*axis, &point) => solver.answer(Overlap::Separated, 0),
+            Self::Axis(_) => solver.after_axis(),
             Self::Portal(search) => match search.continue_with(point) {
                 None => Step::Ask(search.direction()),
                 Some(found) => {
-                    let (status, iterations) = conclude(m, cache, found, search.portal(), search.iterations());
-                    answer(m, status, iterations)
+                    let (status, steps) = conclude(solver.m, solver.cache, found, search.portal());
+                    let iterations = search.iterations() + steps;
+                    solver.answer(status, iterations)
                 }
             },
         }
     }
 }
 
-impl IntersectionQuery {
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, IntersectionQuery, ()> {
+    #[inline(always)]
+    fn answer(&self, status: Overlap, iterations: u32) -> Step<Intersection> {
+        Step::Answer(Intersection { status, iterations, support_calls: self.m.support_calls() })
+    }
+
     /// The portal of step 2, then step 3.
     #[inline(always)]
-    fn after_axis<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        m: &Minkowski<'_, A, B>,
-        cache: &mut Cache,
-    ) -> Step<Intersection> {
-        if cache.portal().is_some_and(|features| cached_portal_encloses(m, features)) {
-            cache.forget_axis();
-            return answer(m, Overlap::Overlapping, 0);
+    fn after_axis(self) -> Step<Intersection> {
+        if self.cache.portal().is_some_and(|features| cached_portal_encloses(self.m, features)) {
+            self.cache.forget_axis();
+            return self.answer(Overlap::Overlapping, 0);
         }
-        let search = mpr::MprSearch::new(m, Until::Decided);
+        let search = MprSearch::new(self.m, Until::Decided);
         let dir = search.direction();
-        *self = Self::Portal(search);
+        *self.query = IntersectionQuery::Portal(search);
         Step::Ask(dir)
     }
 }
 
-fn answer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    status: Overlap,
-    iterations: u32,
-) -> Step<Intersection> {
-    Step::Answer(Intersection { status, iterations, support_calls: m.support_calls() })
-}
-
+/// What follows from the outcome of MPR, and step 4: the status, and the number of steps of EPA.
 fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &mut Cache,
     found: Found,
     portal: &Portal,
-    iterations: u32,
 ) -> (Overlap, u32) {
     let start = match found {
         Found::Separated { axis } => {
             cache.set_separation(axis, &portal.vertices);
-            return (Overlap::Separated, iterations);
+            return (Overlap::Separated, 0);
         }
         Found::Portal { is_behind: true }
             if portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error()) =>
         {
             cache.forget_axis();
             cache.set_portal(&portal.vertices);
-            return (Overlap::Overlapping, iterations);
+            return (Overlap::Overlapping, 0);
         }
         Found::Portal { .. } => Some(portal.tetrahedron(m)),
         Found::Nothing => None,
     };
-    let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start, cache);
+    let (status, Bound { normal, .. }, steps) = m.decide_by_expansion(start, cache);
     match status {
         Overlap::Separated => cache.set_axis(normal),
         _ => cache.forget_axis(),
     }
-    (status, iterations + steps)
+    (status, steps)
 }
 
 /// Whether the origin is certainly in the tetrahedron of the centre and of the portal of these
@@ -203,27 +187,4 @@ fn cached_portal_encloses<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     portal.normal().is_some_and(|n| is_clearly_negative(-n.dot(portal.vertices[0].w), n, m.rounding_error()))
         && portal.is_pierced(m.center_point().w)
         && portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error())
-}
-
-/// Decides by EPA whether the origin is inside.
-///
-/// The bound holds a separating axis if the origin is outside, and the witness points if the shapes
-/// touch. The last value is the number of steps.
-pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    start: Option<[Point; 4]>,
-    cache: &mut Cache,
-) -> (Overlap, Bound, u32) {
-    let Expansion { end, bound, iterations, .. } = epa::decide(m, start, MAX_DECISION_STEPS, cache);
-    let status = match end {
-        epa::End::Separated => Overlap::Separated,
-        epa::End::Inside => Overlap::Overlapping,
-        // The face may be far from the origin and still on the surface of a polytope that is too
-        // thin to enclose the origin for certain.
-        epa::End::Touching | epa::End::Converged if bound.upper <= epa::FLAT_ROUNDINGS * m.rounding_error() => {
-            Overlap::Touching
-        }
-        _ => Overlap::Undecided,
-    };
-    (status, bound, iterations)
 }

@@ -19,7 +19,7 @@
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for polytopes, also for threads with a small stack |
-//! | `steps` | how a query is driven: to its end, or in turns with others |
+//! | `steps` | what all steps of a query share, and how it is driven: to its end, or in turns |
 //!
 //! All arithmetic is in f64. There is no allocation, no random number and no angle. So the same
 //! input always gives the same bits.

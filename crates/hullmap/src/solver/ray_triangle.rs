@@ -125,24 +125,20 @@ pub(crate) fn ray_triangle(corners: [DVec3; 3], ray: &Ray, settings: &CastSettin
 
 #[cfg(test)]
 mod tests {
+    use ::shapes::rng::SplitMix64;
+
     use super::*;
     use crate::shapes::Triangle;
     use crate::solver::ray::ray as by_support;
-
-    /// A pseudo-random number from -1 to 1.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (*seed >> 33) as f64 / 2_f64.powi(30) - 1.0
-    }
 
     /// Small and large triangles, near and far: the intervals of both answers share a point, and
     /// most rays do not need the general search.
     #[test]
     fn answers_agree_with_those_by_support_queries() {
-        let (mut seed, mut sure, mut hits, rounds) = (5, 0, 0, 20_000);
+        let (mut rng, mut sure, mut hits, rounds) = (SplitMix64::new(5), 0, 0, 20_000);
         for round in 0..rounds {
             let (size, far) = (10_f64.powi(round % 7 - 3), 10_f64.powi(round / 7 % 5 - 2));
-            let mut vector = || DVec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+            let mut vector = || DVec3::from_array([(); 3].map(|()| rng.between(-1.0, 1.0)));
             let offset = vector() * far;
             // On a grid of few places, so that rays meet edges and corners.
             let mut corner = || (vector() * if round % 3 == 0 { 2.0 } else { 1e3 }).round() * size + offset.round();

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::cache::Cache;
-use super::gjk::{self, Simplex, closest_within};
+use super::gjk::{self, Simplex};
 use super::minkowski::Minkowski;
 use super::motion::{VectorError, checked};
 use super::queries::{contact, distance};
@@ -124,6 +124,6 @@ pub(crate) fn is_near<S: SupportMap + ?Sized>(shape: &S, point: DVec3, radius: f
     }
     let (mut simplex, radius) = (Simplex::new(m.center_point()), shape.convex_radius() + radius);
     let Settings { tolerance, max_iterations } = Settings::default();
-    let found = closest_within(&mut m, &mut simplex, radius, tolerance, max_iterations);
+    let found = m.closest_within(&mut simplex, radius, tolerance, max_iterations);
     found.end == gjk::End::Inside || found.lower <= radius + m.rounding_error()
 }

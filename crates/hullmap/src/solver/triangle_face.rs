@@ -19,7 +19,7 @@
 
 use glam::DVec3;
 
-use super::answer::{Contact, separated_contact};
+use super::answer::Contact;
 use super::cache::Cache;
 use super::minkowski::Minkowski;
 use super::status::Status;
@@ -70,7 +70,7 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     if depth < -margin && is_inside(normal, 0.0) {
         cache.set_separation(normal, &[point; 3]);
-        let contact = separated_contact(&m, cache, normal, 0);
+        let contact = m.separated_contact(cache, normal, 0);
         return Some(FaceContact { contact: Contact { point_a: foot, point_b: lowest, ..contact }, depth });
     }
     // NaN takes the failing branch.
@@ -94,6 +94,7 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 #[cfg(test)]
 mod tests {
+    use ::shapes::rng::SplitMix64;
     use glam::DQuat;
 
     use super::*;
@@ -101,20 +102,14 @@ mod tests {
     use crate::shapes::{Cuboid, Triangle};
     use crate::solver::{Settings, queries};
 
-    /// A pseudo-random number from -1 to 1.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (*seed >> 33) as f64 / 2_f64.powi(30) - 1.0
-    }
-
     /// Boxes near triangles of many sizes, also thin boxes, and some parallel to the triangle: the
     /// interval of a depth shares a point with that of the general path, and a gap is the distance.
     #[test]
     fn depths_and_gaps_agree_with_those_of_the_general_path() {
-        let (mut seed, mut hits, mut gaps, mut undecided, rounds) = (18, 0, 0, 0, 20_000);
+        let (mut rng, mut hits, mut gaps, mut undecided, rounds) = (SplitMix64::new(18), 0, 0, 0, 20_000);
         for round in 0..rounds {
             let size = 10_f64.powi(round % 5 - 2);
-            let mut vector = || DVec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+            let mut vector = || DVec3::from_array([(); 3].map(|()| rng.between(-1.0, 1.0)));
             let corners = [vector() * size, vector() * size, vector() * size];
             let half = (vector().abs() + DVec3::splat(0.01))
                 * if round % 3 == 0 { DVec3::new(1.0, 1.0, 0.02) } else { DVec3::ONE };

@@ -6,7 +6,7 @@ use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, 
 use hullmap::{
     Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Ray, Shape, SupportMap, SupportPoint,
 };
-use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
+use hullmap_testkit::{packs::tree_pack, polytope::height_over_faces, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64, solids};
 
 const SEED: u64 = 0x005e_ed14;
@@ -206,15 +206,6 @@ fn primitive_shapes_keep_their_faces_within_reach() {
             }
         }
     }
-}
-
-/// Height of `point` over the planes of a hull's faces; negative inside.
-fn height_over_faces(hull: &Hull, point: DVec3) -> f64 {
-    let over = |face: u32| {
-        let corner = hull.face(face).next().and_then(|vertex| hull.vertex(vertex)).unwrap().as_dvec3();
-        hull.face_normal(face).unwrap().dot(point - corner)
-    };
-    (0..hull.face_count() as u32).map(over).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Bodies much smaller than the prediction allows for: they keep three or four points while they

@@ -4,8 +4,8 @@
 use crate::any_shape::update;
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
-use hullmap_testkit::packs::tree_pack;
+use hullmap::{Cache, Feature, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
+use hullmap_testkit::{packs::tree_pack, polytope::height_over_faces};
 use shapes::{families::Family, rng::SplitMix64, solids};
 
 const SEED: u64 = 0x005e_ed06;
@@ -490,16 +490,6 @@ fn points_are_not_beyond_sharp_corners() {
         }
     }
     assert!(points > 3_000, "{points}");
-}
-
-/// Signed distance of `point` from the planes of a hull's faces: the greatest one, which is its
-/// depth if it is inside.
-fn height_over_faces(hull: &Hull, point: DVec3) -> f64 {
-    let over = |face: u32| {
-        let corner = hull.face(face).next().and_then(|vertex| hull.vertex(vertex)).unwrap().as_dvec3();
-        hull.face_normal(face).unwrap().dot(point - corner)
-    };
-    (0..hull.face_count() as u32).map(over).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Curved hulls, whose features merge faces, in contact at random places.

@@ -8,43 +8,14 @@
 use crate::any_shape::{contact, distance, intersects};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Segment, Sphere, Triangle};
-use hullmap::{Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, SupportPoint};
-use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
+use hullmap::{Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap};
+use hullmap_testkit::{faceless::Faceless, packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 0x005e_ed05;
 
 /// Error of the formulas below, relative to the size of the pair.
 const TRUTH_ERROR: f64 = 1e-12;
-
-/// A shape that hides its core, so that the solver works on the shape itself.
-struct Coreless<'s>(&'s (dyn Shape + Sync));
-
-impl SupportMap for Coreless<'_> {
-    fn support_point(&self, dir: DVec3) -> SupportPoint {
-        self.0.support_point(dir)
-    }
-    fn interior_point(&self) -> DVec3 {
-        self.0.interior_point()
-    }
-    fn inner_radius(&self) -> f64 {
-        self.0.inner_radius()
-    }
-    fn outer_radius(&self) -> f64 {
-        self.0.outer_radius()
-    }
-    fn support_error(&self) -> f64 {
-        self.0.support_error()
-    }
-    fn point(&self, feature: u32) -> Option<DVec3> {
-        self.0.point(feature)
-    }
-    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
-        self.0.support_point_from(dir, hint)
-    }
-}
-
-impl Shape for Coreless<'_> {}
 
 /// Signed distances in closed form: negative inside.
 mod truth {
@@ -149,15 +120,15 @@ fn check(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose, truth: f64,
     let error = TRUTH_ERROR * size;
     let settings = Settings::default();
     let contacts = [
-        contact(&Coreless(a), &Coreless(b), pose, &settings, &mut Cache::new()),
+        contact(&Faceless(a), &Faceless(b), pose, &settings, &mut Cache::new()),
         contact(a, b, pose, &settings, &mut Cache::new()),
     ];
     let distances = [
-        distance(&Coreless(a), &Coreless(b), pose, &settings, &mut Cache::new()),
+        distance(&Faceless(a), &Faceless(b), pose, &settings, &mut Cache::new()),
         distance(a, b, pose, &settings, &mut Cache::new()),
     ];
     let yes =
-        [intersects(&Coreless(a), &Coreless(b), pose, &mut Cache::new()), intersects(a, b, pose, &mut Cache::new())];
+        [intersects(&Faceless(a), &Faceless(b), pose, &mut Cache::new()), intersects(a, b, pose, &mut Cache::new())];
     for way in 0..2 {
         let (c, d, y) = (contacts[way], distances[way], yes[way]);
         let at = format!("{at}, way {way}, truth {truth:e}: {c:?} {d:?} {y:?}");
@@ -378,9 +349,9 @@ fn every_pairing_against_samples() {
                     let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
                     let (c, d, y) = if way == 0 {
                         (
-                            contact(&Coreless(&**a), &Coreless(&**b), pose, &settings, &mut Cache::new()),
-                            distance(&Coreless(&**a), &Coreless(&**b), pose, &settings, &mut Cache::new()),
-                            intersects(&Coreless(&**a), &Coreless(&**b), pose, &mut Cache::new()),
+                            contact(&Faceless(&**a), &Faceless(&**b), pose, &settings, &mut Cache::new()),
+                            distance(&Faceless(&**a), &Faceless(&**b), pose, &settings, &mut Cache::new()),
+                            intersects(&Faceless(&**a), &Faceless(&**b), pose, &mut Cache::new()),
                         )
                     } else {
                         (
@@ -459,7 +430,7 @@ fn concentric() {
     ] {
         for c in [
             solve(a, b, Pose::IDENTITY),
-            contact(&Coreless(a), &Coreless(b), Pose::IDENTITY, &Settings::default(), &mut Cache::new()),
+            contact(&Faceless(a), &Faceless(b), Pose::IDENTITY, &Settings::default(), &mut Cache::new()),
         ] {
             assert!(c.hit && (c.depth - depth).abs() <= 2e-5 * depth, "{depth}: {c:?}");
             assert!(c.depth_lower <= depth && depth <= c.depth_upper, "{depth}: {c:?}");

@@ -1,7 +1,9 @@
 //! Triangle meshes and bodies for tests.
 
 use glam::{DQuat, DVec3};
-use hullmap::{Pack, Pose, TriangleMesh};
+use hullmap::compound::Parts;
+use hullmap::shapes::Cuboid;
+use hullmap::{CompoundManifolds, ManifoldSettings, Pack, Pose, TriangleMesh};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_testkit::packs;
 use shapes::rng::SplitMix64;
@@ -63,4 +65,31 @@ pub fn body(rng: &mut SplitMix64) -> (Pack, Pose) {
     let rotation = DQuat::from_xyzw(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
     let position = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.5);
     (packs::tree_pack(&points), Pose::new(position, rotation.normalize()).unwrap())
+}
+
+/// Slides a box with these half edges over a surface that is level from x = -4.5 on, a little below
+/// it, in steps of this length along x: all normals are those of its level faces. Returns the
+/// number of poses with another normal where the manifolds are not welded.
+pub fn slide_box<S: Parts + ?Sized>(surface: &S, half: DVec3, steps: u32, length: f64) -> usize {
+    let (die, sunk, settings) = (Cuboid::new(half).unwrap(), 1e-3 * half.z, ManifoldSettings::default());
+    let is_steep = |normal: DVec3| normal.distance(DVec3::Z) > 1e-3;
+    let mut replaced = 0;
+    for step in 0..steps {
+        // Not parallel to the diagonals.
+        let x = -4.5 + length * f64::from(step);
+        let at = DVec3::new(x, 0.137 + 0.1 * x, half.z - sunk);
+        let pose = Pose::new(at, DQuat::from_rotation_z(0.3 * x)).unwrap();
+        let (mut manifolds, mut alone) = (CompoundManifolds::new(64), CompoundManifolds::new(64));
+        alone.set_welding(false);
+        manifolds.update(surface, &die, pose, &settings);
+        alone.update(surface, &die, pose, &settings);
+        replaced += usize::from(alone.iter().any(|(_, manifold)| is_steep(manifold.normal())));
+        assert!(!manifolds.is_empty(), "x = {x}");
+        for ([triangle, _], manifold) in manifolds.iter() {
+            let normal = manifold.normal();
+            assert!(!is_steep(normal), "x = {x}, half {half}: triangle {triangle} has the normal {normal}");
+            assert!(manifold.points().iter().all(|p| p.depth <= sunk * 1.001), "x = {x}");
+        }
+    }
+    replaced
 }

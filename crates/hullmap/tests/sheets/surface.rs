@@ -4,6 +4,7 @@
 use glam::{DQuat, DVec3};
 use hullmap::compound::{SurfaceError, surface_distance};
 use hullmap::{CompoundCache, EdgeClass, Settings, TriangleMesh};
+use hullmap_testkit::triangles::{distance_from_triangle, winding};
 use shapes::rng::SplitMix64;
 
 use crate::meshes::{grid, mesh, triangles};
@@ -76,29 +77,6 @@ fn closed(rng: &mut SplitMix64) -> Vec<TriangleMesh> {
     ]
 }
 
-/// Distance of a point from a triangle: from its plane if the foot is inside, or from an edge.
-fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
-    let from_edge = |q: DVec3, r: DVec3| {
-        let t = ((p - q).dot(r - q) / (r - q).length_squared()).clamp(0.0, 1.0);
-        p.distance(q + (r - q) * t)
-    };
-    let normal = (b - a).cross(c - a).normalize();
-    let is_over = [(a, b), (b, c), (c, a)].iter().all(|(q, r)| (*r - *q).cross(p - *q).dot(normal) >= 0.0);
-    let edges = from_edge(a, b).min(from_edge(b, c)).min(from_edge(c, a));
-    if is_over { (p - a).dot(normal).abs().min(edges) } else { edges }
-}
-
-/// Number of times that the surface winds around a point: its solid angle divided by that of the
-/// sphere. Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.
-fn winding(all: &[[DVec3; 3]], p: DVec3) -> f64 {
-    let angle = |corners: &[DVec3; 3]| {
-        let [a, b, c] = corners.map(|corner| corner - p);
-        let (x, y, z) = (a.length(), b.length(), c.length());
-        2.0 * a.dot(b.cross(c)).atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
-    };
-    all.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
-}
-
 #[test]
 fn signs_and_distances_are_those_of_brute_force() {
     println!("seed {SEED}");
@@ -125,7 +103,7 @@ fn signs_and_distances_are_those_of_brute_force() {
                 }
             };
             let found = surface_distance(mesh, p, &settings, &mut cache).unwrap();
-            let nearest = all.iter().map(|corners| distance(*corners, p)).fold(f64::INFINITY, f64::min);
+            let nearest = all.iter().map(|corners| distance_from_triangle(*corners, p)).fold(f64::INFINITY, f64::min);
             let answer = found.answer;
             if nearest < 1e-12 {
                 on += 1;
@@ -145,7 +123,7 @@ fn signs_and_distances_are_those_of_brute_force() {
                 "{which} {p}: {answer:?}, {expected}"
             );
             assert!((answer.distance - expected).abs() < 1e-6 * (1.0 + nearest), "{which} {p}: {answer:?}, {expected}");
-            assert!(distance(all[found.hulls[0]], answer.point) < 1e-9, "{which} {p}: {answer:?}");
+            assert!(distance_from_triangle(all[found.hulls[0]], answer.point) < 1e-9, "{which} {p}: {answer:?}");
             let toward = (p - answer.point).normalize() * if is_inside { -1.0 } else { 1.0 };
             assert!(nearest < 1e-6 || answer.normal.distance(toward) < 1e-5, "{which} {p}: {answer:?}, {toward}");
             inside += usize::from(is_inside);

@@ -25,7 +25,8 @@ use hullmap_bake::{
     fit::{Solid, fits},
     hull::{self, Hull},
 };
-use hullmap_tests::{processor::timed, sampler::refutation};
+use hullmap_outside::clock::timed;
+use hullmap_tests::sampler::refutation;
 use shapes::rng::SplitMix64;
 
 /// Convex decompositions of random meshes, judged by sampling.

@@ -18,8 +18,8 @@ use hullmap_bake::{
     decompose::{Cover, Length, decompose},
     hull, mass,
 };
+use hullmap_outside::clock::timed;
 use hullmap_programs::meshes_of;
-use hullmap_tests::processor::timed;
 
 /// Number of parts by maximum error.
 #[derive(Parser)]

@@ -24,8 +24,9 @@ use hullmap_bake::{
     fit::{Fit, Solid, fits, looseness},
     hull::{self, Hull},
 };
+use hullmap_outside::clock::timed;
 use hullmap_programs::{meshes_of, objects_of};
-use hullmap_tests::{processor::timed, sampler::refutation};
+use hullmap_tests::sampler::refutation;
 
 /// Convex decomposition of the meshes of a folder.
 #[derive(Parser)]

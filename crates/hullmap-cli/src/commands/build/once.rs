@@ -9,7 +9,7 @@ use super::orphans;
 use crate::args::BuildArgs;
 use crate::depfile::{self, Rule};
 use crate::jobs::search::without_meshes;
-use crate::jobs::{Job, Jobs, Talk, jobs};
+use crate::jobs::{Job, Jobs, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::runner::one::{Baker, Build};
@@ -33,12 +33,12 @@ pub fn find_jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Jobs, 
         let message = "--prune has no effect, because no input is a folder; name the folder of the meshes";
         return Err(Failure::usage(message));
     }
-    let talk = match (warns, args.run.verbose) {
-        (false, _) => Talk::Silent,
-        (true, false) => Talk::Warnings,
-        (true, true) => Talk::All,
+    let printed = match (warns, args.run.verbose) {
+        (false, _) => Messages::Silent,
+        (true, false) => Messages::Warnings,
+        (true, true) => Messages::All,
     };
-    jobs(&args.meshes, &args.out, project, talk)
+    jobs(&args.meshes, &args.out, project, printed)
 }
 
 /// Bakes the `chosen` jobs and prints the results.

@@ -18,9 +18,9 @@ use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::folder_of;
+use crate::principal_axes::principal_axes;
 use crate::scene::colliders::{self, Collider, Form, Motion};
 use crate::scene::container::GltfFile;
-use crate::scene::principal::principal_axes;
 use crate::terminal;
 
 /// The hulls of a pack, which are added to a file.

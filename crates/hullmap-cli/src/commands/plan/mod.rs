@@ -13,14 +13,14 @@ use crate::args::{Emit, PlanArgs};
 use crate::jobs::batch::{BatchSize, batches};
 use crate::jobs::key::Ingredients;
 use crate::jobs::task::{Task, TaskMesh};
-use crate::jobs::{Job, Talk, jobs};
+use crate::jobs::{Job, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
 
 /// Runs the command. Fails if an input or `hullmap.toml` cannot be read, or a path cannot be
 /// written. A mesh that cannot be read is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let (jobs, mut exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
+    let (jobs, mut exit) = jobs(&args.meshes, &args.out, Path::new("."), Messages::Warnings)?.report_empty();
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
     let meshes: Vec<(&str, u64)> = jobs.iter().map(|job| job.place.as_str()).zip(sizes).collect();
     let size = BatchSize { meshes: args.batch, bytes: args.batch_bytes.unwrap_or(BatchSize::default().bytes) };

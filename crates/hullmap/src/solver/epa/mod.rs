@@ -38,13 +38,14 @@ mod search;
 pub(in crate::solver) use self::flat::{BESIDE_ROUNDINGS, FLAT_ROUNDINGS};
 pub(in crate::solver) use self::search::{End, Expansion, TOUCHING_ROUNDINGS, Terms};
 
-use self::flat::{expand_flat, seed, settle};
 use self::polytope::Polytope;
 use self::search::{KEEP, Next, State};
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
-use crate::solver::cache::Cache;
+use crate::solver::cache::{Cache, CachedPolytope};
 use crate::solver::minkowski::{Minkowski, Point, Step};
 use crate::solver::scratch::{Big, Biggest, Medium, SIZES, Scratch, Workspace, cleared};
+use crate::solver::status::Overlap;
+use crate::solver::steps::Solver;
 use crate::support::SupportMap;
 
 /// Number of expansions that need no polytope of the last size, from any start.
@@ -60,6 +61,9 @@ const WORN_OUT: u32 = 8;
 /// Free vertices that a kept polytope must leave in the smallest size.
 const SPARE: usize = 6;
 
+/// Maximum number of EPA steps for a decision. Touching pairs need about a dozen.
+const MAX_DECISION_STEPS: u32 = 250;
+
 /// An expansion that waits for a support point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EpaSearch {
@@ -68,70 +72,66 @@ pub(crate) struct EpaSearch {
     is_medium: bool,
     /// It has started from the polytope of the cache.
     again: bool,
-    /// The polytope is stored in the cache while it grows.
-    keeps: bool,
 }
 
-impl EpaSearch {
-    /// Expands from `tetrahedron` if it has volume, else from one found here. `bound` is an upper
-    /// bound known already. If the goal is a depth, keeps the polytope in `cache`.
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q> Solver<'_, '_, A, B, Q, Workspace> {
+    /// Starts from `tetrahedron` if it has volume, else from one found here. `bound` is an upper
+    /// bound known already.
     ///
     /// # Errors
     /// The difference is flat; this is the whole result.
     #[inline(always)]
-    pub(in crate::solver) fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        m: &mut Minkowski<'_, A, B>,
+    pub(in crate::solver) fn start_expansion(
+        &mut self,
         tetrahedron: Option<[Point; 4]>,
         terms: Terms,
         bound: Bound,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Result<Self, Expansion> {
-        let small = cleared(&mut workspace.small, m.noise());
-        let thin = THIN_ROUNDINGS * m.rounding_error();
+    ) -> Result<EpaSearch, Expansion> {
+        let small = cleared(&mut self.workspace.small, self.m.noise());
+        let thin = THIN_ROUNDINGS * self.m.rounding_error();
         if !tetrahedron.is_some_and(|tetrahedron| small.start(tetrahedron, thin))
-            && let Err(normal) = seed(m, small)
+            && let Err(normal) = self.m.seed(small)
         {
-            let expansion = expand_flat(m, normal, State::new(bound, false).out);
-            return Err(settle(m, expansion));
+            let expansion = self.m.expand_flat(normal, State::new(bound, false).out);
+            return Err(self.m.settle_expansion(expansion));
         }
-        if terms.keeps_polytope() {
-            cache.forget_polytope();
-        }
-        let state = State::new(bound, small.encloses());
-        Ok(Self { terms, state, is_medium: false, again: false, keeps: terms.keeps_polytope() })
+        Ok(EpaSearch { terms, state: State::new(bound, small.encloses()), is_medium: false, again: false })
     }
 
-    /// Expands from the polytope in `cache`. `None` if there is none that encloses the origin under
-    /// the new pose.
+    /// Starts from the polytope in the cache. `None` if there is none, or if it does not certainly
+    /// enclose the origin under the new pose.
     #[inline(always)]
-    pub(in crate::solver) fn start_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        m: &Minkowski<'_, A, B>,
-        terms: Terms,
-        cache: &Cache,
-        workspace: &mut Workspace,
-    ) -> Option<Self> {
-        let is_medium = cache.polytope()?.points.len() + SPARE > SIZES[0];
+    pub(in crate::solver) fn start_from_cache(&mut self, terms: Terms) -> Option<EpaSearch> {
+        let (m, kept, workspace) = (&*self.m, self.cache.polytope()?, &mut *self.workspace);
+        let is_medium = kept.points.len() + SPARE > SIZES[0];
         let encloses = if is_medium {
-            restore(m, cleared(&mut workspace.medium, m.noise()), cache)
+            restore(m, cleared(&mut workspace.medium, m.noise()), &kept)
         } else {
-            restore(m, cleared(&mut workspace.small, m.noise()), cache)
+            restore(m, cleared(&mut workspace.small, m.noise()), &kept)
         };
-        let state = State::new(Bound::none(), true);
-        encloses.then_some(Self { terms, state, is_medium, again: true, keeps: false })
+        encloses.then_some(EpaSearch { terms, state: State::new(Bound::none(), true), is_medium, again: true })
     }
+}
 
+/// Restores a polytope under the new pose. Returns whether it certainly encloses the origin.
+#[inline]
+fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
+    m: &Minkowski<'_, A, B>,
+    polytope: &mut Polytope<V, F>,
+    kept: &CachedPolytope<'_>,
+) -> bool {
+    let points = kept.points.iter().map(|features| m.recall(*features));
+    polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses()
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSearch, Workspace> {
     /// Continues up to the next support query, with the last support point, if any. The answer is
     /// `None` if the expansion started from the polytope of the cache and has stalled.
     #[inline(always)]
-    pub(in crate::solver) fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        &mut self,
-        point: Option<Point>,
-        m: &mut Minkowski<'_, A, B>,
-        cache: &mut Cache,
-        workspace: &mut Workspace,
-    ) -> Step<Option<Expansion>> {
-        let Self { terms, state, is_medium, again, keeps } = self;
+    pub(in crate::solver) fn advance(self, point: Option<Point>) -> Step<Option<Expansion>> {
+        let Self { query: EpaSearch { terms, state, is_medium, again }, m, cache, workspace } = self;
+        // While it grows. What the cache has already is kept.
+        let keeps = !*again && terms.keeps_polytope();
         let has_ended = match point {
             Some(point) if *is_medium => state.expand(workspace.medium(), terms, point),
             Some(point) => state.expand(workspace.small(), terms, point),
@@ -146,167 +146,156 @@ impl EpaSearch {
         };
         if matches!(next, Next::Full) && !*is_medium {
             workspace.enlarge();
-            (*is_medium, *keeps) = (true, terms.keeps_polytope());
+            *is_medium = true;
             next = state.aim(workspace.medium(), terms, keeps.then_some(&mut *cache));
         }
         let expansion = match next {
             Next::Ask => return Step::Ask(state.nearest.direction),
-            Next::Ended if *is_medium => finish(m, workspace.medium(), state, terms, Some(&mut *cache)),
-            Next::Ended => finish(m, workspace.small(), state, terms, Some(&mut *cache)),
+            Next::Ended if *is_medium => m.finish_expansion(workspace.medium(), state, terms, Some(&mut *cache)),
+            Next::Ended => m.finish_expansion(workspace.small(), state, terms, Some(&mut *cache)),
             // Polytopes of the last two sizes are not kept, and they are rare: they are expanded at
             // once.
             Next::Full => match cache.scratch() {
-                Some(scratch) => expand_in_scratch(m, workspace.medium(), state, terms, scratch),
-                None => expand_on_stack(m, workspace.medium(), state, terms),
+                Some(scratch) => m.expand_in_scratch(workspace.medium(), state, terms, scratch),
+                None => m.expand_on_stack(workspace.medium(), state, terms),
             },
         };
         if *again && state.out.iterations > WORN_OUT {
             cache.forget_polytope();
         }
         let is_useless = *again && expansion.end == End::Stalled;
-        Step::Answer((!is_useless).then(|| settle(m, expansion)))
+        Step::Answer((!is_useless).then(|| m.settle_expansion(expansion)))
     }
 }
 
-/// Decides whether the origin is inside, at once, from `tetrahedron` if it has volume. At most
-/// `max_expansions` steps.
-pub(in crate::solver) fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    tetrahedron: Option<[Point; 4]>,
-    max_expansions: u32,
-    cache: &mut Cache,
-) -> Expansion {
-    let (mut workspace, terms) = (Workspace::default(), Terms::new(m, None, max_expansions));
-    let mut search = match EpaSearch::start(m, tetrahedron, terms, Bound::none(), cache, &mut workspace) {
-        Ok(search) => search,
-        Err(expansion) => return expansion,
-    };
-    let mut point = None;
-    loop {
-        match search.advance(point, m, cache, &mut workspace) {
-            Step::Ask(dir) => point = Some(m.point(dir)),
-            // Only an expansion from the cache's polytope has no result.
-            Step::Answer(expansion) => return expansion.unwrap_or(search.state.out),
-        }
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
+    /// Decides at once whether the origin is inside, from `tetrahedron` if it has volume.
+    ///
+    /// The bound holds a separating axis if the origin is outside, and the witness points if the
+    /// shapes touch. The last value is the number of steps.
+    pub(in crate::solver) fn decide_by_expansion(
+        &mut self,
+        tetrahedron: Option<[Point; 4]>,
+        cache: &mut Cache,
+    ) -> (Overlap, Bound, u32) {
+        let (mut workspace, terms) = (Workspace::default(), Terms::new(self, None, MAX_DECISION_STEPS));
+        let mut solver = Solver { query: &mut (), m: &mut *self, cache: &mut *cache, workspace: &mut workspace };
+        let Expansion { end, bound, iterations, .. } = match solver.start_expansion(tetrahedron, terms, Bound::none()) {
+            Err(flat) => flat,
+            Ok(mut query) => {
+                let mut point = None;
+                loop {
+                    let (query, m, workspace) = (&mut query, &mut *self, &mut workspace);
+                    match (Solver { query, m, cache: &mut *cache, workspace }).advance(point) {
+                        Step::Ask(dir) => point = Some(self.point(dir)),
+                        // Only an expansion from the cache's polytope has no result.
+                        Step::Answer(expansion) => break expansion.unwrap_or(query.state.out),
+                    }
+                }
+            }
+        };
+        let status = match end {
+            End::Separated => Overlap::Separated,
+            End::Inside => Overlap::Overlapping,
+            // The face may be far from the origin and still on the surface of a polytope that is
+            // too thin to enclose the origin for certain.
+            End::Touching | End::Converged if bound.upper <= FLAT_ROUNDINGS * self.rounding_error() => {
+                Overlap::Touching
+            }
+            _ => Overlap::Undecided,
+        };
+        (status, bound, iterations)
     }
-}
 
-/// Restores the polytope in `cache` under the new pose. Returns whether it certainly encloses the
-/// origin.
-#[inline]
-fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
-    m: &Minkowski<'_, A, B>,
-    polytope: &mut Polytope<V, F>,
-    cache: &Cache,
-) -> bool {
-    cache.polytope().is_some_and(|kept| {
-        let points = kept.points.iter().map(|features| m.recall(*features));
-        polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses()
-    })
-}
-
-#[inline(never)]
-fn expand_in_scratch<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    medium: &Medium,
-    state: &mut State,
-    terms: &Terms,
-    Scratch { big, biggest }: &mut Scratch,
-) -> Expansion {
-    match expand_in(m, medium, big, state, terms) {
-        Ok(expansion) => expansion,
-        Err(big) => expand_in(m, big, biggest, state, terms).unwrap_or_else(|last| finish(m, last, state, terms, None)),
-    }
-}
-
-#[inline(never)]
-fn expand_on_stack<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    medium: &Medium,
-    state: &mut State,
-    terms: &Terms,
-) -> Expansion {
-    /// A function of its own, since most expansions do not need its stack.
     #[inline(never)]
-    fn expand_to_the_limit<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-        m: &mut Minkowski<'_, A, B>,
-        big: &Big,
+    fn expand_in_scratch(
+        &mut self,
+        medium: &Medium,
         state: &mut State,
         terms: &Terms,
+        Scratch { big, biggest }: &mut Scratch,
     ) -> Expansion {
+        match self.expand_in(medium, big, state, terms) {
+            Ok(expansion) => expansion,
+            Err(big) => self
+                .expand_in(big, biggest, state, terms)
+                .unwrap_or_else(|last| self.finish_expansion(last, state, terms, None)),
+        }
+    }
+
+    #[inline(never)]
+    fn expand_on_stack(&mut self, medium: &Medium, state: &mut State, terms: &Terms) -> Expansion {
+        let mut big = Big::empty(0.0);
+        self.expand_in(medium, &mut big, state, terms).unwrap_or_else(|big| self.expand_to_the_limit(big, state, terms))
+    }
+
+    /// A function of its own, since most expansions do not need its stack.
+    #[inline(never)]
+    fn expand_to_the_limit(&mut self, big: &Big, state: &mut State, terms: &Terms) -> Expansion {
         let mut biggest = Biggest::empty(0.0);
-        expand_in(m, big, &mut biggest, state, terms).unwrap_or_else(|last| finish(m, last, state, terms, None))
+        self.expand_in(big, &mut biggest, state, terms)
+            .unwrap_or_else(|last| self.finish_expansion(last, state, terms, None))
     }
-    let mut big = Big::empty(0.0);
-    expand_in(m, medium, &mut big, state, terms).unwrap_or_else(|big| expand_to_the_limit(m, big, state, terms))
-}
 
-/// Moves the surface into `larger` and expands it there without suspending.
-///
-/// # Errors
-/// That polytope is full too; the state reports it.
-fn expand_in<
-    'p,
-    A: SupportMap + ?Sized,
-    B: SupportMap + ?Sized,
-    const V: usize,
-    const F: usize,
-    const W: usize,
-    const G: usize,
->(
-    m: &mut Minkowski<'_, A, B>,
-    polytope: &Polytope<V, F>,
-    larger: &'p mut Polytope<W, G>,
-    state: &mut State,
-    terms: &Terms,
-) -> Result<Expansion, &'p Polytope<W, G>> {
-    polytope.overwrite(larger);
-    loop {
-        match state.aim(larger, terms, None) {
-            Next::Ask if state.expand(larger, terms, m.point(state.nearest.direction)) => break,
-            Next::Ask => {}
-            Next::Ended => break,
-            Next::Full => return Err(larger),
+    /// Moves the surface into `larger` and expands it there without suspending.
+    ///
+    /// # Errors
+    /// That polytope is full too; the state reports it.
+    fn expand_in<'p, const V: usize, const F: usize, const W: usize, const G: usize>(
+        &mut self,
+        polytope: &Polytope<V, F>,
+        larger: &'p mut Polytope<W, G>,
+        state: &mut State,
+        terms: &Terms,
+    ) -> Result<Expansion, &'p Polytope<W, G>> {
+        polytope.overwrite(larger);
+        loop {
+            match state.aim(larger, terms, None) {
+                Next::Ask if state.expand(larger, terms, self.point(state.nearest.direction)) => break,
+                Next::Ask => {}
+                Next::Ended => break,
+                Next::Full => return Err(larger),
+            }
         }
+        Ok(self.finish_expansion(larger, state, terms, None))
     }
-    Ok(finish(m, larger, state, terms, None))
-}
 
-/// Computes the witness points of the bound. If the goal is a depth, keeps the polytope in `cache`,
-/// provided that it is fit to be kept.
-///
-/// The steps of the search for witness points count in the result, and not in `state`.
-fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
-    m: &mut Minkowski<'_, A, B>,
-    polytope: &Polytope<V, F>,
-    state: &mut State,
-    terms: &Terms,
-    cache: Option<&mut Cache>,
-) -> Expansion {
-    let Bound { upper, normal, .. } = state.out.bound;
-    let face = state.corners.map(|corners| corners.map(|i| polytope.point(i)));
-    if let Some(face) = &face {
-        state.out.bound = Bound::on_face(upper, normal, face.each_ref());
-        state.out.features = Point::first_features(face.iter().map(|point| point.features));
-    }
-    if state.encloses && terms.keeps_polytope() {
-        state.out.others = polytope.offset_beside(normal);
-    }
-    let mut expansion = state.out;
-    if expansion.end == End::Converged {
-        let width = (upper - expansion.lower).min(terms.allowance(upper)).max(0.0);
-        let enough = width + FOOT_ROUNDINGS * m.noise();
-        // NaN takes the search.
-        if !(expansion.bound.off() <= enough) {
-            expansion.iterations += expansion.bound.search(m, face.as_ref().map_or(&[], |face| face), enough);
+    /// Computes the witness points of the bound. If the goal is a depth, keeps the polytope in
+    /// `cache`, provided that it is fit to be kept.
+    ///
+    /// The steps of the search for witness points count in the result, and not in `state`.
+    fn finish_expansion<const V: usize, const F: usize>(
+        &mut self,
+        polytope: &Polytope<V, F>,
+        state: &mut State,
+        terms: &Terms,
+        cache: Option<&mut Cache>,
+    ) -> Expansion {
+        let Bound { upper, normal, .. } = state.out.bound;
+        let face = state.corners.map(|corners| corners.map(|i| polytope.point(i)));
+        if let Some(face) = &face {
+            state.out.bound = Bound::on_face(upper, normal, face.each_ref());
+            state.out.features = Point::first_features(face.iter().map(|point| point.features));
         }
-    }
-    if let Some(cache) = cache.filter(|_| terms.keeps_polytope()) {
-        if !state.encloses || state.out.end == End::Stalled {
-            cache.forget_polytope();
-        } else if polytope.point_count <= KEEP {
-            cache.keep_polytope(polytope.features(), polytope.faces());
+        if state.encloses && terms.keeps_polytope() {
+            state.out.others = polytope.offset_beside(normal);
         }
+        let mut expansion = state.out;
+        if expansion.end == End::Converged {
+            let width = (upper - expansion.lower).min(terms.allowance(upper)).max(0.0);
+            let enough = width + FOOT_ROUNDINGS * self.noise();
+            // NaN takes the search.
+            if !(expansion.bound.off() <= enough) {
+                expansion.iterations += expansion.bound.search(self, face.as_ref().map_or(&[], |face| face), enough);
+            }
+        }
+        if let Some(cache) = cache.filter(|_| terms.keeps_polytope()) {
+            if !state.encloses || state.out.end == End::Stalled {
+                cache.forget_polytope();
+            } else if polytope.point_count <= KEEP {
+                cache.keep_polytope(polytope.features(), polytope.faces());
+            }
+        }
+        expansion
     }
-    expansion
 }

@@ -52,10 +52,6 @@ const LANES: usize = 4;
 
 const OFFSET_LANES: usize = 8;
 
-/// Up to this many face places, all are compared, whether in use or not. A loop of varying length
-/// costs more.
-const FULL_SCAN_PLACES: usize = 128;
-
 /// Due to rounding error the horizon of a vertex is not a loop, or a new face has no area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solver) struct InsertError;
@@ -271,9 +267,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
     #[inline(always)]
     fn find_nearest(&self) -> usize {
-        // A small polytope always compares the same number of chunks, so there is no branch to
-        // predict.
-        let used = if F <= FULL_SCAN_PLACES { F } else { self.face_count.next_multiple_of(OFFSET_LANES).min(F) };
+        let used = self.face_count.next_multiple_of(OFFSET_LANES).min(F);
         self.dispatch.argmin(self.offsets[..used].as_chunks::<OFFSET_LANES>().0)
     }
 
@@ -282,8 +276,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         DVec3::new(self.w[0][index], self.w[1][index], self.w[2][index])
     }
 
-    #[inline(always)]
     /// Adds a vertex without faces.
+    #[inline(always)]
     fn push(&mut self, point: Point) {
         let index = self.point_count;
         (self.w[0][index], self.w[1][index], self.w[2][index]) = (point.w.x, point.w.y, point.w.z);

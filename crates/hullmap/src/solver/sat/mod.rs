@@ -30,7 +30,7 @@ mod witness;
 use glam::DVec3;
 
 use self::first_pass::{Arc, FirstPass, Pair, threshold};
-use super::answer::{Contact, separated_contact};
+use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS, SAME_NORMAL};
 use super::cache::Cache;
 use super::minkowski::{Minkowski, Point};
@@ -116,7 +116,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         let point = m.point(axis);
         if m.separates(axis, &point) {
             cache.set_separation(axis, &[point; 3]);
-            return Some(separated_contact(m, cache, axis, 1));
+            return Some(m.separated_contact(cache, axis, 1));
         }
     }
     // 2.
@@ -138,7 +138,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     search.evaluate_arcs(&first)?;
     if search.is_separated() {
         cache.set_simplex([search.features]);
-        return Some(separated_contact(search.m, cache, search.best.normal, search.m.support_calls()));
+        return Some(search.m.separated_contact(cache, search.best.normal, search.m.support_calls()));
     }
     // 5.
     let (status, lower) = search.interval(reach, tolerance)?;
@@ -193,7 +193,7 @@ fn separated_by_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     // NaN takes the failing branch.
     (point.w.dot(axis) < -m.rounding_error()).then(|| {
         cache.set_separation(axis, &[point; 3]);
-        separated_contact(m, cache, axis, 2)
+        m.separated_contact(cache, axis, 2)
     })
 }
 
@@ -359,16 +359,21 @@ mod tests {
     use super::*;
     use crate::{Pack, Pose, Settings, contact, shapes::Cuboid};
 
+    fn pose(x: f64) -> Pose {
+        Pose::from_translation(DVec3::new(x, 0.3, 0.2)).unwrap()
+    }
+
+    fn pays_at<S: SupportMap>(shape: &S, x: f64, cache: &Cache) -> bool {
+        pays(&Minkowski::new(shape, shape, pose(x)), &[shape.facets().unwrap(), shape.facets().unwrap()], cache)
+    }
+
     /// Whether the test pays for two of these shapes before the first contact, and before the next
     /// ones.
     fn pays_for<S: SupportMap>(shape: &S, distances: [f64; 3]) -> ([bool; 2], Cache) {
-        let facets = [shape.facets().unwrap(), shape.facets().unwrap()];
-        let pose = |x: f64| Pose::from_translation(DVec3::new(x, 0.3, 0.2)).unwrap();
         let mut cache = Cache::new();
         let found = distances.map(|x| {
-            let pays = pays(&Minkowski::new(shape, shape, pose(x)), &facets, &cache);
-            let found = contact(shape, shape, pose(x), &Settings::default(), &mut cache);
-            assert!(found.hit);
+            let pays = pays_at(shape, x, &cache);
+            assert!(contact(shape, shape, pose(x), &Settings::default(), &mut cache).hit);
             pays
         });
         assert_eq!(found[1], found[2]);
@@ -378,13 +383,8 @@ mod tests {
     #[test]
     fn it_pays_for_few_vertices_and_for_the_first_contact_of_more() {
         let cube = Cuboid::new(DVec3::ONE).unwrap();
-        let pose = |x: f64| Pose::from_translation(DVec3::new(x, 0.3, 0.2)).unwrap();
-        let pays_at = |x: f64, cache: &Cache| {
-            let facets = [cube.facets().unwrap(), cube.facets().unwrap()];
-            pays(&Minkowski::new(&cube, &cube, pose(x)), &facets, cache)
-        };
-        assert!(pays_at(1.5, &Cache::new()) && pays_at(7.0, &Cache::new()));
-        assert!(pays_at(1.5, &Cache::from_axis(DVec3::X)));
+        assert!(pays_at(&cube, 1.5, &Cache::new()) && pays_at(&cube, 7.0, &Cache::new()));
+        assert!(pays_at(&cube, 1.5, &Cache::from_axis(DVec3::X)));
         let (pays, cache) = pays_for(&cube, [1.5, 1.49, 1.48]);
         assert!(pays == [true, true] && cache.polytope().is_none());
         // The test leaves its normal, then the general path its polytope.

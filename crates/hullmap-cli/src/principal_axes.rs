@@ -83,4 +83,28 @@ mod tests {
         let (moments, rotation) = principal_axes(DMat3::from_diagonal(DVec3::new(3.0, 1.0, 2.0)));
         assert_eq!((moments, rotation), (DVec3::new(3.0, 1.0, 2.0), DQuat::IDENTITY));
     }
+
+    #[test]
+    fn the_axes_rebuild_random_tensors() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
+        };
+        let mut tensors = vec![DMat3::IDENTITY, DMat3::ZERO, DMat3::from_diagonal(DVec3::new(3.0, 1.0, 2.0))];
+        for size in [1e-12, 1.0, 1e12] {
+            for _ in 0..1000 {
+                let [a, b, c] = [0; 3].map(|_| DVec3::new(random(), random(), random()));
+                let half = DMat3::from_cols(a, b, c);
+                tensors.push(half * half.transpose() * size);
+            }
+        }
+        for tensor in tensors {
+            let (moments, axes) = principal_axes(tensor);
+            let again = rebuilt(moments, axes);
+            let size = tensor.to_cols_array().iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
+            let error = (again - tensor).to_cols_array().iter().fold(0.0_f64, |error, entry| error.max(entry.abs()));
+            assert!(error <= 1e-14 * size, "{tensor} {moments:?} {axes}: {error}");
+        }
+    }
 }
