@@ -11,7 +11,7 @@ use hullmap_outside::{command::cargo, files::workspace};
 
 /// All packages that the runtime with all its features brings into an engine, except macros that
 /// run in the compiler.
-const RUNTIME: [&str; 25] = [
+const RUNTIME: [&str; 26] = [
     "hullmap",
     "hullmap-format",
     "glam",
