@@ -11,10 +11,10 @@ pub struct HeightFieldArgs {
     /// Bake grids of heights: greyscale PNG, ESRI ASCII, raw f32
     #[arg(long = "height-field")]
     pub is_set: bool,
-    /// Distance between neighbouring vertices [default: the file's; required for PNG and raw]
+    /// Distance between vertices; PNG and raw files require it
     #[arg(long, value_name = "X[,Y]", value_parser = spacing, requires = "is_set", hide_short_help = true)]
     pub spacing: Option<[f64; 2]>,
-    /// Height of white above black, required for PNG; other samples are multiplied by it
+    /// Height of white above black, which PNG requires, or a factor
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub height_scale: Option<f64>,
     /// Height of a sample of 0
