@@ -168,7 +168,7 @@ assert.match([...flat.notes, ...flat.warnings].join(), /mesh: not decomposed, be
 // Primitives and half-spaces, against a cube from 0 to 1: depth, distance, and an empty answer.
 const at = (x, y, z) => [x, y, z, 0, 0, 0, 1];
 // The tolerance of a query is 1e-5 of the answer.
-const near = (number, expected) => assert.ok(Math.abs(number - expected) <= 2e-5 * expected, `${number}, expected ${expected}`);
+const near = (number, expected) => assert.ok(Math.abs(number - expected) <= 2e-5 * Math.abs(expected), `${number}, expected ${expected}`);
 for (const [shape, reach] of [
   [Shape.sphere(0.5), 0.5], [Shape.box([0.5, 1, 1]), 0.5], [Shape.capsule(1, 0.5), 0.5], [Shape.cylinder(1, 0.5), 0.5],
   [Shape.segment([-0.5, 0, 0], [0.5, 0, 0]), 0.5], [Shape.triangle([-0.5, 0, 0], [0.5, 1, 0], [0.5, -1, 0]), 0.5],
