@@ -471,7 +471,8 @@ pub struct RobotArgs {
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
     pub skip: Vec<Glob>,
-    /// Replace the inertia of each link by the inertia of its meshes, for the mass that the link states
+    /// Replace the inertia of each link by the inertia of its meshes, for the mass that the link
+    /// states
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets

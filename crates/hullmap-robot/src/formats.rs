@@ -60,8 +60,8 @@ impl Description {
     }
 }
 
-/// Where the expansion of a file with macros may go: `arm.urdf` for `arm.xacro` and `arm.urdf.xacro`,
-/// `arm_expanded.urdf` for `arm.urdf`.
+/// Where the expansion of a file with macros may go: `arm.urdf` for `arm.xacro` and
+/// `arm.urdf.xacro`, `arm_expanded.urdf` for `arm.urdf`.
 fn expanded(path: &Path) -> PathBuf {
     let stem = path.with_extension("");
     match path.extension().is_some_and(|extension| extension == "xacro") {
