@@ -64,13 +64,11 @@ impl Description {
 /// `arm.urdf.xacro`, `arm_expanded.urdf` for `arm.urdf`.
 fn expanded(path: &Path) -> PathBuf {
     let stem = path.with_extension("");
-    match path.extension().is_some_and(|extension| extension == "xacro") {
-        true => stem.with_extension("urdf"),
-        false => {
-            let name = stem.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            stem.with_file_name(format!("{name}_expanded.urdf"))
-        }
+    if path.extension().is_some_and(|extension| extension == "xacro") {
+        return stem.with_extension("urdf");
     }
+    let name = stem.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    stem.with_file_name(format!("{name}_expanded.urdf"))
 }
 
 /// Whether this is an element of xacro.

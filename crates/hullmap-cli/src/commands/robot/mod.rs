@@ -294,8 +294,9 @@ fn links_from_visuals(description: &Description, choices: &Choices) -> Option<St
     let had_none: Vec<&Link> =
         from_visual.iter().map(|link| &description.links[*link]).filter(|link| link.collisions.is_empty()).collect();
     let names = listed(had_none.iter().map(|link| format!("`{}`", link.name)));
-    let note =
-        format!("links without a collision get one from their visuals: {names}; --from-visual never leaves them");
+    let note = format!(
+        "links without a collision get one from their visuals: {names}; --from-visual never leaves them without"
+    );
     (!had_none.is_empty()).then_some(note)
 }
 
