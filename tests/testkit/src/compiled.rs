@@ -9,7 +9,7 @@ use hullmap::batch::{self, Pair};
 use hullmap::shapes::HalfSpace;
 use hullmap::{
     Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Contact, Distance, Hull, Intersection, Manifold,
-    ManifoldSettings, Motion, Pose, Ray, Settings, Shape, compound,
+    ManifoldSettings, Motion, MotionSettings, Pose, Ray, RigidMotion, Settings, Shape, compound,
 };
 
 /// Shapes on any thread. Without `Sync` it is another type, for which all is compiled again.
@@ -22,6 +22,8 @@ fn solve<A: Shape + ?Sized, B: Shape + ?Sized>(a: &A, b: &B, b_in_a: Pose, along
     hullmap::distance(a, b, b_in_a, &settings, cache);
     hullmap::intersects(a, b, b_in_a, cache);
     hullmap::cast(a, b, b_in_a, along, &casts, cache);
+    let still = RigidMotion::still(b_in_a);
+    hullmap::cast_motion(a, &still, b, &still, &MotionSettings::default(), cache);
     hullmap::ray(a, ray, &casts);
     let _ = hullmap::signed_distance(a, b_in_a.translation(), &settings, cache);
     Manifold::new().update(a, b, b_in_a, &ManifoldSettings::default(), cache);

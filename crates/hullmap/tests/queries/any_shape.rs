@@ -4,9 +4,10 @@
 //! `hullmap_testkit::compiled` has compiled it for this type, and for hulls, which are also queried
 //! by their own type, in `lean`, `stack` and `compound`, and in batches.
 
+use glam::DVec3;
 use hullmap::{
-    Cache, CastSettings, Contact, Distance, Impact, Intersection, Manifold, ManifoldSettings, Motion, Pose, Ray,
-    RayHit, Settings, Shape,
+    Cache, CastSettings, Contact, Distance, Impact, Intersection, Manifold, ManifoldSettings, Motion, MotionSettings,
+    Pose, Ray, RayHit, RigidMotion, Settings, Shape, SignedDistance, TimeOfImpact, VectorError,
 };
 
 pub fn contact(
@@ -42,6 +43,26 @@ pub fn cast(
     cache: &mut Cache,
 ) -> Impact {
     hullmap::cast(a, b, b_in_a, motion, settings, cache)
+}
+
+pub fn cast_motion(
+    a: &(dyn Shape + Sync),
+    motion_a: &RigidMotion,
+    b: &(dyn Shape + Sync),
+    motion_b: &RigidMotion,
+    settings: &MotionSettings,
+    cache: &mut Cache,
+) -> TimeOfImpact {
+    hullmap::cast_motion(a, motion_a, b, motion_b, settings, cache)
+}
+
+pub fn signed_distance(
+    shape: &(dyn Shape + Sync),
+    point: DVec3,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Result<SignedDistance, VectorError> {
+    hullmap::signed_distance(shape, point, settings, cache)
 }
 
 pub fn ray(shape: &(dyn Shape + Sync), ray: &Ray, settings: &CastSettings) -> RayHit {

@@ -7,7 +7,7 @@ use hullmap::batch::{self, MovingPair};
 use hullmap::compound::{CompoundAnswer, half_space};
 use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
-    Cache, ClearSettings, Clearance, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings,
+    Cache, ClearSettings, Clearance, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape,
     Verdict, cast_motion, clear, compound, distance,
 };
 use shapes::rng::SplitMix64;
@@ -159,10 +159,11 @@ fn half_spaces_are_clear_if_the_lowest_vertices_are() {
 
 #[test]
 fn batches_of_moving_pairs_have_the_bits_of_single_queries() {
-    let (ball, cube) = (Sphere::new(0.4).unwrap(), Cuboid::new(DVec3::new(0.2, 0.5, 1.0)).unwrap());
+    let ball: &(dyn Shape + Sync) = &Sphere::new(0.4).unwrap();
+    let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::new(0.2, 0.5, 1.0)).unwrap();
     let mut rng = SplitMix64::new(SEED + 2);
     let pairs: Vec<_> = (0..300)
-        .map(|_| MovingPair { a: &cube, motion_a: motion(&mut rng, 0.5), b: &ball, motion_b: motion(&mut rng, 2.0) })
+        .map(|_| MovingPair { a: cube, motion_a: motion(&mut rng, 0.5), b: ball, motion_b: motion(&mut rng, 2.0) })
         .collect();
     let settings = ClearSettings::default();
     let (mut caches, mut found) = (vec![Cache::new(); pairs.len()], vec![Clearance::default(); pairs.len()]);
@@ -177,17 +178,17 @@ fn batches_of_moving_pairs_have_the_bits_of_single_queries() {
 
 #[test]
 fn shares_out_of_range_are_harmless() {
-    let ball = Sphere::new(1.0).unwrap();
+    let ball: &(dyn Shape + Sync) = &Sphere::new(1.0).unwrap();
     let at = |x: f64, y: f64| Pose::from_translation(DVec3::new(x, y, 0.0)).unwrap();
     let still = RigidMotion::still(Pose::IDENTITY);
     let passing = RigidMotion::between(at(-5.0, 2.5), at(5.0, 2.5)).unwrap();
     for share in [f64::NAN, -1.0, 0.0, 0.5, 0.95, 1.0, f64::INFINITY] {
-        let found = clear(&ball, &still, &ball, &passing, &settings(0.0, share, 200), &mut Cache::new());
+        let found = clear(ball, &still, ball, &passing, &settings(0.0, share, 200), &mut Cache::new());
         assert_eq!(found.verdict, Verdict::Free, "{share}: {found:?}");
         assert!(found.clearance > 0.0 && found.clearance <= 0.5, "{share}: {found:?}");
         assert!(found.clearance >= 0.5 * share.clamp(0.0, 0.94) || share.is_nan(), "{share}: {found:?}");
     }
     // The same margin as the distance: rounding errors decide, and nothing is claimed.
-    let found = clear(&ball, &still, &ball, &passing, &settings(0.5, 0.5, 200), &mut Cache::new());
+    let found = clear(ball, &still, ball, &passing, &settings(0.5, 0.5, 200), &mut Cache::new());
     assert!(found.verdict != Verdict::Free && found.t_lower <= 0.5, "{found:?}");
 }

@@ -1,6 +1,7 @@
 //! Derivatives of answers by poses: against central differences, and where there are none. The soak
 //! of derivatives judges distances, depths, rays and casts of hulls.
 
+use crate::any_shape;
 use crate::compound::pack;
 use crate::motions_of_parts::motion;
 use glam::{DQuat, DVec3};
@@ -45,7 +46,7 @@ fn off(found: &Derivatives, poses: [Pose; 2], step: f64, truth: impl Fn([Pose; 2
 
 #[test]
 fn distances_of_round_shapes() {
-    let shapes: Vec<Box<dyn Shape>> = vec![
+    let shapes: Vec<Box<dyn Shape + Sync>> = vec![
         Box::new(Sphere::new(0.7).unwrap()),
         Box::new(Capsule::new(0.8, 0.3).unwrap()),
         Box::new(Cylinder::new(0.5, 0.6).unwrap()),
@@ -138,9 +139,9 @@ fn times_of_impact_of_bodies_that_turn() {
 
 #[test]
 fn parallel_features_have_no_derivative() {
-    let cube = Cuboid::new(DVec3::ONE).unwrap();
+    let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::ONE).unwrap();
     let status = |b_in_a: Pose| {
-        distance(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new()).derivatives(&cube, &cube, b_in_a).status
+        distance(cube, cube, b_in_a, &Settings::default(), &mut Cache::new()).derivatives(cube, cube, b_in_a).status
     };
     assert_eq!(status(at(3.0, 0.2, 0.1)), Differentiability::Parallel);
     // An edge over a face, across and along.
@@ -161,10 +162,11 @@ fn parallel_features_have_no_derivative() {
 
 #[test]
 fn ambiguous_depths_have_no_derivative() {
-    let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Sphere::new(0.25).unwrap());
+    let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::ONE).unwrap();
+    let ball: &(dyn Shape + Sync) = &Sphere::new(0.25).unwrap();
     let by = |b_in_a: Pose| {
-        let found = contact(&cube, &ball, b_in_a, &EXACT, &mut Cache::new());
-        found.derivatives(&cube, &ball, b_in_a, &EXACT, &mut Cache::new())
+        let found = contact(cube, ball, b_in_a, &EXACT, &mut Cache::new());
+        found.derivatives(cube, ball, b_in_a, &EXACT, &mut Cache::new())
     };
     assert_eq!(by(Pose::IDENTITY).status, Differentiability::Normals);
     assert_eq!(by(at(0.5, 0.5, 0.1)).status, Differentiability::Normals);
@@ -176,13 +178,13 @@ fn ambiguous_depths_have_no_derivative() {
     assert_eq!(by(at(1.25, 0.0, 0.0)).status, Differentiability::Touching);
     // Two cubes face to face are as deep at all points of both faces.
     let b_in_a = at(1.5, 0.1, 0.2);
-    let found = contact(&cube, &cube, b_in_a, &EXACT, &mut Cache::new());
-    let status = found.derivatives(&cube, &cube, b_in_a, &EXACT, &mut Cache::new()).status;
+    let found = contact(cube, cube, b_in_a, &EXACT, &mut Cache::new());
+    let status = found.derivatives(cube, cube, b_in_a, &EXACT, &mut Cache::new()).status;
     assert_eq!(status, Differentiability::Parallel);
 
     let point = |p: DVec3| {
-        let found = signed_distance(&cube, p, &EXACT, &mut Cache::new()).unwrap();
-        found.derivatives(&cube, p, &EXACT, &mut Cache::new())
+        let found = signed_distance(cube, p, &EXACT, &mut Cache::new()).unwrap();
+        found.derivatives(cube, p, &EXACT, &mut Cache::new())
     };
     assert_eq!(point(DVec3::ZERO).status, Differentiability::Normals);
     assert_eq!(point(DVec3::X).status, Differentiability::Touching);
@@ -233,18 +235,18 @@ fn known_normals_and_features_change_no_status() {
     // As deep along y as along x, and nearly so.
     let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::splat(0.25)).unwrap());
     for (y, expected) in [(0.5, false), (0.499_999, false), (0.499, true)] {
-        let found = contact(&cube, &ball, at(0.5, y, 0.1), &EXACT, &mut Cache::new());
+        let found = any_shape::contact(&cube, &ball, at(0.5, y, 0.1), &EXACT, &mut Cache::new());
         assert_eq!(found.is_only_normal, expected, "{found:?}");
     }
 }
 
 #[test]
 fn rays_and_casts_without_a_derivative() {
-    let cube = Cuboid::new(DVec3::ONE).unwrap();
+    let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::ONE).unwrap();
     let settings = CastSettings::default();
     let by = |origin: DVec3, direction: DVec3| {
         let line = Ray::new(origin, direction).unwrap();
-        ray(&cube, &line, &settings).derivatives(&cube, &line)
+        ray(cube, &line, &settings).derivatives(cube, &line)
     };
     assert_eq!(by(DVec3::new(5.0, 0.0, 0.0), DVec3::X).status, Differentiability::Missing);
     assert_eq!(by(DVec3::new(0.5, 0.0, 0.0), DVec3::X).status, Differentiability::Missing);
@@ -268,13 +270,13 @@ fn rays_and_casts_without_a_derivative() {
         (DVec3::ZERO, Differentiability::Missing),
     ] {
         let velocity = Motion::new(velocity).unwrap();
-        let found = cast(&cube, &cube, start, velocity, &settings, &mut Cache::new());
-        assert_eq!(found.derivatives(&cube, &cube, start, velocity).status, expected, "{velocity:?}");
+        let found = cast(cube, cube, start, velocity, &settings, &mut Cache::new());
+        assert_eq!(found.derivatives(cube, cube, start, velocity).status, expected, "{velocity:?}");
     }
     // It stays in touch, or passes for ever at the target distance.
     let still = RigidMotion::still(Pose::IDENTITY);
     let passing = RigidMotion::between(at(-5.0, 3.0, 0.0), at(5.0, 3.0, 0.0)).unwrap();
     let target = MotionSettings { target_distance: 1.0, ..MotionSettings::default() };
-    let found = cast_motion(&cube, &still, &cube, &passing, &target, &mut Cache::new());
-    assert_ne!(found.derivatives(&cube, &still, &cube, &passing).status, Differentiability::Unique, "{found:?}");
+    let found = cast_motion(cube, &still, cube, &passing, &target, &mut Cache::new());
+    assert_ne!(found.derivatives(cube, &still, cube, &passing).status, Differentiability::Unique, "{found:?}");
 }

@@ -1,12 +1,12 @@
 //! Rays, shape casts and signed distances against the truth in f64: clipping by all planes of a
 //! hull, by all facets of a Minkowski difference, or by bisection of a closed form.
 
-use crate::any_shape::{cast, distance, ray};
+use crate::any_shape::{cast, distance, ray, signed_distance};
 use glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Sphere};
 use hullmap::{
     Cache, CastSettings, CompoundCache, Impact, Motion, Pack, Pose, Ray, RayHit, Settings, Shape, Status, SupportMap,
-    compound, signed_distance,
+    compound,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::{
@@ -382,7 +382,7 @@ fn points_at_hulls() {
         let (mut rng, mut cache) = (SplitMix64::new(SEED), Cache::new());
         for _ in 0..300 {
             let point = hull.interior_point() + rng.unit_vector() * hull.outer_radius() * rng.between(0.0, 1.5);
-            let found = signed_distance(&hull, point, &Settings::default(), &mut cache).unwrap();
+            let found = hullmap::signed_distance(&hull, point, &Settings::default(), &mut cache).unwrap();
             assert!(found.lower <= found.distance && found.distance <= found.upper, "{found:?}");
             let slack = 16.0 * f64::EPSILON * (polytope.greatest() + point.length());
             let heights = polytope.normals.iter().zip(&offsets).map(|(n, offset)| n.dot(point) - offset);
@@ -664,7 +664,7 @@ fn vectors_that_are_not_finite_are_rejected() {
         assert_eq!(Ray::new(DVec3::X, v).unwrap_err().what, "direction");
         assert_eq!(Motion::new(v).unwrap_err().what, "velocity");
         let cube = Cuboid::new(DVec3::ONE).unwrap();
-        let found = signed_distance(&cube as &(dyn Shape + Sync), v, &Settings::default(), &mut Cache::new());
+        let found = signed_distance(&cube, v, &Settings::default(), &mut Cache::new());
         assert_eq!(found.unwrap_err().what, "point");
     }
 }

@@ -1,13 +1,13 @@
 //! Times of impact of shapes that move and turn, against formulas.
 
-use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::any_shape::{cast_motion, distance};
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cuboid, Cylinder, Sphere};
 use hullmap::{
-    Cache, MotionSettings, Pose, RigidMotion, Settings, Status, SupportMap, SupportPoint, TimeOfImpact, cast_motion,
-    distance,
+    Cache, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, SupportMap, SupportPoint, TimeOfImpact,
 };
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
@@ -22,7 +22,7 @@ fn spin(pose: Pose, angular: DVec3) -> RigidMotion {
     RigidMotion::screw(pose, DVec3::ZERO, angular, pose.translation()).unwrap()
 }
 
-fn meet<A: SupportMap, B: SupportMap>(a: (&A, &RigidMotion), b: (&B, &RigidMotion)) -> TimeOfImpact {
+fn meet(a: (&(dyn Shape + Sync), &RigidMotion), b: (&(dyn Shape + Sync), &RigidMotion)) -> TimeOfImpact {
     cast_motion(a.0, a.1, b.0, b.1, &MotionSettings::default(), &mut Cache::new())
 }
 
@@ -298,13 +298,13 @@ fn a_flat_shape_turns_into_another() {
 /// A shape that fails if its contract is broken.
 struct Strict<'s> {
     shape: &'s Cuboid,
-    calls: Cell<u32>,
+    calls: AtomicU32,
 }
 
 impl SupportMap for Strict<'_> {
     fn support_point(&self, dir: DVec3) -> SupportPoint {
         assert!(dir.is_finite() && dir.length_squared() > 1e-60, "no direction: {dir}");
-        self.calls.set(self.calls.get() + 1);
+        self.calls.fetch_add(1, Ordering::Relaxed);
         self.shape.support_point(dir)
     }
     fn interior_point(&self) -> DVec3 {
@@ -318,18 +318,20 @@ impl SupportMap for Strict<'_> {
     }
 }
 
+impl Shape for Strict<'_> {}
+
 /// The normal is exactly the axis of rotation, so its part in the plane of rotation is zero.
 #[test]
 fn support_mappings_never_get_a_zero_direction() {
     let cube = Cuboid::new(DVec3::ONE).unwrap();
-    let strict = || Strict { shape: &cube, calls: Cell::new(0) };
+    let strict = || Strict { shape: &cube, calls: AtomicU32::new(0) };
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         let (a, b) = (strict(), strict());
         let falling =
             RigidMotion::screw(Pose::from_translation(axis * 4.0).unwrap(), axis * -3.0, axis * 2.0, DVec3::ZERO);
         let found = meet((&a, &spin(Pose::IDENTITY, axis * 1.5)), (&b, &falling.unwrap()));
         assert_at(&found, 2.0 / 3.0, 1e-5);
-        assert!(a.calls.get() > 0 && b.calls.get() > 0);
+        assert!(a.calls.into_inner() > 0 && b.calls.into_inner() > 0);
     }
 }
 

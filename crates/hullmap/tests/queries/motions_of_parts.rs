@@ -8,8 +8,8 @@ use glam::{DQuat, DVec3};
 use hullmap::compound::half_space;
 use hullmap::shapes::{Capsule, Cuboid, HalfSpace, Sphere};
 use hullmap::{
-    Cache, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Status, SupportMap,
-    TimeOfImpact, cast_motion, compound,
+    Cache, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, TimeOfImpact,
+    cast_motion, compound,
 };
 use shapes::rng::SplitMix64;
 
@@ -129,13 +129,14 @@ fn compounds_are_apart_until_the_lower_bound() {
 /// A single shape counts as a compound of one part.
 #[test]
 fn single_shapes_have_the_answer_of_the_pair() {
-    let (rod, ball) = (Capsule::new(1.0, 0.1).unwrap(), Sphere::new(0.3).unwrap());
+    let rod: &(dyn Shape + Sync) = &Capsule::new(1.0, 0.1).unwrap();
+    let ball: &(dyn Shape + Sync) = &Sphere::new(0.3).unwrap();
     let mut rng = SplitMix64::new(SEED + 2);
     for _ in 0..200 {
         let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
         let usual = MotionSettings::default();
-        let pair = cast_motion(&rod, &motion_a, &ball, &motion_b, &usual, &mut Cache::new());
-        let found = compound::cast_motion(&rod, &motion_a, &ball, &motion_b, &usual, &mut CompoundCache::new(1)).answer;
+        let pair = cast_motion(rod, &motion_a, ball, &motion_b, &usual, &mut Cache::new());
+        let found = compound::cast_motion(rod, &motion_a, ball, &motion_b, &usual, &mut CompoundCache::new(1)).answer;
         if pair.hit {
             assert_eq!(found, pair);
         } else {
@@ -204,11 +205,12 @@ fn half_spaces_meet_the_lowest_vertex() {
 /// The plane itself turns, about an axis in it: like a door that closes on a ball.
 #[test]
 fn a_half_space_turns_into_a_ball() {
-    let (door, ball) = (HalfSpace::new(DVec3::Y, 0.0).unwrap(), Sphere::new(0.25).unwrap());
+    let door = HalfSpace::new(DVec3::Y, 0.0).unwrap();
+    let ball: &(dyn Shape + Sync) = &Sphere::new(0.25).unwrap();
     let still = RigidMotion::still(Pose::from_translation(DVec3::new(2.0, 1.5, 0.3)).unwrap());
     for angle in [0.5, 1.0, 3.0, 6.0, 100.0] {
         let closing = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * angle, DVec3::ZERO).unwrap();
-        let found = door.cast_motion(&closing, &ball, &still, &MotionSettings::default());
+        let found = door.cast_motion(&closing, ball, &still, &MotionSettings::default());
         // The centre is at a distance of 2.5 from the hinge, at the angle ψ.
         let t = ((1.5_f64).atan2(2.0) - (0.25_f64 / 2.5).asin()) / angle;
         if t > 1.0 {
@@ -224,7 +226,7 @@ fn a_half_space_turns_into_a_ball() {
         let spinning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Y * angle, DVec3::X).unwrap();
         let found = door.cast_motion(
             &spinning,
-            &ball,
+            ball,
             &still,
             &MotionSettings { max_iterations: 20_000, ..MotionSettings::default() },
         );
@@ -260,11 +262,11 @@ fn settings_out_of_range_are_harmless() {
 #[test]
 fn half_spaces_at_extreme_sizes() {
     for size in [1e-30, 1e-9, 1.0, 1e9, 1e30] {
-        let rod = Cuboid::new(DVec3::new(1.0, 0.01, 0.01) * size).unwrap();
+        let rod: &(dyn Shape + Sync) = &Cuboid::new(DVec3::new(1.0, 0.01, 0.01) * size).unwrap();
         let floor = HalfSpace::new(DVec3::NEG_Y, -0.6 * size).unwrap();
         let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * (0.5 * PI), DVec3::ZERO).unwrap();
         let still = RigidMotion::still(Pose::IDENTITY);
-        let found = floor.cast_motion(&still, &rod, &turning, &MotionSettings::default());
+        let found = floor.cast_motion(&still, rod, &turning, &MotionSettings::default());
         let t = ((0.6 / 1.0001_f64.sqrt()).asin() - 0.01_f64.atan()) / (0.5 * PI);
         assert!(
             found.status == Status::Within && found.t_lower <= t + 1e-14 && t - 1e-14 <= found.t_upper,

@@ -3,8 +3,9 @@
 
 use std::sync::Arc;
 
+use crate::any_shape::contact;
 use hullmap::glam::{DQuat, DVec3, Vec3};
-use hullmap::{Cache, Pack, Pose, Settings, Shape, SharedHull, SupportMap, contact};
+use hullmap::{Cache, Pack, Pose, Settings, Shape, SharedHull, SupportMap};
 use hullmap_bake::IndexKind;
 use shapes::families::Family;
 
