@@ -155,7 +155,7 @@ fn screws_of_small_hulls_agree_with_exact_arithmetic() {
     let stock = Stock::bake(&[], 1);
     let bodies = Bodies::new(&stock);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let motions = 1_000;
+    let motions = 400;
     let tally = soak(&bodies, Queries::Screws, SEED, 0..motions, threads);
     println!("seed {SEED}\n{tally}");
     let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();

@@ -175,7 +175,7 @@ fn a_table_of_boxes_becomes_boxes() {
 #[test]
 fn pieces_of_a_ring_stay_hulls() {
     println!("seed {SEED}");
-    let steps = 16;
+    let steps = 12;
     let turn = |angle: f64| {
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
         DMat3::from_cols(DVec3::new(cos, sin, 0.0), DVec3::new(-sin, cos, 0.0), DVec3::Z)

@@ -404,14 +404,7 @@ fn large_and_false_files_stay_within_the_documented_memory() {
             failed.push(format!("{}: {text}{}", case.name, String::from_utf8_lossy(&output.stderr)));
         }
     }
-    assert!(
-        failed.is_empty(),
-        "{}",
-        failed.join(
-            "
-"
-        )
-    );
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
 #[test]

@@ -172,7 +172,7 @@ fn a_search_may_end_at_any_time() {
 
 #[test]
 fn no_part_has_more_vertices_than_allowed() {
-    let ball = Mesh { vertices: shapes::families::Family::Sphere.points(120, 1), ..Mesh::default() };
+    let ball = Mesh { vertices: shapes::families::Family::Sphere.points(80, 1), ..Mesh::default() };
     let hull = crate::hull::build(&point_set(&ball)).unwrap();
     assert!(hull.vertices.len() > 64, "the sample is not representative");
     // A ball and a smaller one beside it: cells with many vertices.
