@@ -339,6 +339,31 @@ typedef uint32_t HullmapPrediction;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Kind of a primitive: HullmapReplacement.kind.
+enum HullmapPrimitiveKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // No primitive may replace the hull.
+    HULLMAP_PRIMITIVE_KIND_NONE = 0,
+    // A cuboid, with three half extents.
+    HULLMAP_PRIMITIVE_KIND_BOX = 1,
+    // A ball, with a radius.
+    HULLMAP_PRIMITIVE_KIND_SPHERE = 2,
+    // All points within a radius of a segment along z, with half of its length.
+    HULLMAP_PRIMITIVE_KIND_CAPSULE = 3,
+    // A cylinder along z, with a radius and half of its height.
+    HULLMAP_PRIMITIVE_KIND_CYLINDER = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapPrimitiveKind HullmapPrimitiveKind;
+#else
+typedef uint32_t HullmapPrimitiveKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Kind of solid that convex parts were measured against: HullmapHullFacts.solid.
 enum HullmapSolid
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -472,6 +497,45 @@ typedef struct {
     double voids_error;
 } HullmapHullFacts;
 
+// A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
+typedef struct {
+    // Vector part.
+    double x;
+    // Vector part.
+    double y;
+    // Vector part.
+    double z;
+    // Scalar part.
+    double w;
+} HullmapQuat;
+
+// A rigid motion: rotate, then translate. `b_in_a` maps points of B's frame into A's frame. From
+// the poses of both in a world, hullmap_pose_relative() computes it. A component of the
+// translation is at most 3.4e38.
+typedef struct {
+    // Where B's origin is in A's frame.
+    HullmapVec3 translation;
+    // Rotation of B in A's frame.
+    HullmapQuat rotation;
+} HullmapPose;
+
+// A primitive that may replace a convex part, from hullmap_pack_hull_primitive.
+//
+// It contains all of the mesh's surface that is in the part, so the surface stays covered if some
+// or all parts are replaced.
+typedef struct {
+    // A HullmapPrimitiveKind. With HULLMAP_PRIMITIVE_KIND_NONE, all other fields are 0.
+    uint32_t kind;
+    // From the primitive's own axes to the frame of the hull. The origin is its centre; the axis of
+    // capsules and cylinders is z.
+    HullmapPose pose;
+    // Box: half of its extent along x, y and z. Sphere: radius. Capsule and cylinder: radius, and
+    // half the length of its axis, without the round ends of a capsule. The others are 0.
+    double sizes[3];
+    // Upper bound on how far a point of the primitive lies outside the mesh's solid, a length.
+    double protrusion;
+} HullmapReplacement;
+
 // Mass properties of a rigid body, from hullmap_pack_mass_properties.
 typedef struct {
     // Mass: density times volume.
@@ -557,28 +621,6 @@ typedef struct {
     // The triangle.
     size_t triangle;
 } HullmapGround;
-
-// A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
-typedef struct {
-    // Vector part.
-    double x;
-    // Vector part.
-    double y;
-    // Vector part.
-    double z;
-    // Scalar part.
-    double w;
-} HullmapQuat;
-
-// A rigid motion: rotate, then translate. `b_in_a` maps points of B's frame into A's frame. From
-// the poses of both in a world, hullmap_pose_relative() computes it. A component of the
-// translation is at most 3.4e38.
-typedef struct {
-    // Where B's origin is in A's frame.
-    HullmapVec3 translation;
-    // Rotation of B in A's frame.
-    HullmapQuat rotation;
-} HullmapPose;
 
 // A support point.
 typedef struct {
@@ -1040,6 +1082,12 @@ HullmapResult hullmap_pack_find(const HullmapPack *pack,
 HullmapResult hullmap_pack_hull_facts(const HullmapPack *pack,
                                       size_t hull,
                                       HullmapHullFacts *facts);
+
+// The primitive that may replace the hull of index `hull` (`bake build --primitives`). Its kind is
+// HULLMAP_PRIMITIVE_KIND_NONE if there is none, or the bake did not look for primitives.
+HullmapResult hullmap_pack_hull_primitive(const HullmapPack *pack,
+                                          size_t hull,
+                                          HullmapReplacement *primitive);
 
 // Mass properties of `count` hulls from the one of index `first`, as one rigid body of uniform
 // density: mass per volume. All hulls of a pack: 0 and hullmap_pack_hull_count.

@@ -117,6 +117,13 @@ public:
         return facts;
     }
 
+    // The primitive that may replace a hull; its kind is HULLMAP_PRIMITIVE_KIND_NONE if there is none.
+    Replacement primitive(std::size_t hull) const {
+        Replacement primitive{};
+        check(hullmap_pack_hull_primitive(get(), hull, &primitive));
+        return primitive;
+    }
+
     // All hulls as one rigid body.
     MassProperties mass_properties(double density) const { return mass_properties(0, hull_count(), density); }
 

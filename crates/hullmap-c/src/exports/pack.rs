@@ -1,4 +1,4 @@
-//! Packs: opening, and the facts and arrays of their hulls.
+//! Packs: opening, and the facts, arrays and primitives of their hulls.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, c_char};
@@ -10,8 +10,8 @@ use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::Pack;
 use crate::types::{
-    Bounds, HullArrays, HullFacts, MassProperties, MassSource, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result,
-    Solid, Text,
+    Bounds, HullArrays, HullFacts, MassProperties, MassSource, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Pose,
+    PrimitiveKind, Quat, Replacement, Result, Solid, Text, Vec3,
 };
 
 /// Opens a pack file. By default the file is copied into memory and checked completely, so that no
@@ -173,6 +173,36 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
             protrusion_at: hull.protrusion_at().unwrap_or_default().into(),
             voids: hull.voids().map_or(-1.0, |voids| voids.share),
             voids_error: hull.voids().map_or(0.0, |voids| voids.error),
+        });
+        Ok(())
+    })
+}
+
+/// The primitive that may replace the hull of index `hull` (`bake build --primitives`). Its kind is
+/// HULLMAP_PRIMITIVE_KIND_NONE if there is none, or the bake did not look for primitives.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_pack_hull_primitive(
+    pack: *const Pack,
+    hull: usize,
+    primitive: *mut Replacement,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (pack, out) = unsafe { (border::handle("pack", pack)?, Out::new("primitive", primitive)?) };
+        out.write(match pack.hull(hull)?.primitive() {
+            Some(found) => {
+                let [x, y, z, w] = found.rotation.to_array();
+                Replacement {
+                    kind: PrimitiveKind::from(found.kind) as u32,
+                    pose: Pose { translation: found.center.into(), rotation: Quat { x, y, z, w } },
+                    sizes: found.sizes,
+                    protrusion: found.protrusion,
+                }
+            }
+            None => {
+                let pose = Pose { translation: Vec3::default(), rotation: Quat::default() };
+                Replacement { kind: PrimitiveKind::None as u32, pose, sizes: [0.0; 3], protrusion: 0.0 }
+            }
         });
         Ok(())
     })

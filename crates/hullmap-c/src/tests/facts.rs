@@ -56,3 +56,42 @@ fn facts_and_arrays_match_the_pack() {
         assert!(neighbours.iter().copied().eq(all));
     }
 }
+
+/// A box that is a part by itself, and a rock that is none.
+#[test]
+fn primitives_match_the_pack() {
+    let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32);
+    let corners: Vec<[f32; 3]> = (0..8).map(corner).map(|[x, y, z]| [x, 2.0 * y, 3.0 * z]).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mesh = hullmap_bake::PointSet { triangles, ..packs::point_set("box", &corners) };
+    let rock = packs::point_set("rock", &shapes::families::rock(40, 3));
+    let [mut part, rock] =
+        [&mesh, &rock].map(|set| hullmap_bake::bake_hull(set, hullmap_bake::IndexKind::Tree).unwrap());
+    let (solid, hulls) = (hullmap_bake::fit::solid::Solid::new(&mesh), [&part.hull]);
+    let fits = hullmap_bake::fit::fits(&mesh, &hulls, None).unwrap();
+    let found = hullmap_bake::primitive::primitives(&solid, &mesh, &hulls, &fits, 0.01, false);
+    (part.part_count, part.fit, part.primitive) = (1, Some(fits[0]), found[0]);
+    let file = hullmap_bake::write_owned_pack(vec![part, rock], &hullmap_bake::SourceRecord::default()).unwrap();
+
+    let twin = hullmap::Pack::from_bytes(&file).unwrap();
+    let expected = twin.hull(0).unwrap().primitive().unwrap();
+    // SAFETY: the pointers are valid.
+    unsafe {
+        let pack = Owned::new(hullmap_pack_free, |out| hullmap_pack_from_memory(file.as_ptr(), file.len(), 0, out));
+        let mut found = std::mem::zeroed::<types::Replacement>();
+        assert_eq!(hullmap_pack_hull_primitive(pack.0, 0, &raw mut found), Code::Ok);
+        assert_eq!(found.kind, types::PrimitiveKind::Box as u32);
+        assert_eq!((found.sizes, found.protrusion), (expected.sizes, expected.protrusion));
+        assert_eq!(found.pose.translation, expected.center.into());
+        let types::Quat { x, y, z, w } = found.pose.rotation;
+        assert_eq!([x, y, z, w], expected.rotation.to_array());
+        // Half of its edges, in any order.
+        let mut sizes = found.sizes;
+        sizes.sort_by(f64::total_cmp);
+        assert!(sizes.iter().zip([0.5, 1.0, 1.5]).all(|(size, half)| (size - half).abs() < 1e-5), "{sizes:?}");
+
+        assert_eq!(hullmap_pack_hull_primitive(pack.0, 1, &raw mut found), Code::Ok);
+        assert_eq!((found.kind, found.sizes), (types::PrimitiveKind::None as u32, [0.0; 3]));
+    }
+}

@@ -1,6 +1,6 @@
-//! Facts and arrays of a hull, and mass properties of a pack.
+//! Facts and arrays of a hull, the primitive that may replace it, and mass properties of a pack.
 
-use super::geometry::{Bounds, Vec3};
+use super::geometry::{Bounds, Pose, Vec3};
 
 /// Kind of solid that convex parts were measured against: HullmapHullFacts.solid.
 #[repr(u32)]
@@ -98,6 +98,52 @@ pub struct HullFacts {
     pub voids: f64,
     /// Error of voids, from 0 to 1.
     pub voids_error: f64,
+}
+
+/// Kind of a primitive: HullmapReplacement.kind.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PrimitiveKind {
+    /// No primitive may replace the hull.
+    None = 0,
+    /// A cuboid, with three half extents.
+    Box = 1,
+    /// A ball, with a radius.
+    Sphere = 2,
+    /// All points within a radius of a segment along z, with half of its length.
+    Capsule = 3,
+    /// A cylinder along z, with a radius and half of its height.
+    Cylinder = 4,
+}
+
+impl From<hullmap::PrimitiveKind> for PrimitiveKind {
+    fn from(kind: hullmap::PrimitiveKind) -> Self {
+        match kind {
+            hullmap::PrimitiveKind::Box => Self::Box,
+            hullmap::PrimitiveKind::Sphere => Self::Sphere,
+            hullmap::PrimitiveKind::Capsule => Self::Capsule,
+            hullmap::PrimitiveKind::Cylinder => Self::Cylinder,
+        }
+    }
+}
+
+/// A primitive that may replace a convex part, from hullmap_pack_hull_primitive.
+///
+/// It contains all of the mesh's surface that is in the part, so the surface stays covered if some
+/// or all parts are replaced.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Replacement {
+    /// A HullmapPrimitiveKind. With HULLMAP_PRIMITIVE_KIND_NONE, all other fields are 0.
+    pub kind: u32,
+    /// From the primitive's own axes to the frame of the hull. The origin is its centre; the axis of
+    /// capsules and cylinders is z.
+    pub pose: Pose,
+    /// Box: half of its extent along x, y and z. Sphere: radius. Capsule and cylinder: radius, and
+    /// half the length of its axis, without the round ends of a capsule. The others are 0.
+    pub sizes: [f64; 3],
+    /// Upper bound on how far a point of the primitive lies outside the mesh's solid, a length.
+    pub protrusion: f64,
 }
 
 /// The solid that mass properties describe: HullmapMassProperties.source.

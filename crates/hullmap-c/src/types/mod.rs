@@ -15,7 +15,7 @@ mod sheet;
 mod status;
 
 pub use answers::{Contact, Distance, Impact, Intersection, RayHit, SignedDistance, Support};
-pub use facts::{HullArrays, HullFacts, MassProperties, MassSource, Solid, Text};
+pub use facts::{HullArrays, HullFacts, MassProperties, MassSource, PrimitiveKind, Replacement, Solid, Text};
 pub use geometry::{Bounds, Pose, Quat, Vec3};
 pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
 pub use motion::{

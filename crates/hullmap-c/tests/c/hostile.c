@@ -221,6 +221,10 @@ static void packs(const HullmapPack *pack) {
     FAILS(HULLMAP_RESULT_NULL, "index", hullmap_pack_find(pack, "x", NULL));
     facts.struct_size = sizeof facts;
     FAILS(HULLMAP_RESULT_NOT_FOUND, "out of range", hullmap_pack_hull_facts(pack, 99, &facts));
+    HullmapReplacement primitive;
+    FAILS(HULLMAP_RESULT_NOT_FOUND, "out of range", hullmap_pack_hull_primitive(pack, 99, &primitive));
+    FAILS(HULLMAP_RESULT_NULL, "primitive", hullmap_pack_hull_primitive(pack, 0, NULL));
+    FAILS(HULLMAP_RESULT_NULL, "pack", hullmap_pack_hull_primitive(NULL, 0, &primitive));
     FAILS(HULLMAP_RESULT_NOT_FOUND, "out of range", hullmap_pack_hull_facts(pack, SIZE_MAX, &facts));
     FAILS(HULLMAP_RESULT_NULL, "facts", hullmap_pack_hull_facts(pack, 0, NULL));
     FAILS(HULLMAP_RESULT_NULL, "mass", hullmap_pack_mass_properties(pack, 0, 1, 1.0, NULL));
