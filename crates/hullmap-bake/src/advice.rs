@@ -288,22 +288,40 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     } else {
         format!("the surface lies at most {} outside all parts", short(uncovered))
     };
-    let from = match solid {
-        SolidKind::Watertight => "the solid",
-        SolidKind::Closed => "the solid, whose holes were closed",
-        SolidKind::Sheet => "the surface, which encloses no solid",
+    let (from, how) = match solid {
+        SolidKind::Watertight => ("the solid", ""),
+        SolidKind::Closed => ("the solid", "; the mesh's holes were closed first"),
+        SolidKind::Sheet => ("the surface", "; the mesh encloses no solid"),
     };
     let protrusion = short(protrusion);
     let place =
         reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} can get from outside"));
-    let text =
-        format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}");
+    let text = format!(
+        "{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}{how}"
+    );
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
+}
+
+/// Area of closed holes, relative to the mesh's area, from which they may be openings that are meant.
+const OPENING: f64 = 0.05;
+
+/// Warning about a decomposed mesh with large holes, which were closed, so that what was open counts
+/// as solid. `share` is the area of the triangles that close them, relative to the mesh's.
+pub fn openings(name: &str, share: f64) -> Option<Remark> {
+    // NaN takes the failing branch.
+    (share >= OPENING).then(|| {
+        let text = format!(
+            "{name}: its holes were closed by triangles with {} of its area, and what they enclose counts as solid; to \
+             keep an opening, give the walls around it two sides",
+            percent(share)
+        );
+        Remark { weight: share, ..Remark::warning("closed openings", name, text) }
+    })
 }
 
 /// A mesh that cannot be decomposed, because it has no surface.
 pub fn without_faces(name: &str) -> Remark {
-    let text = format!("{name}: not decomposed, because it has no faces; add faces, or leave out --decompose");
+    let text = format!("{name}: not decomposed, because it has no faces; add faces");
     Remark::warning("no faces", name, text)
 }
 
@@ -496,7 +514,7 @@ mod tests {
         assert_eq!(
             notes,
             ["b: 2 parts; the surface lies at most 0.001 outside all parts, and no part protrudes more than 0.25 \
-              from the surface, which encloses no solid (and 2 more like it: a, c)"]
+              from the surface; the mesh encloses no solid (and 2 more like it: a, c)"]
         );
         assert_eq!(warnings[0], "hull p0 is flat (and 11 more like it: p1, p2, p3, p4, p5, p6, p7, p8, …)");
         assert!(warnings.len() == 2 && warnings[1].starts_with("d: 2 parts;"), "{warnings:?}");

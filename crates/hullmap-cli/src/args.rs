@@ -562,7 +562,8 @@ pub struct ReportArgs {
     /// A pack; or a folder of packs, for an overview and a page per pack
     #[arg(value_name = "FILE|DIR")]
     pub input: PathBuf,
-    /// HTML file to write; it needs no other file and no network
+    /// HTML file to write, without need of a network; of a folder, the pages of its packs go to a
+    /// folder beside it
     #[arg(long, value_name = "REPORT.html")]
     pub out: PathBuf,
     /// The source mesh, or a folder of meshes [default: as for `bake verify`]

@@ -20,7 +20,7 @@
 //   m_logger                 gets the message of a failure, from the thread of the computation
 //   m_resolution, m_maxRecursionDepth, m_minEdgeLength, m_findBestPlane, m_shrinkWrap
 //                            no effect: there are no voxels, and parts fit the surface
-//   m_fillMode               no effect: the solid of an open mesh is found by winding numbers
+//   m_fillMode               no effect: the holes of a mesh are closed, and what they enclose is filled
 //   m_taskRunner             no effect: the library has a pool of threads
 #ifndef HULLMAP_VHACD_HPP
 #define HULLMAP_VHACD_HPP

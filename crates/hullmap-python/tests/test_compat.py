@@ -108,8 +108,11 @@ def test_wrong_arguments_are_errors():
     for threshold in (0, -1.0, float("nan"), float("inf")):
         with pytest.raises(hullmap.BakeError, match="threshold"):
             coacd.run_coacd(mesh, threshold=threshold)
-    with pytest.raises(hullmap.BakeError, match="apx_mode"):
-        coacd.run_coacd(mesh, apx_mode="sphere")
+    for argument, wrong in (("apx_mode", dict(apx_mode="sphere")), ("preprocess_mode", dict(preprocess_mode="bad"))):
+        with pytest.raises(hullmap.BakeError, match=argument):
+            coacd.run_coacd(mesh, **wrong)
+    with pytest.raises(hullmap.BakeError, match="max_ch_vertex"):
+        coacd.run_coacd(mesh, decimate=True, max_ch_vertex=3)
     with pytest.raises(hullmap.ArrayError, match="vertices"):
         coacd.Mesh(np.zeros((4, 2)), CUBE_FACES)
     with pytest.raises(hullmap.ArrayError, match="indices"):

@@ -12,7 +12,7 @@ use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
 use hullmap_bake::hull::Hull;
 use hullmap_bake::primitive::primitives;
 use hullmap_bake::progress::Stage;
-use hullmap_bake::{BakedHull, PointSet};
+use hullmap_bake::{BakedHull, PointSet, SolidKind};
 
 use crate::estimates::{DecomposedObject, PartsEstimates};
 use crate::part::{Part, diagonal};
@@ -62,7 +62,8 @@ pub fn parts(
             let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(points)));
             let spent = parts.get(start - count).map_or(0.0, |part| part.seconds);
             let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
-            let estimates = record(points, own, limit, Some(cover), is_divided, deadline);
+            let (estimates, holes) = record(points, own, limit, Some(cover), is_divided, deadline);
+            measured.remarks.extend(advice::openings(name, holes));
             if has_primitives {
                 measured.remarks.extend(record_primitives(points, own, cover));
             }
@@ -90,7 +91,7 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Meas
         let hulls = &mut hulls[start..start + own.len()];
         start += own.len();
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
-        let estimates = record(mesh, hulls, None, None, hulls.len() > 1, None);
+        let (estimates, _) = record(mesh, hulls, None, None, hulls.len() > 1, None);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
         judge(&mesh.name, diagonal(mesh), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
@@ -121,7 +122,8 @@ fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Rema
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
 /// mesh and the voids of its solid. `limit` is the protrusion that they were proven not to exceed;
 /// `None` if there is no proof. Estimates how the parts of a mesh that was divided fit together;
-/// `cover` are its parameters. After the deadline, measures are coarse.
+/// `cover` are its parameters. After the deadline, measures are coarse. Also returns the share of
+/// [`Solid::hole_share`].
 fn record(
     mesh: &PointSet,
     own: &mut [BakedHull],
@@ -129,7 +131,7 @@ fn record(
     cover: Option<&Cover>,
     is_divided: bool,
     deadline: Option<Deadline>,
-) -> Option<PartsEstimates> {
+) -> (Option<PartsEstimates>, f64) {
     let count = own.len() as u32;
     // A hull of the whole mesh has its mass already.
     if let Some(first) = own.first_mut().filter(|first| first.mesh_mass.is_none()) {
@@ -139,6 +141,7 @@ fn record(
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
     let solid = (!mesh.triangles.is_empty()).then(|| solid_of(mesh, cover));
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit, deadline));
+    let holes = solid.as_ref().filter(|solid| solid.kind() == SolidKind::Closed).map_or(0.0, Solid::hole_share);
     let estimates =
         solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume, deadline).0);
     // Voids are recorded only for several parts.
@@ -149,7 +152,7 @@ fn record(
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
     }
-    estimates
+    (estimates, holes)
 }
 
 /// Records the primitives that may replace parts, and returns a note on their number. They protrude

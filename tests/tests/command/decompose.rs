@@ -4,7 +4,10 @@ use std::fs;
 
 use glam::DVec3;
 use hullmap::Pack;
-use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::{
+    command::{Run, bake_in},
+    files::workspace,
+};
 use tempfile::TempDir;
 
 /// A U of three boxes that share faces, as one outline in x and y, in a unit of its own.
@@ -149,4 +152,23 @@ fn outputs_are_checked_before_the_work() {
     fs::write(folder.path().join("bad.obj"), "v 0\n").unwrap();
     let run = bake(&folder, "decompose bad.obj bad.glb").expect(1);
     assert!(run.stderr.contains("bad.obj:1: ") && !folder.path().join("bad.glb").exists(), "{run:?}");
+}
+
+/// A box without a lid becomes solid, which a warning says. A small hole in a ring gets none.
+#[test]
+fn large_openings_that_were_closed_are_warnings() {
+    let corner = |i: usize| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2);
+    let open = (0..8).map(corner).collect::<String>() + "f 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    let folder = folder(&open);
+    let run = bake(&folder, "decompose in.obj box.obj").expect(0);
+    // One side of five.
+    let words = "warning: in: its holes were closed by triangles with 20% of its area";
+    assert!(run.stderr.contains(words), "{run:?}");
+    // A capsule without one of its hundreds of triangles.
+    let capsule = fs::read_to_string(workspace().join("assets/capsule.obj")).unwrap();
+    let lines: Vec<&str> = capsule.lines().collect();
+    let last = lines.iter().rposition(|line| line.starts_with("f ")).unwrap();
+    fs::write(folder.path().join("torn.obj"), lines[..last].join("\n") + "\n").unwrap();
+    let run = bake(&folder, "decompose torn.obj torn.glb").expect(0);
+    assert!(!run.stderr.contains("warning"), "{run:?}");
 }

@@ -157,6 +157,18 @@ impl Solid {
         self.surface.bounds
     }
 
+    /// Area of the triangles that close holes, relative to the area of the mesh's own; 0 for a
+    /// watertight mesh.
+    ///
+    /// # Complexity
+    /// O(n) for n triangles.
+    pub fn hole_share(&self) -> f64 {
+        let (own, closing) = self.surface.triangles.split_at(self.mesh_count);
+        let [own, closing] = [own, closing]
+            .map(|triangles| triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length()).sum::<f64>());
+        if closing > 0.0 { closing / own } else { 0.0 }
+    }
+
     /// Number of the mesh's own triangles, which come first.
     pub fn mesh_count(&self) -> usize {
         self.mesh_count

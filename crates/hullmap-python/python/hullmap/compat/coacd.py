@@ -105,8 +105,8 @@ def run_coacd(
 
     These are accepted and have no effect:
 
-    - ``preprocess_mode``, ``preprocess_resolution``: a mesh is decomposed as it is. It need not be a
-      manifold, and is not remeshed.
+    - ``preprocess_mode`` (auto, on or off), ``preprocess_resolution``: a mesh is not remeshed, and need
+      not be a manifold. Its holes are closed first, so openings become solid.
     - ``resolution``, ``seed``: nothing is sampled. The same arguments give the same parts.
     - ``mcts_nodes``, ``mcts_iterations``, ``mcts_max_depth``: there is no tree search.
     - ``pca``: directions of cuts come from the mesh.
@@ -118,6 +118,10 @@ def run_coacd(
     """
     if not (math.isfinite(threshold) and threshold > 0):
         raise BakeError(f"threshold: expected a finite number above 0, found {threshold!r}")
+    if preprocess_mode not in ("auto", "on", "off"):
+        raise BakeError(f"preprocess_mode: expected auto, on or off, found {preprocess_mode!r}")
+    if decimate and max_ch_vertex < 4:
+        raise BakeError(f"max_ch_vertex: expected at least 4, found {max_ch_vertex!r}")
     if apx_mode not in ("ch", "box"):
         raise BakeError(f"apx_mode: expected ch or box, found {apx_mode!r}")
     if not merge:
