@@ -2,15 +2,17 @@
 //!
 //! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error is
 //! served by the levels below it: of their results, the one with the fewest parts is taken, and of
-//! equal ones that with the lowest limit. All levels down to 0.5 % of the diagonal are candidates,
-//! unless their parts are proven to be more. So a larger error has the same candidates and some
-//! more, and never takes more parts, except where a level that is given up would have had fewer.
+//! equal ones that with the lowest limit. All levels down to a fixed one are candidates, unless
+//! their parts are proven to be more. So a larger error has the same candidates and some more. It
+//! takes more parts only if step 2 leaves out the level that would have had fewer.
 //!
 //! # Steps
-//! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. Give a level up when
-//!    it has far more parts before mergers than the best one had. End where conflicts prove that all
-//!    lower levels have more parts.
-//! 2. Where conflicts prove that no level has fewer parts than the best, lower ones only give
+//! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
+//!    prove that all lower levels have more parts.
+//! 2. Give a level up when it has far more parts before mergers than the best one had. After a level
+//!    whose parts were merged to far fewer, search every second level of a whole surface, and no
+//!    lower ones of half a surface.
+//! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
 //!    tighter parts. Then search those of whole octaves, and others only where these end.
 
 use super::{
