@@ -339,22 +339,22 @@ impl<'a> Levels<'a> {
     /// such parts.
     fn tightest(&mut self, best: Found, level: i32, samples: &Samples) -> Found {
         let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP);
-        let (count, useful) = (best.count(), best.useful());
-        let of_level = |levels: &mut Self, level: i32| {
+        let of_level = |levels: &mut Self, level: i32, best: &Found| {
             let needed = samples.needed(&levels.field, levels.limit(level));
-            let found = if needed > count { None } else { levels.search(level, Some(useful), true) };
-            found.filter(|found| found.count() <= count && !levels.is_over())
+            let useful = Some(best.useful()).filter(|useful| needed <= useful.parts)?;
+            let found = levels.search(level, Some(useful), true)?;
+            (found.count() <= useful.parts && !levels.is_over()).then_some(found)
         };
         let octave = |level: i32| level.div_euclid(PER_OCTAVE) * PER_OCTAVE;
         let (mut level, mut best) = (self.next(&best, level, last), best);
         while octave(level) >= last {
-            let Some(found) = of_level(self, octave(level)) else { break };
+            let Some(found) = of_level(self, octave(level), &best) else { break };
             level = self.next(&found, octave(level) - STEP, last);
             best = found;
         }
         let end = last.max(octave(level) + 1);
         while level >= end {
-            let Some(found) = of_level(self, level) else { break };
+            let Some(found) = of_level(self, level, &best) else { break };
             level = self.next(&found, level - STEP, last);
             best = found;
         }
