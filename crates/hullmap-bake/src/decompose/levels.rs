@@ -137,7 +137,7 @@ impl Found {
     }
 
     /// Whether there were far more parts before mergers.
-    fn is_merged(&self) -> bool {
+    pub fn is_merged(&self) -> bool {
         self.divided > most_before_mergers(self.count())
     }
 
@@ -288,7 +288,7 @@ impl<'a> Levels<'a> {
         let mut best: Option<Found> = self.rough(first);
         let samples = Samples::new(self.surface);
         let (mut level, mut needed) = (first, 0);
-        while level >= last {
+        loop {
             let within = best.as_ref().filter(|best| best.limit <= error);
             let useful = within.map(Found::useful).or(self.enough.map(about));
             if let Some(Useful { parts: enough, .. }) = useful {
@@ -300,6 +300,9 @@ impl<'a> Levels<'a> {
                 if needed == enough && within.is_some_and(|best| !best.is_merged()) {
                     return best.map(|best| self.tightest(best, level, &samples));
                 }
+            }
+            if level < last {
+                break;
             }
             let found = self.search(level, useful, true);
             if self.is_over() {
