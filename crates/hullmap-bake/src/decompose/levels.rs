@@ -9,7 +9,7 @@
 //! # Steps
 //! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
 //!    prove that all lower levels have more parts.
-//! 2. Give a level up when it has far more parts before mergers than the best one had. After a level
+//! 2. Give a level up when it has far more parts before mergers than the best one had. After one
 //!    whose parts were merged to far fewer, search every second level of a whole surface, and no
 //!    lower ones of half a surface.
 //! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give

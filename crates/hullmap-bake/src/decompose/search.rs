@@ -4,8 +4,8 @@
 //! 1. Search the parts of the half of the surface on one side of the mirror plane. They and their
 //!    images are the parts. Parts at the plane are merged with their images where the limit allows.
 //! 2. Where a part and its image meet at the plane and are not merged, cuts elsewhere may need
-//!    fewer parts. Then search the parts of the whole surface, too, and also where lower limits were
-//!    not searched because mergers left far fewer parts. They win if they are fewer.
+//!    fewer parts. Then search the parts of the whole surface, too, and also where lower limits
+//!    were not searched because mergers left far fewer parts. They win if they are fewer.
 //!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
 //!    they are more and protrude less. A search whose time is limited ends after step 1.
 
