@@ -2,12 +2,22 @@
 //!
 //! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error is
 //! served by the levels below it: of their results, the one with the fewest parts is taken, and of
-//! equal ones that with the lowest limit. So a larger error never takes more parts, as long as the
-//! search down the levels ends where all lower ones have more.
+//! equal ones that with the lowest limit. All levels down to a fixed one are candidates, unless
+//! their parts are proven to be more. So a larger error has the same candidates and some more. It
+//! takes more parts only if step 2 leaves out the level that would have had fewer.
+//!
+//! # Steps
+//! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
+//!    prove that all lower levels have more parts.
+//! 2. Give a level up when it has far more parts before mergers than the best one had. After one
+//!    whose parts were merged to far fewer, search every second level of a whole surface, and no
+//!    lower ones of half a surface.
+//! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
+//!    tighter parts. Then search those of whole octaves, and others only where these end.
 
 use super::{
     parameters::Cover,
-    partition::{self, Part, PartitionLimits, field::Field, surface::Surface, wrap::Bounds},
+    partition::{self, Part, PartitionLimits, Samples, Useful, field::Field, surface::Surface, wrap::Bounds},
 };
 use crate::{
     deadline::{Deadline, Reserve},
@@ -37,8 +47,22 @@ const LEAST_ROUNDED: f64 = 1e-5;
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
 
-/// Number of levels in a row with more parts than the best, after which no lower ones are searched.
-const MISSES: usize = 3;
+/// The same, after a level whose parts were merged to far fewer. Such levels take long, and their
+/// numbers of parts depend little on the limit.
+const WIDE_STEP: i32 = 8;
+
+/// Smallest limit that is always searched, relative to the diagonal.
+const LEAST_FOR_FEWER: f64 = 5e-3;
+
+/// Number of levels that serve a maximum error below that.
+const FEW: i32 = 3;
+
+/// A level is given up when it has more parts before mergers than the first of these times the
+/// number of the best level, plus the second.
+const FEWER_LATER: (f64, f64) = (1.35, 8.0);
+
+/// The same, if the parts of the best level were merged to far fewer.
+const MERGED_LATER: f64 = 2.0;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
@@ -77,6 +101,16 @@ fn stride(count: usize, found: usize) -> i32 {
     ((octaves * f64::from(PER_OCTAVE)) as i32 + 1).clamp(CLOSE_ENOUGH, 2 * STRIDE)
 }
 
+/// Number of parts before mergers that may be merged to about `parts`.
+fn most_before_mergers(parts: usize) -> usize {
+    (FEWER_LATER.0 * parts as f64 + FEWER_LATER.1) as usize
+}
+
+/// Results with at most about this number of parts.
+fn about(parts: usize) -> Useful {
+    Useful { parts, divided: most_before_mergers(parts) }
+}
+
 /// Parts, and the limit within which they were searched.
 pub struct Found {
     /// The parts.
@@ -100,6 +134,18 @@ impl Found {
     /// The greatest proven protrusion.
     pub fn reached(&self) -> f64 {
         self.parts.iter().chain(&self.mirrored).map(|part| part.bound).fold(0.0, f64::max)
+    }
+
+    /// Whether there were far more parts before mergers.
+    pub fn is_merged(&self) -> bool {
+        self.divided > most_before_mergers(self.count())
+    }
+
+    /// Results with at most as many parts.
+    fn useful(&self) -> Useful {
+        let most = most_before_mergers(self.divided);
+        let divided = if self.is_merged() { (MERGED_LATER * self.divided as f64) as usize } else { most };
+        Useful { parts: self.count(), divided }
     }
 
     fn volume(&self) -> f64 {
@@ -215,7 +261,7 @@ impl<'a> Levels<'a> {
 
     /// Parts within the limit of a level; `None` if the time is over, or more than about `enough`
     /// parts are needed. Without peeling, the search takes less time.
-    fn search(&mut self, level: i32, enough: Option<usize>, peels: bool) -> Option<Found> {
+    fn search(&mut self, level: i32, useful: Option<Useful>, peels: bool) -> Option<Found> {
         if self.is_over() {
             return None;
         }
@@ -226,7 +272,7 @@ impl<'a> Levels<'a> {
         let limits = PartitionLimits {
             bounds: Bounds { stage, ..self.bounds(limit) },
             overlap: self.parameters.overlap,
-            enough,
+            useful,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             peels,
         };
@@ -238,37 +284,82 @@ impl<'a> Levels<'a> {
     /// The fewest parts within `error`.
     fn fewest(&mut self, error: f64) -> Option<Found> {
         let first = self.level(error, STEP);
-        let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP).min(first);
+        let last = self.last(first);
         let mut best: Option<Found> = self.rough(first);
-        let (mut level, mut misses, mut needed) = (first, 0, 0);
-        while misses < MISSES && level >= last {
+        let samples = Samples::new(self.surface);
+        let (mut level, mut needed) = (first, 0);
+        loop {
             let within = best.as_ref().filter(|best| best.limit <= error);
-            // Lower limits take about as many parts before mergers, or more.
-            if within.is_some_and(|best| best.divided > partition::most_before_mergers(best.count())) {
-                break;
-            }
-            let enough = within.map(|best| best.count()).or(self.enough);
-            if let Some(enough) = enough {
-                needed = partition::needed(self.surface, &self.field, self.limit(level)).max(needed);
+            let useful = within.map(Found::useful).or(self.enough.map(about));
+            if let Some(Useful { parts: enough, .. }) = useful {
                 // Lower limits need as many.
+                needed = samples.needed(&self.field, self.limit(level)).max(needed);
                 if needed > enough {
                     break;
                 }
+                if needed == enough && within.is_some_and(|best| !best.is_merged()) {
+                    return best.map(|best| self.tightest(best, level, &samples));
+                }
             }
-            let found = self.search(level, enough, true);
+            if level < last {
+                break;
+            }
+            let found = self.search(level, useful, true);
             if self.is_over() {
                 return better(best, found, error);
             }
             level -= STEP;
-            misses += 1;
-            if let Some(found) = found.filter(|found| enough.is_none_or(|enough| found.count() <= enough)) {
-                misses = 0;
-                // The levels between would give the same.
-                if found.reached() < self.limit(last) {
-                    level = level.min(last);
-                }
+            let is_useful = |found: &Found| useful.is_none_or(|useful| found.count() <= useful.parts);
+            if let Some(found) = found.filter(is_useful) {
+                level = self.next(&found, level, last);
                 best = Some(found);
             }
+            if best.as_ref().is_some_and(|best| best.limit <= error && best.is_merged()) {
+                // The whole surface is searched, too.
+                if self.surface.mirror.is_some() {
+                    break;
+                }
+                level = level.div_euclid(WIDE_STEP) * WIDE_STEP;
+            }
+        }
+        best
+    }
+
+    /// The lowest level that is searched for fewer parts, if the highest one is `first`.
+    fn last(&self, first: i32) -> i32 {
+        let [fewer, tighter] = [LEAST_FOR_FEWER, LEAST_FOR_TIGHTNESS].map(|s| self.level(s * self.diagonal(), STEP));
+        if first >= fewer { fewer } else { (first - (FEW - 1) * STEP).max(tighter.min(first)) }
+    }
+
+    /// The next of the levels from `level` down to `last`, after parts have been found.
+    fn next(&self, found: &Found, level: i32, last: i32) -> i32 {
+        // The levels between would give the same.
+        if found.reached() < self.limit(last) { level.min(last) } else { level }
+    }
+
+    /// The parts with the lowest limit of those that are as few as `best`, which is known to be the
+    /// fewest: the levels of whole octaves first, and then those below the last of them that has
+    /// such parts.
+    fn tightest(&mut self, best: Found, level: i32, samples: &Samples) -> Found {
+        let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP);
+        let of_level = |levels: &mut Self, level: i32, best: &Found| {
+            let needed = samples.needed(&levels.field, levels.limit(level));
+            let useful = Some(best.useful()).filter(|useful| needed <= useful.parts)?;
+            let found = levels.search(level, Some(useful), true)?;
+            (found.count() <= useful.parts && !levels.is_over()).then_some(found)
+        };
+        let octave = |level: i32| level.div_euclid(PER_OCTAVE) * PER_OCTAVE;
+        let (mut level, mut best) = (self.next(&best, level, last), best);
+        while octave(level) >= last {
+            let Some(found) = of_level(self, octave(level), &best) else { break };
+            level = self.next(&found, octave(level) - STEP, last);
+            best = found;
+        }
+        let end = last.max(octave(level) + 1);
+        while level >= end {
+            let Some(found) = of_level(self, level, &best) else { break };
+            level = self.next(&found, level - STEP, last);
+            best = found;
         }
         best
     }
@@ -310,7 +401,8 @@ impl<'a> Levels<'a> {
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {
-            let found = self.search(level, Some(count + (count / 4).max(2)), true);
+            let enough = count + (count / 4).max(2);
+            let found = self.search(level, Some(about(enough)), true);
             if self.is_over() {
                 let best = best.map(|(_, found)| found).or_else(|| self.halved(count));
                 return better(best, found.filter(|found| found.count() <= count), f64::INFINITY);

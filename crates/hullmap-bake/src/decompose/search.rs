@@ -4,7 +4,8 @@
 //! 1. Search the parts of the half of the surface on one side of the mirror plane. They and their
 //!    images are the parts. Parts at the plane are merged with their images where the limit allows.
 //! 2. Where a part and its image meet at the plane and are not merged, cuts elsewhere may need
-//!    fewer parts. Then search the parts of the whole surface, too. They win if they are fewer.
+//!    fewer parts. Then search the parts of the whole surface, too, and also where lower limits
+//!    were not searched because mergers left far fewer parts. They win if they are fewer.
 //!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
 //!    they are more and protrude less. A search whose time is limited ends after step 1.
 
@@ -52,8 +53,8 @@ struct Parts {
     hulls: Vec<Hull>,
     /// The greatest protrusion that was proven in the search.
     reached: f64,
-    /// Whether some part and its image meet at the mirror plane.
-    meet: bool,
+    /// Whether parts of the whole surface may be better.
+    others_may_win: bool,
 }
 
 impl Search<'_> {
@@ -66,7 +67,7 @@ impl Search<'_> {
         let symmetric = self.symmetric(mirror, stage.from_to(0.0, HALF));
         let stage = stage.from_to(HALF, 1.0);
         let uses_all = |parts: &Parts| self.parameters.max_parts.is_none_or(|most| parts.hulls.len() >= most as usize);
-        let is_settled = |parts: &Parts| !parts.meet && uses_all(parts) || self.deadline.is_some();
+        let is_settled = |parts: &Parts| !parts.others_may_win && uses_all(parts) || self.deadline.is_some();
         if let Some(parts) = &symmetric
             && is_settled(parts)
         {
@@ -113,9 +114,15 @@ impl Search<'_> {
         let is_at =
             |part: &Part, mirror: &Mirror| part.piece.body.points.iter().any(|p| mirror.plane.height(*p) <= on_plane);
         let meet = surface.mirror.as_ref().is_some_and(|mirror| found.mirrored.iter().any(|part| is_at(part, mirror)));
+        let is_cut_short = surface.mirror.is_some() && cover.max_parts.is_none() && found.is_merged();
+        let others_may_win = meet || is_cut_short;
         let reached = found.reached();
         let is_useful = |found: &Found| enough.is_none_or(|enough| found.count() <= enough);
         let found = Some(found).filter(is_useful)?;
-        Some(Parts { hulls: finished(self.mesh, self.vertices, &levels, found, cover.max_parts), reached, meet })
+        Some(Parts {
+            hulls: finished(self.mesh, self.vertices, &levels, found, cover.max_parts),
+            reached,
+            others_may_win,
+        })
     }
 }

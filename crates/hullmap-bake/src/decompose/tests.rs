@@ -212,6 +212,15 @@ fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     }
 }
 
+/// Regression: levels whose parts could be merged to fewer were given up. So a stair had 9 parts at
+/// 1 %, and 11 at 1.2 %. It consists of six steps and a column, which are convex.
+#[test]
+fn a_stair_takes_a_part_for_each_step_and_one_for_the_column() {
+    let mesh = point_set(&concave::spiral_stair(6));
+    let cover = Cover { max_error: Length::Relative(0.012), ..Cover::default() };
+    assert_eq!(hulls(&mesh, &cover).len(), 7);
+}
+
 /// Each reading of this clock advances it by one second.
 fn seconds_looked() -> Duration {
     Duration::from_secs(LOOKS.fetch_add(1, Ordering::Relaxed))

@@ -18,10 +18,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
+    clique::large_clique,
     context::Search,
     field::Field,
     piece::{Piece, Scale},
-    sample::spread_points,
+    sample::{far_apart, spread_points},
     surface::Surface,
 };
 use crate::fit::planes::HalfSpace;
@@ -70,7 +71,7 @@ impl Conflicts {
 
     /// A number of parts that any cover of the piece within the limit needs.
     pub fn needed(&self) -> usize {
-        large_clique(&self.proven)
+        large_clique(self.proven.len(), |i, j| self.proven[i] >> j & 1 == 1).max(1)
     }
 
     /// The share of the conflicts that are within connected components on one side of a plane.
@@ -101,40 +102,57 @@ impl Conflicts {
     }
 }
 
-/// A number of parts that any cover of a surface within `limit` needs; of half a surface, with
-/// their mirror images.
-///
-/// # Complexity
-/// A few distances from the solid for each of at most 2,016 pairs.
-pub fn needed(surface: &Surface, field: &Field, limit: f64) -> usize {
-    let triangles = surface.triangles.iter().copied();
-    let area = triangles.clone().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum::<f64>();
-    let count = if surface.mirror.is_some() { POINTS / 2 } else { POINTS };
-    let mut points: Vec<DVec3> = spread_points(triangles, area / count as f64).into_iter().map(|(_, p)| p).collect();
-    points.truncate(count);
-    let images = surface.mirror.iter().flat_map(|mirror| points.iter().map(|p| mirror.image(*p)));
-    let points = [images.collect(), points.clone()].concat();
-    let [proven] = conflicts(&points, |p, q| [far(field, p, q, limit).is_some()]);
-    large_clique(&proven)
+/// Points of a surface, by which the number of parts is bounded for any limit: spread ones, and
+/// corners that are far from each other, such as those at the ends of limbs. Of half a surface,
+/// with their mirror images.
+pub struct Samples([Vec<DVec3>; 2]);
+
+impl Samples {
+    /// # Complexity
+    /// O(n) for n triangles.
+    pub fn new(surface: &Surface) -> Self {
+        let triangles = surface.triangles.iter().copied();
+        let area = triangles.clone().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum::<f64>();
+        let count = if surface.mirror.is_some() { POINTS / 2 } else { POINTS };
+        let mut spread: Vec<DVec3> =
+            spread_points(triangles, area / count as f64).into_iter().map(|(_, p)| p).collect();
+        spread.truncate(count);
+        let far = far_apart(surface.triangles.as_flattened(), count);
+        let with_images = |points: Vec<DVec3>| {
+            let images = surface.mirror.iter().flat_map(|mirror| points.iter().map(|p| mirror.image(*p)));
+            [images.collect(), points.clone()].concat()
+        };
+        Self([spread, far].map(with_images))
+    }
+
+    /// A number of parts that any cover within `limit` needs, at least 1.
+    ///
+    /// # Complexity
+    /// A few distances from the solid for each of at most 4,032 pairs.
+    pub fn needed(&self, field: &Field, limit: f64) -> usize {
+        let needed =
+            |points: &Vec<DVec3>| large_clique(points.len(), |i, j| far(field, points[i], points[j], limit).is_some());
+        self.0.iter().map(needed).fold(1, usize::max)
+    }
 }
 
 /// A point between two others that is too far from the solid; `None` if none is found.
-fn far(field: &Field, p: DVec3, q: DVec3, limit: f64) -> Option<DVec3> {
+pub fn far(field: &Field, p: DVec3, q: DVec3, limit: f64) -> Option<DVec3> {
     MEASURED.iter().map(|t| p.lerp(q, *t)).find(|between| field.is_beyond(*between, limit))
 }
 
-/// For each point, those with which it is in conflict, in one or several senses.
-fn conflicts<const N: usize>(points: &[DVec3], pair: impl Fn(DVec3, DVec3) -> [bool; N] + Sync) -> [Vec<Points>; N] {
+/// For each point, those with which it is in conflict, in two senses.
+fn conflicts(points: &[DVec3], pair: impl Fn(DVec3, DVec3) -> [bool; 2] + Sync) -> [Vec<Points>; 2] {
     let earlier = |i: usize| {
-        let mut row = [0; N];
+        let mut row = [0; 2];
         for j in 0..i {
             let found = pair(points[i], points[j]);
-            (0..N).for_each(|k| row[k] |= Points::from(found[k]) << j);
+            (0..2).for_each(|k| row[k] |= Points::from(found[k]) << j);
         }
         row
     };
-    let rows: Vec<[Points; N]> = (0..points.len()).into_par_iter().map(earlier).collect();
-    std::array::from_fn(|k| mutual(rows.iter().map(|row| row[k]).collect()))
+    let rows: Vec<[Points; 2]> = (0..points.len()).into_par_iter().map(earlier).collect();
+    [0, 1].map(|k| mutual(rows.iter().map(|row| row[k]).collect()))
 }
 
 /// Adds to each row, which has conflicts with earlier points, those with later ones.
@@ -147,27 +165,11 @@ fn mutual(mut rows: Vec<Points>) -> Vec<Points> {
     rows
 }
 
-/// The size of a large clique, 1 if there are no conflicts: the largest of those that are found
-/// from each point, where the point that leaves the most candidates comes next.
-fn large_clique(rows: &[Points]) -> usize {
-    let from = |start: usize| {
-        let (mut candidates, mut size) = (rows[start], 1);
-        while candidates != 0 {
-            let next = (0..rows.len()).filter(|i| candidates >> i & 1 == 1);
-            let Some(next) = next.max_by_key(|i| (rows[*i] & candidates).count_ones()) else { break };
-            candidates &= rows[next];
-            size += 1;
-        }
-        size
-    };
-    (0..rows.len()).map(from).max().unwrap_or(1)
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
-    use shapes::{concave, mesh::Mesh, rng::SplitMix64, solids::extrusion};
+    use shapes::{concave, mesh::Mesh, solids::extrusion};
 
     use super::*;
     use crate::{
@@ -197,9 +199,10 @@ mod tests {
         let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
         let piece = scale.piece(surface.triangles.iter().map(atom).collect(), Vec::new(), &[]);
         let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
-        let mut found = vec![Conflicts::new(&search, &piece).needed(), needed(&surface, &field, bounds.limit)];
+        let mut found =
+            vec![Conflicts::new(&search, &piece).needed(), Samples::new(&surface).needed(&field, bounds.limit)];
         if let Some(mirror) = symmetry::mirror_of_mesh(mesh, &solid) {
-            found.push(needed(&surface.halved(mirror, bounds.diagonal), &field, bounds.limit));
+            found.push(Samples::new(&surface.halved(mirror, bounds.diagonal)).needed(&field, bounds.limit));
         }
         found
     }
@@ -218,29 +221,6 @@ mod tests {
         }
     }
 
-    /// Judged by all sets of points.
-    #[test]
-    fn cliques_are_cliques_and_mostly_the_largest() {
-        let seed = 4;
-        println!("seed {seed}");
-        let mut rng = SplitMix64::new(seed);
-        let (mut largest, mut sizes) = (0, [0; 13]);
-        for _ in 0..300 {
-            let density = rng.between(0.1, 0.9);
-            let row = |i: usize, rng: &mut SplitMix64| {
-                (0..i).map(|j| Points::from(rng.unit() < density) << j).fold(0, |row, bit| row | bit)
-            };
-            let rows = mutual((0..12).map(|i| row(i, &mut rng)).collect());
-            let is_clique = |set: &Points| (0..12).all(|i| set >> i & 1 == 0 || set & !rows[i] == 1 << i);
-            let expected = (1..1 << 12).filter(is_clique).map(Points::count_ones).max().unwrap() as usize;
-            let found = large_clique(&rows);
-            assert!(found <= expected, "{found} of {expected}");
-            largest += usize::from(found == expected);
-            sizes[expected] += 1;
-        }
-        assert!(largest > 270 && sizes.iter().filter(|count| **count > 10).count() > 4, "{largest} {sizes:?}");
-    }
-
     #[test]
     fn no_more_parts_are_needed_than_are_found() {
         let (mut equal, mut sum) = (0, [0; 2]);
@@ -251,7 +231,7 @@ mod tests {
                 let limits = PartitionLimits {
                     bounds: bounds(share, &solid),
                     overlap: 0.05,
-                    enough: None,
+                    useful: None,
                     wanted: 1,
                     peels: true,
                 };

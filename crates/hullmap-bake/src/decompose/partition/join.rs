@@ -8,11 +8,13 @@ use rayon::prelude::*;
 
 use super::{
     body::Body,
+    clique::large_clique,
+    conflicts::far,
     context::Search,
     piece::{Cloud, Piece},
     shape::Part,
 };
-use crate::{fit::planes::HalfSpace, spread::spread};
+use crate::{fit::planes::HalfSpace, spread::spread, symmetry::Mirror};
 
 /// Number of points by which the common volume of two bodies is estimated.
 const COMMON_POINTS: usize = 512;
@@ -49,11 +51,19 @@ struct Merger {
 
 /// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
 /// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as
-/// many; the other mergers are only counted.
+/// many; the other mergers are only counted. None are merged if the result would be of no use; with
+/// a `mirror`, each part counts with its image.
 ///
 /// # Complexity
 /// One hull for each pair of parts that are near each other, including merged parts.
-pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, overlap: f64, wanted: usize) -> Found {
+pub fn merge(
+    search: &Search,
+    parts: Vec<Part>,
+    mirror: Option<&Mirror>,
+    forbidden: &mut Vec<DVec3>,
+    overlap: f64,
+    wanted: usize,
+) -> Found {
     let scale = &search.scale;
     let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
     if left.len() > MANY {
@@ -67,6 +77,7 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
     let mut failures = FAILURES + left.len();
     // Each pair is tried once.
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
+    let mut is_first = true;
     while failures > 0 && !search.is_over() {
         if count <= wanted && enough.is_none() {
             enough = Some(left.clone());
@@ -75,6 +86,9 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
         let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
         let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
         mergers.extend(new);
+        if std::mem::take(&mut is_first) && needed(search, &left, &mergers, mirror) > search.enough {
+            break;
+        }
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
         let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
@@ -104,6 +118,37 @@ pub fn merge(search: &Search, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, over
     }
     let parts = enough.unwrap_or(left).into_iter().flatten().collect();
     Found { parts, mirrored: Vec::new(), fewest: count, divided }
+}
+
+/// A number of parts that are left after any mergers; with a `mirror`, of parts and their images.
+/// It is the size of a clique of parts of which no two can be merged, because a point beyond the
+/// limit lies in the hull of both, and so in every hull that contains both. 0 if no more than this
+/// are useful anyway, or if the time is over.
+fn needed(
+    search: &Search,
+    parts: &[Option<Part>],
+    mergers: &BTreeMap<(usize, usize), Option<Merger>>,
+    mirror: Option<&Mirror>,
+) -> usize {
+    let bodies: Vec<&Body> = parts.iter().flatten().map(|part| &part.piece.body).collect();
+    let count = bodies.len();
+    let total = if mirror.is_some() { 2 * count } else { count };
+    if total <= search.enough || search.is_over() {
+        return 0;
+    }
+    let middle = |body: &&Body| body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
+    let middles: Vec<DVec3> = bodies.iter().map(middle).collect();
+    let image = |i: usize| mirror.map_or(middles[i], |mirror| mirror.image(middles[i]));
+    let is_far = |p: DVec3, q: DVec3| far(search.field, p, q, search.bounds.limit).is_some();
+    let are_apart =
+        |i: usize, j: usize| mergers.get(&(i, j)).map_or_else(|| is_far(middles[i], middles[j]), Option::is_none);
+    let are_in_conflict = |i: usize, j: usize| match (i < count, j < count) {
+        (true, true) => are_apart(i, j),
+        // The images of both.
+        (false, false) => are_apart(i - count, j - count),
+        _ => is_far(middles[i], image(j - count)),
+    };
+    large_clique(total, are_in_conflict)
 }
 
 /// Pairs of parts whose boxes are at most `gap` apart.

@@ -9,6 +9,7 @@
 //! | [`piece`] | pieces of the surface, and how planes divide them |
 //! | [`cuts`] | the plane that divides a piece |
 //! | [`conflicts`] | pairs of points that must not be in the same part; how many parts are needed |
+//! | [`clique`] | items of which any two are in conflict |
 //! | [`peel`] | caps that are cut off a piece, one after the other |
 //! | [`join`] | mergers of parts |
 //! | [`surface`], [`halves`] | the surface, or half of it; mergers across its mirror plane |
@@ -28,7 +29,8 @@
 //!    and go on with the connected components of the sides.
 //! 4. Where that gives a few parts, but more than a lower bound, peel the piece, too, and take what
 //!    has fewer parts.
-//! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts.
+//! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts; unless
+//!    there are more parts than useful of which no two can be merged.
 //!
 //! # Why the bounds hold
 //! - The pieces are clipped triangles, and together they are the whole surface. A hull of all
@@ -44,6 +46,7 @@
 
 pub mod body;
 pub mod cells;
+pub mod clique;
 pub mod conflicts;
 pub mod context;
 pub mod cuts;
@@ -67,7 +70,7 @@ use rayon::prelude::*;
 
 use cells::Cutting;
 use conflicts::Conflicts;
-pub use conflicts::needed;
+pub use conflicts::Samples;
 use context::Search;
 use field::Field;
 pub use join::Found;
@@ -98,10 +101,6 @@ const MAX_DEPTH: u32 = 40;
 /// Number of parts of a piece up to which it is peeled, too.
 const PEELED: usize = 12;
 
-/// A search gives up when it has more parts before mergers than the first of these times the number
-/// that is still useful, plus the second.
-const FEWER_LATER: (f64, f64) = (1.35, 8.0);
-
 /// Share of a search after which its cells are cut, and after which all pieces are divided.
 const STAGES: [f64; 2] = [0.1, 0.95];
 
@@ -113,31 +112,35 @@ pub struct PartitionLimits<'a> {
     /// Sum of the volumes of parts, less the volume of their union, up to which they are merged;
     /// relative to the latter.
     pub overlap: f64,
-    /// Number of parts above which the search gives up.
-    pub enough: Option<usize>,
+    /// Numbers of parts above which the search gives up.
+    pub useful: Option<Useful>,
     /// Number of parts down to which they are merged, where they can be.
     pub wanted: usize,
     /// Whether pieces are peeled, too, which takes longer and may give fewer parts.
     pub peels: bool,
 }
 
-/// Number of parts before mergers above which a search gives up, if only `enough` are useful.
-pub fn most_before_mergers(enough: usize) -> usize {
-    (FEWER_LATER.0 * enough as f64 + FEWER_LATER.1) as usize
+/// Numbers of parts above which a result is of no use.
+#[derive(Clone, Copy, Debug)]
+pub struct Useful {
+    /// Number of parts.
+    pub parts: usize,
+    /// Number of parts before mergers.
+    pub divided: usize,
 }
 
 /// Parts that together contain a surface; of half a surface, with their mirror images.
 ///
 /// Without a deadline, the result depends on the surface and the limits only. In the worst case, a
 /// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
-/// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if more than
-/// about `enough` parts are needed.
+/// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if there are
+/// too many parts before mergers for the result to be useful.
 pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
     let triangles = &surface.triangles;
     field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { bounds, overlap, enough, wanted, peels } = *limits;
+    let PartitionLimits { bounds, overlap, useful, wanted, peels } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
     let hard = Bounds { limit: limit * HARD_SHARE, max_vertices: usize::MAX, thickness: 0.0, ..bounds };
     let cutting = Cutting { limit: limit * CELL_SHARE, hard, max_cells: MAX_CELLS };
@@ -146,15 +149,22 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body_of_atoms(&atoms);
-    let search = Search { field, scale, planes: &planes, bounds, enough: enough.unwrap_or(usize::MAX), peels };
+    let search = Search {
+        field,
+        scale,
+        planes: &planes,
+        bounds,
+        enough: useful.map_or(usize::MAX, |useful| useful.parts),
+        peels,
+    };
     let mut forbidden = search.forbidden(triangles, &hull);
     let whole = scale.piece(atoms, Vec::new(), &forbidden);
-    let most = enough.map_or(usize::MAX, most_before_mergers);
+    let most = useful.map_or(usize::MAX, |useful| useful.divided);
     let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
     let Some(mirror) = &surface.mirror else {
-        return Some(join::merge(&search, parts, &mut forbidden, overlap, wanted));
+        return Some(join::merge(&search, parts, None, &mut forbidden, overlap, wanted));
     };
-    let found = join::merge(&search, parts, &mut forbidden, overlap, wanted.div_ceil(2));
+    let found = join::merge(&search, parts, Some(mirror), &mut forbidden, overlap, wanted.div_ceil(2));
     Some(halves::merge(&search, found, mirror, &mut forbidden, overlap, wanted))
 }
 
