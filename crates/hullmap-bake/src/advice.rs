@@ -302,11 +302,12 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
 
-/// Area of closed holes, relative to the mesh's area, from which they may be openings that are meant.
+/// Area of closed holes, relative to the mesh's area, from which they may be openings that are
+/// meant.
 const OPENING: f64 = 0.05;
 
-/// Warning about a decomposed mesh with large holes, which were closed, so that what was open counts
-/// as solid. `share` is the area of the triangles that close them, relative to the mesh's.
+/// Warning about a decomposed mesh with large holes, which were closed, so that what was open
+/// counts as solid. `share` is the area of the triangles that close them, relative to the mesh's.
 pub fn openings(name: &str, share: f64) -> Option<Remark> {
     // NaN takes the failing branch.
     (share >= OPENING).then(|| {

@@ -10,8 +10,8 @@
 //! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
 //!    prove that all lower levels have more parts.
 //! 2. Give a level up when it has far more parts before mergers than the best one had. After one
-//!    whose parts were merged to far fewer, search every second level of a whole surface, and no
-//!    lower ones of half a surface.
+//!    whose parts were merged to far fewer, search no lower ones of half a surface: the whole
+//!    surface is searched, too.
 //! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
 //!    tighter parts. Then search those of whole octaves, and others only where these end.
 
@@ -46,10 +46,6 @@ const LEAST_ROUNDED: f64 = 1e-5;
 
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
-
-/// The same, after a level whose parts were merged to far fewer. Such levels take long, and their
-/// numbers of parts depend little on the limit.
-const WIDE_STEP: i32 = 8;
 
 /// Smallest limit that is always searched, relative to the diagonal.
 const LEAST_FOR_FEWER: f64 = 5e-3;
@@ -314,12 +310,10 @@ impl<'a> Levels<'a> {
                 level = self.next(&found, level, last);
                 best = Some(found);
             }
-            if best.as_ref().is_some_and(|best| best.limit <= error && best.is_merged()) {
-                // The whole surface is searched, too.
-                if self.surface.mirror.is_some() {
-                    break;
-                }
-                level = level.div_euclid(WIDE_STEP) * WIDE_STEP;
+            // The whole surface is searched, too.
+            let is_half = self.surface.mirror.is_some();
+            if is_half && best.as_ref().is_some_and(|best| best.limit <= error && best.is_merged()) {
+                break;
             }
         }
         best

@@ -136,8 +136,8 @@ impl From<hullmap::PrimitiveKind> for PrimitiveKind {
 pub struct Replacement {
     /// A HullmapPrimitiveKind. With HULLMAP_PRIMITIVE_KIND_NONE, all other fields are 0.
     pub kind: u32,
-    /// From the primitive's own axes to the frame of the hull. The origin is its centre; the axis of
-    /// capsules and cylinders is z.
+    /// From the primitive's own axes to the frame of the hull. The origin is its centre; the axis
+    /// of capsules and cylinders is z.
     pub pose: Pose,
     /// Box: half of its extent along x, y and z. Sphere: radius. Capsule and cylinder: radius, and
     /// half the length of its axis, without the round ends of a capsule. The others are 0.
