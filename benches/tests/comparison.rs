@@ -5,8 +5,8 @@ use std::{fs, path::Path};
 use hullmap_bench::{comparison, matrix::Matrix};
 
 /// The result behind the documents, and its machine and date.
-const RESULT: &str = "benches/results/2026-11-24-contact-pose.csv";
-const SOURCE: &str = "Intel Xeon, 2026-11-24";
+const RESULT: &str = "benches/results/2026-11-27-contact-zen4.csv";
+const SOURCE: &str = "AMD EPYC, 2026-11-27";
 
 fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).expect(path)
