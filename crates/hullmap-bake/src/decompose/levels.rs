@@ -11,7 +11,8 @@
 //!    prove that all lower levels have more parts.
 //! 2. Give a level up when it has far more parts before mergers than the best one had. After one
 //!    whose parts were merged to far fewer, search no lower ones of half a surface: the whole
-//!    surface is searched, too.
+//!    surface is searched, too. End where lower levels are hopeless, which keeps meshes with many
+//!    parts from taking minutes.
 //! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
 //!    tighter parts. Then search those of whole octaves, and others only where these end.
 
@@ -59,6 +60,13 @@ const FEWER_LATER: (f64, f64) = (1.35, 8.0);
 
 /// The same, if the parts of the best level were merged to far fewer.
 const MERGED_LATER: f64 = 2.0;
+
+/// Number of parts from which lower levels are hopeless after a level with a quarter more than the
+/// best, plus 8. With fewer parts, no search takes long.
+const HOPELESS: usize = 32;
+
+/// Number of parts before mergers at which a level is given up, from which lower ones are hopeless.
+const HOPELESS_BEFORE_MERGERS: usize = 200;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
@@ -305,6 +313,10 @@ impl<'a> Levels<'a> {
                 return better(best, found, error);
             }
             level -= STEP;
+            let is_hopeless = useful.is_some_and(|useful| match &found {
+                Some(found) => found.count() > HOPELESS.max(useful.parts + useful.parts / 4 + 8),
+                None => useful.divided > HOPELESS_BEFORE_MERGERS,
+            });
             let is_useful = |found: &Found| useful.is_none_or(|useful| found.count() <= useful.parts);
             if let Some(found) = found.filter(is_useful) {
                 level = self.next(&found, level, last);
@@ -313,6 +325,9 @@ impl<'a> Levels<'a> {
             // The whole surface is searched, too.
             let is_half = self.surface.mirror.is_some();
             if is_half && best.as_ref().is_some_and(|best| best.limit <= error && best.is_merged()) {
+                break;
+            }
+            if is_hopeless {
                 break;
             }
         }
