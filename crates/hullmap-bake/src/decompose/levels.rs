@@ -48,7 +48,7 @@ const LEAST_ROUNDED: f64 = 1e-5;
 /// Maximum number of parts made by halving, the result if the time ends at once.
 const HALVED: usize = 8;
 
-/// Smallest limit that is always searched, relative to the diagonal.
+/// Smallest limit that is searched for fewer parts, relative to the diagonal.
 const LEAST_FOR_FEWER: f64 = 5e-3;
 
 /// Number of levels that serve a maximum error below that.
@@ -61,11 +61,11 @@ const FEWER_LATER: (f64, f64) = (1.35, 8.0);
 /// The same, if the parts of the best level were merged to far fewer.
 const MERGED_LATER: f64 = 2.0;
 
-/// Number of parts from which lower levels are hopeless after a level with a quarter more than the
-/// best, plus 8. With fewer parts, no search takes long.
+/// A level ends the search if it has more parts than this, and more than the best level's plus a
+/// quarter and 8. Searches for fewer parts do not take long.
 const HOPELESS: usize = 32;
 
-/// Number of parts before mergers at which a level is given up, from which lower ones are hopeless.
+/// A level also ends the search if it is given up at more parts before mergers than this.
 const HOPELESS_BEFORE_MERGERS: usize = 200;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.

@@ -57,7 +57,7 @@ fn facts_and_arrays_match_the_pack() {
     }
 }
 
-/// A box that is a part by itself, and a rock that is none.
+/// A box that is the only part of its mesh, and a rock that is not a part.
 #[test]
 fn primitives_match_the_pack() {
     let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32);
