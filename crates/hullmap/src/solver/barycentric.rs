@@ -77,11 +77,11 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
 /// The closest point of the simplex of the first `count` points of `v`, and the clearance of the
 /// origin: 0 unless the origin is inside a tetrahedron, else the minimum over the faces of its
 /// distance from the face times the sine of an angle of the face. If that exceeds the rounding
-/// error, the origin is certainly inside.
-pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
+/// error `rounding`, the origin is certainly inside.
+pub(crate) fn on_simplex(v: [DVec3; 4], count: usize, rounding: f64) -> (Nearest<4>, f64) {
     let [p, q, r, _] = v;
     match count {
-        4 => on_tetrahedron(v),
+        4 => on_tetrahedron(v, rounding),
         3 => (padded(on_triangle(p, q, r)), 0.0),
         2 => (padded(on_segment(p, q)), 0.0),
         _ => (Nearest { weights: [1.0, 0.0, 0.0, 0.0], point: p }, 0.0),
@@ -185,8 +185,9 @@ fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> SubSimplex {
     }
 }
 
-/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces.
-pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
+/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces, and so does one whose
+/// height above a face is within rounding error: which side is inside would be chance.
+pub(crate) fn on_tetrahedron(v: [DVec3; 4], rounding: f64) -> (Nearest<4>, f64) {
     const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
     let mut clearance = f64::INFINITY;
     let mut weights = [0.0; 4];
@@ -195,13 +196,13 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
         let n = (v[j] - v[i]).cross(v[k] - v[i]);
         let height_of_corner = n.dot(v[across] - v[i]);
         let height_of_origin = -n.dot(v[i]);
+        // The error of a sliver's normal grows as the sine shrinks, so a height counts times the
+        // sine.
+        let spread = ((v[j] - v[i]).length_squared() * (v[k] - v[i]).length_squared()).sqrt();
         // Strictly on the corner's side of this face. A flat tetrahedron and NaN take the failing
         // branch.
-        if height_of_corner * height_of_origin > 0.0 {
+        if height_of_corner * height_of_origin > 0.0 && height_of_corner.abs() > rounding * spread {
             weights[across] = height_of_origin / height_of_corner;
-            // The error of a sliver's normal grows as the sine shrinks, so the height counts times
-            // the sine.
-            let spread = ((v[j] - v[i]).length_squared() * (v[k] - v[i]).length_squared()).sqrt();
             clearance = clearance.min(height_of_origin.abs() / spread);
             continue;
         }
@@ -302,7 +303,7 @@ mod tests {
             let mut v = [DVec3::ZERO; 4].map(|_| at(&mut rng));
             for count in 1..4 {
                 // As in the search, only the vertices that span the closest point stay.
-                let (nearest, _) = on_simplex(v, count);
+                let (nearest, _) = on_simplex(v, count, 0.0);
                 if nearest.weights[..count].contains(&0.0) {
                     break;
                 }
@@ -311,7 +312,7 @@ mod tests {
                 while v[count].dot(y) >= y.length_squared() * 0.999 {
                     v[count] = at(&mut rng) * 1.5 - y * 0.1;
                 }
-                let (slow, within) = on_simplex(v, count + 1);
+                let (slow, within) = on_simplex(v, count + 1, 0.0);
                 let [p, q, r, s] = v;
                 let fast = match count {
                     1 => Some(on_segment_to(p, q)),
@@ -363,14 +364,31 @@ mod tests {
         assert_weights(&on_triangle(p, p, p), [p, p, p], p);
     }
 
+    /// Vertices of the Minkowski difference of a cone and a game hull: the origin is 2.9e-8 beside
+    /// their plane, and the sides of three faces are noise that agrees.
+    #[test]
+    fn side_of_a_flat_tetrahedron_is_no_proof_that_the_origin_is_inside() {
+        let v = [
+            DVec3::new(-9.20027783459722, -7.064084524386055, 11.020598654522374),
+            DVec3::new(0.0005850233428938978, -0.0019840008592870717, -0.0007831002416036625),
+            DVec3::new(-0.0005070516119580759, 0.0017189076262642544, 0.0006787922907864896),
+            DVec3::new(3.913897444540737e-5, -0.00013242905352317536, -5.233737762289081e-5),
+        ];
+        assert!(on_tetrahedron(v, 0.0).1 > 2.3e-12, "not representative: the sides disagree");
+        let (nearest, clearance) = on_tetrahedron(v, 2.3e-12);
+        assert_eq!(clearance, 0.0);
+        let distance = nearest.point.length();
+        assert!((2.91e-8..2.92e-8).contains(&distance), "{distance:e}");
+    }
+
     #[test]
     fn tetrahedron_inside_outside_and_flat() {
         let v = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::ONE];
-        let (nearest, clearance) = on_tetrahedron(v);
+        let (nearest, clearance) = on_tetrahedron(v, 0.0);
         assert!(clearance > 0.0);
         assert_weights(&nearest, v, DVec3::ZERO);
         let moved = v.map(|p| p + DVec3::ONE);
-        let (nearest, clearance) = on_tetrahedron(moved);
+        let (nearest, clearance) = on_tetrahedron(moved, 0.0);
         assert_eq!(clearance, 0.0);
         assert!(nearest.point.length() < 1e-12, "one corner lies on the origin");
         let flat = [
@@ -379,7 +397,7 @@ mod tests {
             DVec3::new(0.0, 1.0, 1.0),
             DVec3::new(-1.0, -1.0, 1.0),
         ];
-        let (nearest, clearance) = on_tetrahedron(flat);
+        let (nearest, clearance) = on_tetrahedron(flat, 0.0);
         assert_eq!(clearance, 0.0);
         assert_weights(&nearest, flat, DVec3::Z);
     }

@@ -123,7 +123,7 @@ impl Simplex {
                 let weight = |at: usize, place: usize| if at < count { own[place] } else { 0.0 };
                 [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
             }
-            None => on_simplex(w, count).0.weights,
+            None => on_simplex(w, count, noise).0.weights,
         };
         let mut between = blend(&weights, w);
         for _ in 0..MAX_CORRECTIONS {
@@ -155,12 +155,13 @@ impl Simplex {
     }
 
     /// The closest point of the whole simplex, the places of the vertices that span it, and the
-    /// clearance of the origin if it is inside (see [`on_simplex`]). Stores the weights.
+    /// clearance of the origin if it is inside (see [`on_simplex`], also for `rounding`). Stores the
+    /// weights.
     #[inline(never)]
-    fn closest_point(&mut self) -> (DVec3, u8, f64) {
+    fn closest_point(&mut self, rounding: f64) -> (DVec3, u8, f64) {
         let ([i, j, k, l], count) = self.packed();
         let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
-        let (nearest, clearance) = on_simplex(w, count);
+        let (nearest, clearance) = on_simplex(w, count, rounding);
         let (mut kept, mut weights) = (0, [0.0; PLACES]);
         for (place, weight) in [i, j, k, l].into_iter().zip(nearest.weights).take(count) {
             kept |= u8::from(weight > 0.0) << place;
@@ -312,7 +313,7 @@ impl GjkSearch {
         simplex.weights = None;
         if fast.is_none() || !(length < self.upper) {
             let clearance;
-            (y, kept, clearance) = simplex.closest_point();
+            (y, kept, clearance) = simplex.closest_point(self.rounding);
             length = y.length();
             if clearance > 0.0 {
                 simplex.used = kept;
