@@ -177,11 +177,11 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 
 /// The value as text for [`Syntax::parse`], if its TOML type is right.
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
-    let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::LengthOrNone);
-    let accepts_float = matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::LengthOrNone);
+    let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
+    let accepts_float = matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
     let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
     match value {
-        DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::LengthOrNone) => {
+        DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::ShareOrNone | Syntax::LengthOrNone) => {
             Some(text.to_string())
         }
         DeValue::String(text) if accepts_none && text == "none" => Some(text.to_string()),
@@ -200,7 +200,7 @@ fn toml_type(syntax: Syntax) -> &'static str {
         Syntax::Words(_) => "a string",
         Syntax::Switch => "true or false",
         Syntax::SwitchOr(_) => "true, false or a string",
-        Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
+        Syntax::ShareOrNone | Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
         Syntax::Count { .. } => "a whole number",
         Syntax::Positive => "a number",
         Syntax::CountOrNone { .. } => "a whole number or \"none\"",

@@ -267,8 +267,9 @@ pub mod tests {
             ("resolution", &["0", "1025", "1.5"]),
             ("index_budget", &["0", "-1"]),
             ("max_vertices", &["3", "many", "-8"]),
-            ("max_error", &["0", "-1", "nan", "inf"]),
+            ("max_error", &["0", "-1", "nan", "inf", "%", "0%", "101%", "nan%"]),
             ("max_parts", &["0", "1.5"]),
+            ("overlap", &["0", "-5%", "inf%", "5mm"]),
             ("decompose", &["coacd", "yes"]),
         ] {
             for value in values {

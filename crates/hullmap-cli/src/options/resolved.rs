@@ -325,7 +325,9 @@ pub mod tests {
         assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
         assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
         assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
-        assert_eq!(cover("overlap", "0.1"), Some(Cover { overlap: 0.1, ..usual }));
+        for share in ["0.1", "10%"] {
+            assert_eq!(cover("overlap", share), Some(Cover { overlap: 0.1, ..usual }));
+        }
         assert_eq!(cover("overlap", "none"), Some(Cover { overlap: f64::INFINITY, ..usual }));
         assert_eq!(cover("min_thickness", "1%"), Some(Cover { min_thickness: Length::Relative(0.01), ..usual }));
         assert_eq!(cover("min_thickness", "0.5"), Some(Cover { min_thickness: Length::Absolute(0.5), ..usual }));

@@ -6,7 +6,7 @@
 //! run (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::removed::instead_of_value;
-use super::value::Syntax::{self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, Switch, SwitchOr, Words};
+use super::value::Syntax::{self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, SwitchOr, Words};
 use super::value::Value;
 
 /// One option.
@@ -265,10 +265,10 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
     BuildOption {
         key: "overlap",
-        syntax: PositiveOrNone,
+        syntax: ShareOrNone,
         default: DefaultValue::Value("0.05"),
         value_name: "SHARE",
-        help: "Maximum overlap of merged parts: the sum of all volumes minus the volume of the union, as a share of the latter; none for any overlap",
+        help: "Maximum overlap of merged parts: the sum of all volumes minus the volume of the union, as a share of the latter (0.05 or 5%); none for any overlap",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),

@@ -29,7 +29,9 @@ pub enum Syntax {
     },
     /// A finite number above 0, or `none`.
     PositiveOrNone,
-    /// A finite number above 0, the same followed by `%` or `mm`, or `none`.
+    /// A finite number above 0, the same as a percentage, or `none`.
+    ShareOrNone,
+    /// A finite number above 0, the same followed by `mm`, a percentage of at most 100, or `none`.
     LengthOrNone,
 }
 
@@ -68,7 +70,11 @@ impl Syntax {
     /// Reads a value. Fails if `text` is not an accepted value. The error states what was expected.
     pub fn parse(self, text: &str) -> Result<Value, String> {
         let value = match self {
-            Self::CountOrNone { .. } | Self::PositiveOrNone | Self::LengthOrNone if text == "none" => Some(Value::None),
+            Self::CountOrNone { .. } | Self::PositiveOrNone | Self::ShareOrNone | Self::LengthOrNone
+                if text == "none" =>
+            {
+                Some(Value::None)
+            }
             Self::Words(words) => words.iter().find(|word| **word == text).map(|word| Value::Word(word)),
             Self::SwitchOr(words) if words.contains(&text) => {
                 words.iter().find(|word| **word == text).map(|word| Value::Word(word))
@@ -76,16 +82,19 @@ impl Syntax {
             Self::Switch | Self::SwitchOr(_) => text.parse().ok().map(Value::Switch),
             Self::Count { min, max } => number(text, |count| (min..=max).contains(count)).map(Value::Count),
             Self::CountOrNone { min } => number(text, |&count| count >= min).map(Value::Count),
-            Self::LengthOrNone if text.ends_with('%') => {
-                number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite())
-                    .map(Value::Percent)
+            Self::ShareOrNone | Self::LengthOrNone if text.ends_with('%') => {
+                let percent = number(&text[..text.len() - 1], |&x: &f64| x / 100.0 > 0.0 && x.is_finite());
+                match self {
+                    Self::ShareOrNone => percent.map(|percent| Value::Number(percent / 100.0)),
+                    _ => percent.filter(|percent| *percent <= 100.0).map(Value::Percent),
+                }
             }
             // Lengths of a mesh in metres.
             Self::LengthOrNone if text.ends_with("mm") => {
                 number(text[..text.len() - 2].trim_end(), |&x: &f64| x / 1000.0 > 0.0 && x.is_finite())
                     .map(|millimetres| Value::Number(millimetres / 1000.0))
             }
-            Self::Positive | Self::PositiveOrNone | Self::LengthOrNone => {
+            Self::Positive | Self::PositiveOrNone | Self::ShareOrNone | Self::LengthOrNone => {
                 number(text, |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Number)
             }
         };
@@ -103,7 +112,8 @@ impl Syntax {
             Self::Positive => "a finite number above 0".to_owned(),
             Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
             Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),
-            Self::LengthOrNone => "a finite number above 0, the same with % or mm, or none".to_owned(),
+            Self::ShareOrNone => "a finite number above 0, the same with %, or none".to_owned(),
+            Self::LengthOrNone => "a finite number above 0, the same with mm or (up to 100) %, or none".to_owned(),
         }
     }
 }
