@@ -459,3 +459,34 @@ impl<'a> Levels<'a> {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use shapes::{concave, mesh::Mesh};
+
+    use super::*;
+    use crate::decompose::tests::point_set;
+
+    /// 150 bodies in the shape of an L, in a grid. Their hulls protrude by 1.75 % of the diagonal: one
+    /// part each within the level of 2 %, and two within the next one, of 1.68 %.
+    fn bodies() -> Mesh {
+        let body = concave::l();
+        let mut mesh = Mesh::default();
+        for place in 0..150 {
+            let corner = [place % 5, place / 5 % 5, place / 25].map(|n| 4.6 * n as f32);
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend(body.vertices.iter().map(|p| [0, 1, 2].map(|k| p[k] + corner[k])));
+            mesh.faces.extend(body.faces.iter().map(|face| face.iter().map(|v| v + first).collect::<Vec<_>>()));
+        }
+        mesh
+    }
+
+    /// Conflicts of 64 points cannot prove that 150 bodies need 150 parts.
+    #[test]
+    fn lower_levels_with_many_more_parts_end_the_search() {
+        let mesh = point_set(&bodies());
+        let (surface, solid, cover) = (Surface::new(&mesh), Solid::new(&mesh), Cover::default());
+        let mut levels = Levels::new(&surface, &solid, &cover, 64, None, Stage::default());
+        assert_eq!((levels.parts().unwrap().count(), levels.searches), (150, 2));
+    }
+}

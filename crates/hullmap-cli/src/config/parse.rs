@@ -177,11 +177,20 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 
 /// The value as text for [`Syntax::parse`], if its TOML type is right.
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
-    let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
-    let accepts_float = matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
+    let accepts_none = matches!(
+        syntax,
+        Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone
+    );
+    let accepts_float =
+        matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
     let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
     match value {
-        DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::ShareOrNone | Syntax::LengthOrNone) => {
+        DeValue::String(text)
+            if matches!(
+                syntax,
+                Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::ShareOrNone | Syntax::LengthOrNone
+            ) =>
+        {
             Some(text.to_string())
         }
         DeValue::String(text) if accepts_none && text == "none" => Some(text.to_string()),

@@ -6,7 +6,9 @@
 //! run (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::removed::instead_of_value;
-use super::value::Syntax::{self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, SwitchOr, Words};
+use super::value::Syntax::{
+    self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, SwitchOr, Words,
+};
 use super::value::Value;
 
 /// One option.
