@@ -61,8 +61,8 @@ const FEWER_LATER: (f64, f64) = (1.35, 8.0);
 /// The same, if the parts of the best level were merged to far fewer.
 const MERGED_LATER: f64 = 2.0;
 
-/// A level ends the search if it has more parts than this, and more than the best level's plus a
-/// quarter and 8. Searches for fewer parts do not take long.
+/// A level ends the search if it has more parts than this, and more than the best level's plus an
+/// eighth and 4. Searches for fewer parts do not take long.
 const HOPELESS: usize = 32;
 
 /// A level also ends the search if it is given up at more parts before mergers than this.
@@ -185,6 +185,9 @@ pub struct Levels<'a> {
     stage: Stage<'a>,
     /// Number of parts above which a result is of no use, if that is known.
     pub enough: Option<usize>,
+    /// Protrusion above which a result with a maximum number of parts is of no use, if that is
+    /// known.
+    pub within: Option<f64>,
     /// Number of searches so far.
     searches: i32,
 }
@@ -200,7 +203,17 @@ impl<'a> Levels<'a> {
         deadline: Option<Deadline>,
         stage: Stage<'a>,
     ) -> Self {
-        Self { surface, field: Field::new(solid), parameters, max_vertices, deadline, stage, enough: None, searches: 0 }
+        Self {
+            surface,
+            field: Field::new(solid),
+            parameters,
+            max_vertices,
+            deadline,
+            stage,
+            enough: None,
+            within: None,
+            searches: 0,
+        }
     }
 
     fn diagonal(&self) -> f64 {
@@ -314,7 +327,7 @@ impl<'a> Levels<'a> {
             }
             level -= STEP;
             let is_hopeless = useful.is_some_and(|useful| match &found {
-                Some(found) => found.count() > HOPELESS.max(useful.parts + useful.parts / 4 + 8),
+                Some(found) => found.count() > HOPELESS.max(useful.parts + useful.parts / 8 + 4),
                 None => useful.divided > HOPELESS_BEFORE_MERGERS,
             });
             let is_useful = |found: &Found| useful.is_none_or(|useful| found.count() <= useful.parts);
@@ -402,14 +415,19 @@ impl<'a> Levels<'a> {
     }
 
     /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a
-    /// level from which few searches lead to a small number.
+    /// level from which few searches lead to a small number. Where only less protrusion is of use,
+    /// it starts there, and goes no higher.
     fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
-        let (mut level, mut rise) = (self.level(error, 1).max(LOWEST_FIRST), STRIDE / 2);
+        let usual = || self.level(error, 1).max(LOWEST_FIRST);
+        let (mut level, mut rise) = (self.within.map_or_else(usual, |within| self.level(within, 1)), STRIDE / 2);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
         for _ in 0..MAX_SEARCHES {
+            if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
+                break;
+            }
             let enough = count + (count / 4).max(2);
             let found = self.search(level, Some(about(enough)), true);
             if self.is_over() {
@@ -426,15 +444,12 @@ impl<'a> Levels<'a> {
                 (Some((best, _)), Some(low)) if best - low <= CLOSE_ENOUGH => break,
                 (Some((best, _)), Some(low)) => low + (best - low) / 2,
                 (Some((best, found)), None) => best - stride(count, found.fewest),
-                (None, _) if level == HIGHEST => break,
+                (None, _) if level == HIGHEST || self.within.is_some() => break,
                 (None, _) => {
                     rise *= 2;
                     (level + rise).min(HIGHEST)
                 }
             };
-            if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
-                break;
-            }
         }
         best.map(|(_, found)| self.refined(found, count))
     }

@@ -7,7 +7,8 @@
 //!    fewer parts. Then search the parts of the whole surface, too, and also where lower limits
 //!    were not searched because mergers left far fewer parts. They win if they are fewer.
 //!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
-//!    they are more and protrude less. A search whose time is limited ends after step 1.
+//!    they are more and protrude less; so only lower limits are searched. A search whose time is
+//!    limited ends after step 1.
 
 use super::{
     finish::{COVERED, finished},
@@ -57,12 +58,22 @@ struct Parts {
     others_may_win: bool,
 }
 
+/// Which parts may be better than those that are known.
+#[derive(Clone, Copy)]
+enum UsefulParts {
+    All,
+    /// At most this number of parts.
+    AtMost(usize),
+    /// Parts that protrude by at most this.
+    Within(f64),
+}
+
 impl Search<'_> {
     /// The hulls of the parts; `None` if there are none in time.
     pub fn best(&self, stage: Stage) -> Option<Vec<Hull>> {
         let mirror = self.parameters.symmetry.then(|| symmetry::mirror_of_mesh(self.mesh, self.solid)).flatten();
         let Some(mirror) = mirror else {
-            return Some(self.parts(&self.surface(), None, stage)?.hulls);
+            return Some(self.parts(&self.surface(), UsefulParts::All, stage)?.hulls);
         };
         let symmetric = self.symmetric(mirror, stage.from_to(0.0, HALF));
         let stage = stage.from_to(HALF, 1.0);
@@ -73,10 +84,13 @@ impl Search<'_> {
         {
             return symmetric.map(|parts| parts.hulls);
         }
-        // With a maximum number of parts, fewer are not better.
-        let enough = symmetric.as_ref().filter(|_| self.parameters.max_parts.is_none());
-        let enough = enough.map(|parts| parts.hulls.len() - 1);
-        let other = self.parts(&self.surface(), enough, stage);
+        let useful = symmetric.as_ref().map_or(UsefulParts::All, |parts| match self.parameters.max_parts {
+            // Fewer are not better.
+            Some(_) if uses_all(parts) => UsefulParts::Within(TIGHTER * parts.reached),
+            Some(_) => UsefulParts::Within(parts.reached),
+            None => UsefulParts::AtMost(parts.hulls.len() - 1),
+        });
+        let other = self.parts(&self.surface(), useful, stage);
         let is_better = |other: &Parts| match (&symmetric, self.parameters.max_parts) {
             (None, _) => true,
             (Some(symmetric), None) => other.hulls.len() < symmetric.hulls.len(),
@@ -96,7 +110,7 @@ impl Search<'_> {
     /// are none.
     fn symmetric(&self, mirror: Mirror, stage: Stage) -> Option<Parts> {
         let half = self.surface().halved(mirror, self.solid.diagonal());
-        let found = self.parts(&half, None, stage)?;
+        let found = self.parts(&half, UsefulParts::All, stage)?;
         let hulls: Vec<&Hull> = found.hulls.iter().collect();
         let vertices: Vec<&[[f32; 3]]> = hulls.iter().map(|hull| hull.vertices.as_slice()).collect();
         let is_right = symmetry::are_mirrored(&vertices, &mirror)
@@ -104,11 +118,15 @@ impl Search<'_> {
         is_right.then_some(found)
     }
 
-    /// The parts of a surface, if they are at most `enough`.
-    fn parts(&self, surface: &Surface, enough: Option<usize>, stage: Stage) -> Option<Parts> {
+    /// The parts of a surface, if they are useful.
+    fn parts(&self, surface: &Surface, useful: UsefulParts, stage: Stage) -> Option<Parts> {
         let cover = self.parameters;
         let mut levels = Levels::new(surface, self.solid, cover, self.max_vertices, self.deadline, stage);
-        levels.enough = enough;
+        match useful {
+            UsefulParts::All => {}
+            UsefulParts::AtMost(count) => levels.enough = Some(count),
+            UsefulParts::Within(limit) => levels.within = Some(limit),
+        }
         let found = levels.parts()?;
         let on_plane = COVERED * self.solid.diagonal();
         let is_at =
@@ -117,7 +135,7 @@ impl Search<'_> {
         let is_cut_short = surface.mirror.is_some() && cover.max_parts.is_none() && found.is_merged();
         let others_may_win = meet || is_cut_short;
         let reached = found.reached();
-        let is_useful = |found: &Found| enough.is_none_or(|enough| found.count() <= enough);
+        let is_useful = |found: &Found| levels.enough.is_none_or(|enough| found.count() <= enough);
         let found = Some(found).filter(is_useful)?;
         Some(Parts {
             hulls: finished(self.mesh, self.vertices, &levels, found, cover.max_parts),
