@@ -68,6 +68,10 @@ const HOPELESS: usize = 32;
 /// A level also ends the search if it is given up at more parts before mergers than this.
 const HOPELESS_BEFORE_MERGERS: usize = 200;
 
+/// Number of parts before mergers, of all levels together, after which a search for more than
+/// [`HOPELESS`] parts ends. Each takes about 0.04 s, so this is what bounds the time.
+const MOST_IN_ALL: usize = 500;
+
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
 
@@ -304,7 +308,7 @@ impl<'a> Levels<'a> {
         let last = self.last(first);
         let mut best: Option<Found> = self.rough(first);
         let samples = Samples::new(self.surface);
-        let (mut level, mut needed) = (first, 0);
+        let (mut level, mut needed, mut in_all) = (first, 0, 0);
         loop {
             let within = best.as_ref().filter(|best| best.limit <= error);
             let useful = within.map(Found::useful).or(self.enough.map(about));
@@ -330,6 +334,7 @@ impl<'a> Levels<'a> {
                 Some(found) => found.count() > HOPELESS.max(useful.parts + useful.parts / 8 + 4),
                 None => useful.divided > HOPELESS_BEFORE_MERGERS,
             });
+            in_all += found.as_ref().map_or(useful.map_or(0, |useful| useful.divided), |found| found.divided);
             let is_useful = |found: &Found| useful.is_none_or(|useful| found.count() <= useful.parts);
             if let Some(found) = found.filter(is_useful) {
                 level = self.next(&found, level, last);
@@ -340,7 +345,8 @@ impl<'a> Levels<'a> {
             if is_half && best.as_ref().is_some_and(|best| best.limit <= error && best.is_merged()) {
                 break;
             }
-            if is_hopeless {
+            let is_long = in_all > MOST_IN_ALL && best.as_ref().is_some_and(|best| best.count() > HOPELESS);
+            if is_hopeless || is_long {
                 break;
             }
         }
