@@ -33,7 +33,7 @@ use crate::simplify;
 const MAX_STEPS: usize = 200;
 
 /// Maximum number of proofs.
-const MAX_PROOFS: usize = 6;
+const MAX_PROOFS: usize = 24;
 
 /// Maximum number of measurements of a proof.
 pub const MEASUREMENTS: usize = 100_000;
