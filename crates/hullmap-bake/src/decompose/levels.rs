@@ -488,8 +488,8 @@ mod tests {
     use super::*;
     use crate::decompose::tests::point_set;
 
-    /// 150 bodies in the shape of an L, in a grid. Their hulls protrude by 1.75 % of the diagonal: one
-    /// part each within the level of 2 %, and two within the next one, of 1.68 %.
+    /// 150 bodies in the shape of an L, in a grid. Their hulls protrude by 1.75 % of the diagonal:
+    /// one part each within the level of 2 %, and two within the next one, of 1.68 %.
     fn bodies() -> Mesh {
         let body = concave::l();
         let mut mesh = Mesh::default();
