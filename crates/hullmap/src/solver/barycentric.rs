@@ -185,8 +185,8 @@ fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> SubSimplex {
     }
 }
 
-/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces, and so does one whose
-/// height above a face is within rounding error: which side is inside would be chance.
+/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces, and so does one
+/// whose height above a face is within rounding error: which side is inside would be chance.
 pub(crate) fn on_tetrahedron(v: [DVec3; 4], rounding: f64) -> (Nearest<4>, f64) {
     const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
     let mut clearance = f64::INFINITY;

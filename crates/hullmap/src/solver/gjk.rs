@@ -155,8 +155,7 @@ impl Simplex {
     }
 
     /// The closest point of the whole simplex, the places of the vertices that span it, and the
-    /// clearance of the origin if it is inside (see [`on_simplex`], also for `rounding`). Stores the
-    /// weights.
+    /// clearance of the origin if it is inside, as [`on_simplex`] returns them. Stores the weights.
     #[inline(never)]
     fn closest_point(&mut self, rounding: f64) -> (DVec3, u8, f64) {
         let ([i, j, k, l], count) = self.packed();
