@@ -76,8 +76,8 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
 
 /// The closest point of the simplex of the first `count` points of `v`, and the clearance of the
 /// origin: 0 unless the origin is inside a tetrahedron, else the minimum over the faces of its
-/// distance from the face times the sine of an angle of the face. If that exceeds the rounding
-/// error `rounding`, the origin is certainly inside.
+/// distance from the face, or that of the fourth corner, times the sine of an angle of the face. If
+/// that exceeds the rounding error `rounding`, the origin is certainly inside.
 pub(crate) fn on_simplex(v: [DVec3; 4], count: usize, rounding: f64) -> (Nearest<4>, f64) {
     let [p, q, r, _] = v;
     match count {
@@ -185,8 +185,7 @@ fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> SubSimplex {
     }
 }
 
-/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces, and so does one
-/// whose height above a face is within rounding error: which side is inside would be chance.
+/// [`on_simplex`] for a solid tetrahedron. A flat one counts as its four faces.
 pub(crate) fn on_tetrahedron(v: [DVec3; 4], rounding: f64) -> (Nearest<4>, f64) {
     const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
     let mut clearance = f64::INFINITY;
@@ -199,11 +198,13 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4], rounding: f64) -> (Nearest<4>, f64) 
         // The error of a sliver's normal grows as the sine shrinks, so a height counts times the
         // sine.
         let spread = ((v[j] - v[i]).length_squared() * (v[k] - v[i]).length_squared()).sqrt();
-        // Strictly on the corner's side of this face. A flat tetrahedron and NaN take the failing
+        // Strictly on the corner's side of this face, and no higher than the corner: if all corners
+        // nearly agree, their sides are rounding error. A flat tetrahedron and NaN take the failing
         // branch.
-        if height_of_corner * height_of_origin > 0.0 && height_of_corner.abs() > rounding * spread {
+        let (corner, origin) = (height_of_corner.abs(), height_of_origin.abs());
+        if height_of_corner * height_of_origin > 0.0 && origin <= corner + rounding * spread {
             weights[across] = height_of_origin / height_of_corner;
-            clearance = clearance.min(height_of_origin.abs() / spread);
+            clearance = clearance.min(origin.min(corner) / spread);
             continue;
         }
         let on_face = on_triangle(v[i], v[j], v[k]);
@@ -374,11 +375,12 @@ mod tests {
             DVec3::new(-0.0005070516119580759, 0.0017189076262642544, 0.0006787922907864896),
             DVec3::new(3.913897444540737e-5, -0.00013242905352317536, -5.233737762289081e-5),
         ];
-        assert!(on_tetrahedron(v, 0.0).1 > 2.3e-12, "not representative: the sides disagree");
-        let (nearest, clearance) = on_tetrahedron(v, 2.3e-12);
-        assert_eq!(clearance, 0.0);
-        let distance = nearest.point.length();
-        assert!((2.91e-8..2.92e-8).contains(&distance), "{distance:e}");
+        for rounding in [0.0, 2.3e-12] {
+            let (nearest, clearance) = on_tetrahedron(v, rounding);
+            assert_eq!(clearance, 0.0);
+            let distance = nearest.point.length();
+            assert!((2.91e-8..2.92e-8).contains(&distance), "{distance:e}");
+        }
     }
 
     #[test]
