@@ -68,8 +68,8 @@ const HOPELESS: usize = 32;
 /// A level also ends the search if it is given up at more parts before mergers than this.
 const HOPELESS_BEFORE_MERGERS: usize = 200;
 
-/// Number of parts before mergers, of all levels together, after which a search for more than
-/// [`HOPELESS`] parts ends. Each takes about 0.04 s, so this is what bounds the time.
+/// Number of parts before mergers, of all levels together, after which a search ends if the best
+/// level has more than [`HOPELESS`] parts. Each takes about 0.04 s, so this bounds the time.
 const MOST_IN_ALL: usize = 500;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.

@@ -198,9 +198,9 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4], rounding: f64) -> (Nearest<4>, f64) 
         // The error of a sliver's normal grows as the sine shrinks, so a height counts times the
         // sine.
         let spread = ((v[j] - v[i]).length_squared() * (v[k] - v[i]).length_squared()).sqrt();
-        // Strictly on the corner's side of this face, and no higher than the corner: if all corners
-        // nearly agree, their sides are rounding error. A flat tetrahedron and NaN take the failing
-        // branch.
+        // Strictly on the corner's side of this face, and no higher than the corner: if the four
+        // corners are nearly in one plane, their sides are rounding error. A flat tetrahedron and
+        // NaN take the failing branch.
         let (corner, origin) = (height_of_corner.abs(), height_of_origin.abs());
         if height_of_corner * height_of_origin > 0.0 && origin <= corner + rounding * spread {
             weights[across] = height_of_origin / height_of_corner;
