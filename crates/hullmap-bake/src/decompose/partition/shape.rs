@@ -6,9 +6,9 @@
 //!    cut.
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If there are too many vertices, build several hulls: the simplified one, the same with planes
-//!    that cut off what is too far, and the hull that was proven before. Cut them by planes of the
-//!    piece's faces, as far as the number of vertices allows. Take the smallest that is proven.
+//! 4. If there are too many vertices, cut the hull that was proven before by planes of the piece's
+//!    faces: as far as the number of vertices allows, and further, and simplify what has more. Take
+//!    the smallest of these hulls and the simplified one that is proven.
 
 use glam::DVec3;
 
@@ -32,16 +32,9 @@ const LOOSE: f64 = 0.002;
 /// solid.
 const REFUTING: usize = 20_000;
 
-/// Number of vertices to which a hull is simplified before it is cut by planes, relative to the
-/// maximum. Each cut adds about two.
-const BEFORE_CUTS: f64 = 0.6;
-
-/// Numbers of vertices to which a hull is simplified before planes are added that cut off points
-/// that are too far from the solid, relative to the maximum.
-const WRAPPED: [f64; 4] = [1.0, 0.75, 0.6, 0.5];
-
-/// Volume of a hull up to which no such hulls are tried, relative to the piece's.
-const ENOUGH: f64 = 1.03;
+/// Numbers of vertices up to which a hull is cut before it is simplified to the allowed number,
+/// relative to the latter. Many cuts remove much volume, and simplification takes some of it back.
+const CUT: [f64; 3] = [1.25, 1.5, 2.0];
 
 /// Maximum number of planes by which a hull is cut.
 const MAX_CUTS: usize = 48;
@@ -90,7 +83,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     if tight.vertices.len() <= bounds.max_vertices {
         return proof(&tight).map(|bound| (tight, bound));
     }
-    let mut found = wrap::wrap(field, body, bounds, None);
+    let mut found = wrap::wrap(field, body, bounds);
     if let Err(None) = found {
         found = wrap::simplified(field, &tight, bounds, bounds.max_vertices);
     }
@@ -118,20 +111,17 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     let cuts = Cuts { body, flat: &flat, bounds };
     let is_few = |hull: &Hull| hull.vertices.len() <= bounds.max_vertices;
     let simplified = |hull: &Hull, limit| Some(simplify::simplify(hull, limit).ok().flatten()?.hull);
-    let to_vertices = |hull: &Hull, share: f64| {
-        let count = ((share * bounds.max_vertices as f64) as usize).max(simplify::MIN_VERTICES);
-        simplified(hull, Limit::Vertices(count)).filter(is_few)
-    };
+    let allowed = |hull: &Hull| simplified(hull, Limit::Vertices(bounds.max_vertices)).filter(is_few);
     let is_proven = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS).is_ok();
     let volume = |hull: &Hull| Body::new(&hull.positions(), 0.0).volume();
     let smallest_proven = |hulls: Vec<Hull>| {
         let mut hulls: Vec<(f64, Hull)> = hulls.into_iter().map(|hull| (volume(&hull), hull)).collect();
         hulls.sort_by(|a, b| a.0.total_cmp(&b.0));
-        hulls.into_iter().find(|(_, hull)| is_proven(hull))
+        hulls.into_iter().map(|(_, hull)| hull).find(is_proven)
     };
     if part.bound == f64::INFINITY {
         // The time is nearly over, and nothing can be proven.
-        let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
+        let simple = allowed(&tight).map(|hull| cuts.flattened(hull));
         return simple.filter(|hull| volume(hull) < volume(&part.hull)).unwrap_or_else(|| part.hull.clone());
     }
     let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
@@ -147,19 +137,16 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     if bounds.is_over() {
         return part.hull.clone();
     }
-    // Cuts only remove points, but rounding moves vertices.
-    let found = (volume(&part.hull), part.hull.clone());
-    let smaller = |found: (f64, Hull), hulls: Vec<Hull>| {
-        smallest_proven(hulls.into_iter().filter(|hull| volume(hull) < found.0).collect()).unwrap_or(found)
+    let simple = allowed(&tight).map(|hull| cuts.flattened(hull));
+    let cut_further = |share: &f64| {
+        let bounds = Bounds { max_vertices: (share * bounds.max_vertices as f64) as usize, ..*bounds };
+        allowed(&Cuts { bounds: &bounds, ..cuts }.filled(part.hull.clone()))
     };
-    let simple = to_vertices(&tight, 1.0).map(|hull| cuts.flattened(hull));
-    let filled = to_vertices(&tight, BEFORE_CUTS).map(|hull| cuts.filled(hull));
-    let found = smaller(found, [cuts.filled(part.hull.clone())].into_iter().chain(simple).chain(filled).collect());
-    if found.0 <= ENOUGH * body.volume() || bounds.is_over() {
-        return found.1;
-    }
-    let wrapped = |share: &f64| Some(wrap::wrap(field, body, bounds, Some(&to_vertices(&tight, *share)?)).ok()?.0);
-    smaller(found, WRAPPED.iter().filter_map(wrapped).map(|hull| cuts.filled(hull)).collect()).1
+    let mut found: Vec<Hull> = simple.into_iter().chain(CUT.iter().filter_map(cut_further)).collect();
+    found.push(cuts.filled(part.hull.clone()));
+    // Cuts only remove points, but rounding moves vertices.
+    found.retain(|hull| volume(hull) < volume(&part.hull));
+    smallest_proven(found).unwrap_or_else(|| part.hull.clone())
 }
 
 /// The planes of a body's large faces.

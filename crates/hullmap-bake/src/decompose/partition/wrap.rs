@@ -17,11 +17,7 @@ use super::few;
 use super::field::Field;
 use super::sample::face_points;
 use crate::deadline::{self, Deadline};
-use crate::fit::{
-    branch::Accuracy,
-    planes::{self, HalfSpace},
-    protrusion::protrusion_beside,
-};
+use crate::fit::{branch::Accuracy, planes::HalfSpace, protrusion::protrusion_beside};
 use crate::hull::{
     self, Hull, quickhull,
     rank::{Simplex, spanning_simplex},
@@ -207,12 +203,11 @@ fn around(p: DVec3) -> Vec<[f32; 3]> {
 }
 
 /// A proven hull around `body` with fewer vertices than the body, and at most the allowed number.
-/// It is as loose as the limit allows; with the planes of a hull around the body to start from, it
-/// is hardly looser than that hull.
+/// It is as loose as the limit allows.
 ///
 /// # Errors
 /// A point of the body that may be too far from the solid; `None` if no such hull was found.
-pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -> Result<(Hull, f64), Option<DVec3>> {
+pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), Option<DVec3>> {
     let middle = body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
     let greatest = body.low.abs().max(body.high.abs()).max_element() + bounds.limit;
     let room = (1e-3 * bounds.limit).clamp(3e-7 * bounds.diagonal, 2e-6 * bounds.diagonal) + 2.0 * ROUNDING * greatest;
@@ -223,7 +218,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
     }
     let max_vertices = bounds.max_vertices.min(body.points.len().saturating_sub(1));
     let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
-    let mut planes = start.map_or_else(|| faces.largest(), planes::half_spaces);
+    let mut planes = faces.largest();
     let mut proofs = 0;
     for _ in 0..MAX_STEPS {
         if bounds.is_over() {
@@ -238,8 +233,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds, start: Option<&Hull>) -
         let point = match faces.too_far(&planes, &vertices) {
             Some(point) => point,
             None => {
-                let enough = if start.is_some() { max_vertices } else { 0 };
-                let (left, fewer) = faces.fewer(planes.clone(), vertices, enough);
+                let (left, fewer) = faces.fewer(planes.clone(), vertices);
                 let hull = faces.rounded(&fewer).ok_or(None)?;
                 if hull.vertices.len() > max_vertices {
                     return simplified(field, &hull, bounds, max_vertices);
@@ -435,13 +429,12 @@ impl Faces<'_> {
         hull::of_positions(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
     }
 
-    /// Drops planes that are not needed, until there are few enough vertices. Returns the others,
-    /// and the vertices of their polytope.
-    fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>, enough: usize) -> (Vec<HalfSpace>, Vec<DVec3>) {
+    /// Drops planes that are not needed. Returns the others, and the vertices of their polytope.
+    fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>) -> (Vec<HalfSpace>, Vec<DVec3>) {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.
         let mut at = left.len();
-        while at > 0 && left.len() > 4 && best.len() > enough && !self.bounds.is_over() {
+        while at > 0 && left.len() > 4 && !self.bounds.is_over() {
             at -= 1;
             let mut fewer = left.clone();
             fewer.remove(at);
