@@ -35,6 +35,16 @@ const SLANTED: f64 = 0.1;
 /// Weight of the volume beside that of forbidden points.
 const VOLUME: f64 = 0.1;
 
+/// Extra cost of a plane across which all concavities lead through, as a share. Both sides have all
+/// of them, and need as many parts as the piece.
+const THROUGH: f64 = 1.0;
+
+/// Maximum number of forbidden points by which that is told.
+const CHORDS: usize = 64;
+
+/// Where the chord through such a point is measured.
+const ON_CHORD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
 /// Number of steps by which principal axes are found.
 const POWERS: usize = 60;
 
@@ -113,6 +123,18 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
     squares / (count * count) + VOLUME * volume / piece.body.volume().max(f64::MIN_POSITIVE)
 }
 
+/// The share of forbidden points around which a concavity leads through a piece along a normal: all
+/// of the chord through the point is too far from the solid, such as between the teeth of a gear.
+fn led_through(search: &Search, piece: &Piece, forbidden: &[DVec3], normal: DVec3) -> f64 {
+    let is_through = |p: &&DVec3| {
+        let [back, forth] = [-normal, normal].map(|direction| piece.body.exit(**p, direction));
+        let at = |t: &f64| **p + (t * (back + forth) - back) * normal;
+        ON_CHORD.iter().all(|t| search.field.is_beyond(at(t), search.scale.limit))
+    };
+    let some = || forbidden.iter().step_by(forbidden.len().div_ceil(CHORDS).max(1));
+    some().filter(is_through).count() as f64 / some().count().max(1) as f64
+}
+
 /// The plane after which the sides protrude least; `None` if no plane cuts the piece, or the time
 /// is over.
 ///
@@ -130,10 +152,14 @@ pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: 
         let (low, high) = range(piece, *normal);
         high - low >= 2.0 * scale.limit
     });
-    let slices = wide.flat_map(|normal| (2..SLABS - 1).map(move |k| (across(normal, k), true)));
-    let candidates: Vec<(HalfSpace, bool)> =
-        slices.chain(faces(piece, scale, planes).map(|plane| (plane, false))).collect();
-    let cost = |(plane, is_slice): &(HalfSpace, bool)| {
+    let through = |normal: DVec3| THROUGH * led_through(search, piece, &forbidden, normal);
+    let slices = wide.flat_map(|normal| {
+        let through = through(normal);
+        (2..SLABS - 1).map(move |k| (across(normal, k), true, through))
+    });
+    let faces = faces(piece, scale, planes).map(|plane| (plane, false, through(plane.normal)));
+    let candidates: Vec<(HalfSpace, bool, f64)> = slices.chain(faces).collect();
+    let cost = |(plane, is_slice, through): &(HalfSpace, bool, f64)| {
         if search.is_over() {
             return f64::INFINITY;
         }
@@ -142,10 +168,87 @@ pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: 
         let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
         let unlike = OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED };
         let left = conflicts.left(piece, scale, near, plane);
-        let cost = left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane);
+        let cost = (left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane)) * (1.0 + through);
         if *is_slice { cost * (1.0 + unlike) } else { cost }
     };
     let costs: Vec<f64> = candidates.par_iter().map(cost).collect();
     let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
     costs[best].is_finite().then(|| candidates[best].0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{f64::consts::TAU, sync::Arc};
+
+    use shapes::mesh::Mesh;
+
+    use super::*;
+    use crate::{
+        decompose::{
+            partition::{field::Field, piece::Atom, surface::Surface, wrap::Bounds},
+            patch::Patch,
+            tests::point_set,
+        },
+        fit::Solid,
+        progress::Stage,
+    };
+
+    /// A gear around the z axis, with four corners of its outline for each tooth.
+    fn gear(teeth: u32, height: f64) -> Mesh {
+        let count = 4 * teeth;
+        let mut mesh = Mesh::default();
+        for z in [0.0, height] {
+            for k in 0..count {
+                let (angle, radius) = (TAU * f64::from(k) / f64::from(count), if k % 4 < 2 { 1.0 } else { 0.75 });
+                mesh.push_vertex([radius * libm::cos(angle), radius * libm::sin(angle), z]);
+            }
+        }
+        let middles = [0.0, height].map(|z| mesh.push_vertex([0.0, 0.0, z]));
+        for k in 0..count {
+            let next = (k + 1) % count;
+            let sides = vec![k, next, next + count, k + count];
+            mesh.faces.extend([vec![middles[0], next, k], vec![middles[1], k + count, next + count], sides]);
+        }
+        mesh
+    }
+
+    /// Calls `with` for the search of parts of a mesh, its surface as a piece, and the limit.
+    fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&Search, &Piece) -> T) -> T {
+        let mesh = point_set(mesh);
+        let (solid, surface) = (Solid::new(&mesh), Surface::new(&mesh));
+        let (diagonal, limit) = (solid.diagonal(), share * solid.diagonal());
+        let bounds =
+            Bounds { limit, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage: Stage::default() };
+        let (field, scale) = (Field::new(&solid), Scale { limit, diagonal });
+        let planes = FacePlanes::new(&surface.triangles, diagonal);
+        let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+        let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
+        let atoms: Vec<Arc<Atom>> = surface.triangles.iter().map(atom).collect();
+        let forbidden = search.forbidden(&surface.triangles, &scale.body_of_atoms(&atoms));
+        with(&search, &scale.piece(atoms, Vec::new(), &forbidden))
+    }
+
+    #[test]
+    fn gaps_between_teeth_lead_through_along_the_axis_only() {
+        with_search(&gear(9, 0.4), 0.02, |search, piece| {
+            assert!(piece.forbidden.len() > 100, "{} points", piece.forbidden.len());
+            let along = |normal| led_through(search, piece, &piece.forbidden, normal);
+            let found = [DVec3::Z, DVec3::X, DVec3::Y, DVec3::ONE.normalize()].map(along);
+            assert!(found[0] == 1.0 && found[1..].iter().all(|share| *share < 0.3), "{found:?}");
+        });
+    }
+
+    /// Two thin gears need twice as many parts as one.
+    #[test]
+    fn gears_are_not_cut_across_the_axis() {
+        for (teeth, height, share) in
+            [(11, 0.3, 0.01), (11, 1.4, 0.03), (12, 0.6, 0.03), (20, 0.3, 0.02), (20, 1.0, 0.03)]
+        {
+            with_search(&gear(teeth, height), share, |search, piece| {
+                let near = search.scale.neighbours(&piece.atoms);
+                let plane = best_plane(search, piece, &near, &Conflicts::new(search, piece)).unwrap();
+                assert!(plane.normal.z.abs() < 0.1, "{teeth} teeth, {height} high, {share}: {plane:?}");
+            });
+        }
+    }
 }
