@@ -72,8 +72,8 @@ fn filled_parts_leave_no_voids() {
     println!("seed {SEED}");
     let meshes = [
         ("grooved", point_set(&cubes::grooved([7, 7, 7], [3, 3, 3])), 0.015),
-        ("askew", point_set(&cubes::grooved([7, 7, 7], [3, 3, 4])), 0.015),
-        ("turned", turned(point_set(&cubes::grooved([7, 7, 7], [3, 3, 2]))), 0.015),
+        ("long", point_set(&cubes::grooved([9, 7, 7], [4, 3, 3])), 0.015),
+        ("turned", turned(point_set(&cubes::grooved([6, 6, 6], [2, 2, 1]))), 0.015),
         ("hollow", point_set(&cubes::hollow([6, 5, 4])), 0.01),
         ("stair", point_set(&concave::spiral_stair(4)), 0.01),
     ];

@@ -172,18 +172,18 @@ fn a_search_may_end_at_any_time() {
 
 #[test]
 fn no_part_has_more_vertices_than_allowed() {
-    let ball = Mesh { vertices: shapes::families::Family::Sphere.points(80, 1), ..Mesh::default() };
-    let hull = crate::hull::build(&point_set(&ball)).unwrap();
-    assert!(hull.vertices.len() > 64, "the sample is not representative");
-    // A ball and a smaller one beside it: cells with many vertices.
-    let mut mesh = PointSet { positions: hull.vertices.clone(), ..PointSet::default() };
-    let count = mesh.positions.len() as u32;
-    let fan = |face: &Vec<u32>| (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
-    mesh.triangles = hull.faces.iter().flat_map(fan).collect();
-    mesh.positions.extend(hull.vertices.iter().map(|p| [p[0] * 0.3 + 3.0, p[1] * 0.3, p[2] * 0.3]));
-    mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|t| t.map(|v| v + count)));
-    mesh.source_vertices = (0..mesh.positions.len() as u32).collect();
-    for (max_vertices, share) in [(4, 0.2), (4, 0.06), (6, 0.05), (12, 0.02), (64, 0.008)] {
+    for (points, max_vertices, share) in [(24, 4, 0.2), (24, 4, 0.06), (24, 6, 0.05), (40, 12, 0.02), (80, 64, 0.008)] {
+        let ball = Mesh { vertices: shapes::families::Family::Sphere.points(points, 1), ..Mesh::default() };
+        let hull = crate::hull::build(&point_set(&ball)).unwrap();
+        assert!(hull.vertices.len() > max_vertices as usize, "the sample is not representative");
+        // A ball and a smaller one beside it: cells with many vertices.
+        let mut mesh = PointSet { positions: hull.vertices.clone(), ..PointSet::default() };
+        let count = mesh.positions.len() as u32;
+        let fan = |face: &Vec<u32>| (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
+        mesh.triangles = hull.faces.iter().flat_map(fan).collect();
+        mesh.positions.extend(hull.vertices.iter().map(|p| [p[0] * 0.3 + 3.0, p[1] * 0.3, p[2] * 0.3]));
+        mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|t| t.map(|v| v + count)));
+        mesh.source_vertices = (0..mesh.positions.len() as u32).collect();
         let found = covering(&mesh, Cover { max_vertices, max_error: Length::Relative(share), ..Cover::default() });
         let most = found.iter().map(|hull| hull.vertices.len()).max().unwrap();
         assert!(most <= max_vertices as usize, "{most} of {max_vertices} at {share}");
