@@ -56,14 +56,18 @@ const FEW: i32 = 3;
 
 /// A level is given up when it has more parts before mergers than the first of these times the
 /// number of the best level, plus the second.
-const FEWER_LATER: (f64, f64) = (1.35, 8.0);
+const FEWER_LATER: (f64, f64) = (1.35, 16.0);
 
 /// The same, if the parts of the best level were merged to far fewer.
 const MERGED_LATER: f64 = 2.0;
 
+/// Parts were merged to far fewer if there were more before mergers than the first of these times
+/// their number, plus the second.
+const FAR_FEWER: (f64, f64) = (1.35, 8.0);
+
 /// A level ends the search if it has more parts than this, and more than the best level's plus an
 /// eighth and 4. Searches for fewer parts do not take long.
-const HOPELESS: usize = 32;
+const HOPELESS: usize = 40;
 
 /// A level also ends the search if it is given up at more parts before mergers than this.
 const HOPELESS_BEFORE_MERGERS: usize = 200;
@@ -111,7 +115,7 @@ fn stride(count: usize, found: usize) -> i32 {
 
 /// Number of parts before mergers that may be merged to about `parts`.
 fn most_before_mergers(parts: usize) -> usize {
-    (FEWER_LATER.0 * parts as f64 + FEWER_LATER.1) as usize
+    (FAR_FEWER.0 * parts as f64 + FAR_FEWER.1) as usize
 }
 
 /// Results with at most about this number of parts.
@@ -151,8 +155,8 @@ impl Found {
 
     /// Results with at most as many parts.
     fn useful(&self) -> Useful {
-        let most = most_before_mergers(self.divided);
-        let divided = if self.is_merged() { (MERGED_LATER * self.divided as f64) as usize } else { most };
+        let (factor, more) = if self.is_merged() { (MERGED_LATER, 0.0) } else { FEWER_LATER };
+        let divided = (factor * self.divided as f64 + more) as usize;
         Useful { parts: self.count(), divided }
     }
 
