@@ -35,14 +35,14 @@ const SLANTED: f64 = 0.1;
 /// Weight of the volume beside that of forbidden points.
 const VOLUME: f64 = 0.1;
 
-/// Extra cost of a plane across which all concavities lead through, as a share. Both sides have all
-/// of them, and need as many parts as the piece.
+/// Extra cost of a plane if all concavities lead through the piece along its normal, as a share.
+/// Both sides have all of them, and need as many parts as the piece.
 const THROUGH: f64 = 1.0;
 
-/// Maximum number of forbidden points by which that is told.
+/// Maximum number of forbidden points from which that share is estimated.
 const CHORDS: usize = 64;
 
-/// Where the chord through such a point is measured.
+/// Places on the chord through such a point at which the distance is measured.
 const ON_CHORD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
 /// Number of steps by which principal axes are found.
@@ -212,7 +212,7 @@ mod tests {
         mesh
     }
 
-    /// Calls `with` for the search of parts of a mesh, its surface as a piece, and the limit.
+    /// Calls `with` with a search within a share of the diagonal, and the surface as a piece.
     fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&Search, &Piece) -> T) -> T {
         let mesh = point_set(mesh);
         let (solid, surface) = (Solid::new(&mesh), Surface::new(&mesh));
@@ -238,7 +238,7 @@ mod tests {
         });
     }
 
-    /// Two thin gears need twice as many parts as one.
+    /// Two thin gears need twice as many parts as one. Conflicts alone cut each of these across.
     #[test]
     fn gears_are_not_cut_across_the_axis() {
         for (teeth, height, share) in

@@ -7,8 +7,8 @@
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
 //! 4. If there are too many vertices, cut the hull that was proven before by planes of the piece's
-//!    faces: as far as the number of vertices allows, and further, and simplify what has more. Take
-//!    the smallest of these hulls and the simplified one that is proven.
+//!    faces, as far as the number of vertices allows. Also cut it further, and simplify the result.
+//!    Of these hulls and the simplified one, take the smallest that is proven.
 
 use glam::DVec3;
 
