@@ -26,6 +26,7 @@ fn injector() -> Option<Injector> {
 
 /// Each call gets one of eight faults, in turn. `bake-faults` tries all eight at each call.
 #[test]
+#[ignore = "takes long; .ci/nightly runs it"]
 fn a_fault_at_every_system_call() {
     let Some(injector) = injector() else { return };
     let tally = calls::at_every_call(binary(), &injector, THREADS, |call| Fault::ALL[call % Fault::ALL.len()]);

@@ -9,10 +9,8 @@
 //! # Steps
 //! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
 //!    prove that all lower levels have more parts.
-//! 2. Give a level up when it has far more parts before mergers than the best one had. After one
-//!    whose parts were merged to far fewer, search no lower ones of half a surface: the whole
-//!    surface is searched, too. End where lower levels are hopeless, which keeps meshes with many
-//!    parts from taking minutes.
+//! 2. Give a level up when it has far more parts before mergers than the best one had. End where
+//!    lower levels are hopeless, which keeps meshes with many parts from taking minutes.
 //! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
 //!    tighter parts. Then search those of whole octaves, and others only where these end.
 
@@ -343,11 +341,6 @@ impl<'a> Levels<'a> {
             if let Some(found) = found.filter(is_useful) {
                 level = self.next(&found, level, last);
                 best = Some(found);
-            }
-            // The whole surface is searched, too.
-            let is_half = self.surface.mirror.is_some();
-            if is_half && best.as_ref().is_some_and(|best| best.limit <= error && best.is_merged()) {
-                break;
             }
             let is_long = in_all > MOST_IN_ALL && best.as_ref().is_some_and(|best| best.count() > HOPELESS);
             if is_hopeless || is_long {

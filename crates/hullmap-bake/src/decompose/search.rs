@@ -3,9 +3,9 @@
 //! # Steps
 //! 1. Search the parts of the half of the surface on one side of the mirror plane. They and their
 //!    images are the parts. Parts at the plane are merged with their images where the limit allows.
-//! 2. Where a part and its image meet at the plane and are not merged, cuts elsewhere may need
-//!    fewer parts. Then search the parts of the whole surface, too, and also where lower limits
-//!    were not searched because mergers left far fewer parts. They win if they are fewer.
+//! 2. Where a part and its image meet at the plane and are not merged, or where mergers left far
+//!    fewer parts, cuts elsewhere may need fewer parts. Then search the parts of the whole surface,
+//!    too. They win if they are fewer.
 //!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
 //!    they are more and protrude less; so only lower limits are searched. A search whose time is
 //!    limited ends after step 1.
@@ -132,8 +132,8 @@ impl Search<'_> {
         let is_at =
             |part: &Part, mirror: &Mirror| part.piece.body.points.iter().any(|p| mirror.plane.height(*p) <= on_plane);
         let meet = surface.mirror.as_ref().is_some_and(|mirror| found.mirrored.iter().any(|part| is_at(part, mirror)));
-        let is_cut_short = surface.mirror.is_some() && cover.max_parts.is_none() && found.is_merged();
-        let others_may_win = meet || is_cut_short;
+        let are_merged = surface.mirror.is_some() && cover.max_parts.is_none() && found.is_merged();
+        let others_may_win = meet || are_merged;
         let reached = found.reached();
         let is_useful = |found: &Found| levels.enough.is_none_or(|enough| found.count() <= enough);
         let found = Some(found).filter(is_useful)?;

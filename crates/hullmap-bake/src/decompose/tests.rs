@@ -3,8 +3,8 @@ use std::{
     time::Duration,
 };
 
-use glam::{DMat3, DVec3};
-use shapes::{concave, mesh::Mesh, solids::extrusion};
+use glam::{DMat3, DQuat, DVec3};
+use shapes::{concave, cubes, mesh::Mesh, solids::extrusion};
 
 use super::{
     finish::finished,
@@ -51,7 +51,7 @@ fn cross() -> PointSet {
 /// The result for a smaller error is a candidate for a larger one.
 #[test]
 fn larger_errors_take_fewer_parts() {
-    for mesh in [concave::horseshoe(6), concave::pipe(10), concave::l()] {
+    for mesh in [concave::horseshoe(6), concave::pipe(8), concave::l()] {
         let mesh = point_set(&mesh);
         let mut last = (usize::MAX, usize::MAX);
         let mut first = None;
@@ -134,6 +134,14 @@ fn the_number_of_parts_is_never_exceeded() {
         let error = cover.max_error.of(solid.diagonal());
         assert!(max_parts.is_some() || worst <= error, "{worst} of {error}");
     }
+}
+
+/// A mesh in no special direction.
+pub fn turned(mesh: &Mesh) -> PointSet {
+    let turn = DMat3::from_quat(DQuat::from_xyzw(0.24, 0.08, 0.16, 0.96).normalize());
+    let mut mesh = point_set(mesh);
+    mesh.positions.iter_mut().for_each(|p| *p = (turn * DVec3::from_array(p.map(f64::from))).as_vec3().to_array());
+    mesh
 }
 
 /// The vertices of each part, sorted.
@@ -230,16 +238,15 @@ static LOOKS: AtomicU64 = AtomicU64::new(0);
 
 /// Wherever the time ends, little work is left, parts are within their limits, and contain the
 /// surface. Work is counted by readings of the clock: every loop that may take long reads it.
-#[test]
-fn little_is_done_after_the_deadline() {
-    for (mesh, symmetry) in [(concave::mug(24), true), (concave::mug(24), false), (concave::chair(), true)] {
-        let mesh = point_set(&mesh);
+fn assert_that_little_is_done_after_the_deadline(meshes: &[(Mesh, bool)]) {
+    for (mesh, symmetry) in meshes {
+        let mesh = point_set(mesh);
         let mut all = u64::MAX;
         for end in [u64::MAX, 0, 300, 10_000, 100_000] {
             if end > all && end != u64::MAX {
                 break;
             }
-            let cover = Cover { symmetry, max_vertices: 20, ..Cover::default() };
+            let cover = Cover { symmetry: *symmetry, max_vertices: 20, ..Cover::default() };
             let before = LOOKS.load(Ordering::Relaxed);
             let deadline = Deadline::by(seconds_looked, end as f64);
             let parts = decompose_by(&mesh, &cover, Some(deadline), Stage::default()).unwrap().unwrap();
@@ -258,6 +265,28 @@ fn little_is_done_after_the_deadline() {
             assert!(bound <= 1e-6 * Solid::new(&mesh).diagonal(), "{bound}");
         }
     }
+}
+
+#[test]
+fn little_is_done_after_the_deadline() {
+    assert_that_little_is_done_after_the_deadline(&[(concave::chair(), true)]);
+}
+
+#[test]
+#[ignore = "takes long; .ci/nightly runs it"]
+fn little_is_done_on_round_meshes_after_the_deadline() {
+    assert_that_little_is_done_after_the_deadline(&[(concave::mug(24), true), (concave::mug(24), false)]);
+}
+
+/// Regression: after the first level of half a surface, its lower ones were not searched, so that
+/// this block had 17 parts at 1.5 %, and 21 at 2 %.
+#[test]
+#[ignore = "takes long; .ci/nightly runs it"]
+fn a_turned_block_with_grooves_takes_no_more_parts_for_larger_errors() {
+    let mesh = turned(&cubes::grooved([6, 6, 6], [2, 2, 1]));
+    let counts = [1.2, 1.5, 1.7, 2.0]
+        .map(|error| hulls(&mesh, &Cover { max_error: Length::Relative(0.01 * error), ..Cover::default() }).len());
+    assert!(counts.is_sorted_by(|smaller, larger| smaller >= larger), "{counts:?}");
 }
 
 /// Regression: far from the origin, hulls had too many vertices, since rounding errors of heights

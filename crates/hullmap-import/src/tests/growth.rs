@@ -435,6 +435,7 @@ fn the_exponent_of_every_count_is_1() {
 }
 
 #[test]
+#[ignore = "takes long; .ci/nightly runs it"]
 fn no_import_grows_quadratically() {
     let mut failed = Vec::new();
     for case in cases() {

@@ -430,12 +430,7 @@ pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// The same from the depth, for cores so thin that the distance cannot decide.
 #[cold]
 #[inline(never)]
-fn intersects_by_depth(
-    a: &dyn SupportMap,
-    b: &dyn SupportMap,
-    b_in_a: Pose,
-    cache: &mut Cache,
-) -> Intersection {
+fn intersects_by_depth(a: &dyn SupportMap, b: &dyn SupportMap, b_in_a: Pose, cache: &mut Cache) -> Intersection {
     let Contact { hit, status, depth_lower, iterations, support_calls, .. } =
         contact(a, b, b_in_a, &Settings::default(), cache);
     let status = match status {

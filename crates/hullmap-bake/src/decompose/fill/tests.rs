@@ -2,10 +2,13 @@
 //! the sum of the solid angles of all triangles; whether it is in a part follows from the part's
 //! vertices.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::DVec3;
 use shapes::{concave, cubes, rng::SplitMix64};
 
-use super::super::{Cover, Length, decompose, tests::point_set};
+use super::super::{
+    Cover, Length, decompose,
+    tests::{point_set, turned},
+};
 use crate::{
     PointSet,
     fit::{Solid, fits, remainder},
@@ -16,13 +19,6 @@ const SEED: u64 = 41;
 
 /// Points that are drawn in the box around a mesh.
 const POINTS: usize = 4_000;
-
-/// The mesh, turned about an axis that is not one of the coordinates'.
-fn turned(mut mesh: PointSet) -> PointSet {
-    let turn = DMat3::from_quat(DQuat::from_xyzw(0.24, 0.08, 0.16, 0.96).normalize());
-    mesh.positions.iter_mut().for_each(|p| *p = (turn * DVec3::from_array(p.map(f64::from))).as_vec3().to_array());
-    mesh
-}
 
 /// The winding number of the mesh around a point, from solid angles.
 ///
@@ -69,34 +65,44 @@ fn parts(mesh: &PointSet, cover: &Cover) -> Vec<Hull> {
 
 #[test]
 fn filled_parts_leave_no_voids() {
-    println!("seed {SEED}");
-    let meshes = [
+    assert_that_filled_parts_leave_no_voids(&[
         ("grooved", point_set(&cubes::grooved([7, 7, 7], [3, 3, 3])), 0.015),
         ("long", point_set(&cubes::grooved([9, 7, 7], [4, 3, 3])), 0.015),
-        ("turned", turned(point_set(&cubes::grooved([6, 6, 6], [2, 2, 1]))), 0.015),
         ("hollow", point_set(&cubes::hollow([6, 5, 4])), 0.01),
         ("stair", point_set(&concave::spiral_stair(4)), 0.01),
-    ];
+    ]);
+}
+
+#[test]
+#[ignore = "takes long; .ci/nightly runs it"]
+fn filled_parts_of_a_turned_mesh_leave_no_voids() {
+    let mesh = turned(&cubes::grooved([6, 6, 6], [2, 2, 1]));
+    assert_that_filled_parts_leave_no_voids(&[("turned", mesh, 0.015)]);
+}
+
+/// Most of the meshes have voids without filling.
+fn assert_that_filled_parts_leave_no_voids(meshes: &[(&str, PointSet, f64)]) {
+    println!("seed {SEED}");
     let mut with_voids = 0;
     for (name, mesh, error) in meshes {
-        let usual = Cover { max_error: Length::Relative(error), ..Cover::default() };
-        let (without, with) = (parts(&mesh, &usual), parts(&mesh, &Cover { fill: true, ..usual }));
-        let [[inside, voids], [_, left]] = [&without, &with].map(|parts| sampled(&mesh, parts));
+        let usual = Cover { max_error: Length::Relative(*error), ..Cover::default() };
+        let (without, with) = (parts(mesh, &usual), parts(mesh, &Cover { fill: true, ..usual }));
+        let [[inside, voids], [_, left]] = [&without, &with].map(|parts| sampled(mesh, parts));
         println!("{name}: {voids} of {inside}; {} parts, then {left}; {} parts", without.len(), with.len());
         assert!(inside > 200, "{name}: {inside} points");
         assert!(with.len() <= 2 * without.len(), "{name}: {} parts", with.len());
         assert_eq!(left, 0, "{name}");
         with_voids += usize::from(voids > 0);
         let refs: Vec<&Hull> = with.iter().collect();
-        assert!(remainder(&Solid::new(&mesh), &refs).is_empty(), "{name}");
+        assert!(remainder(&Solid::new(mesh), &refs).is_empty(), "{name}");
         // Both bounds still hold.
-        let diagonal = Solid::new(&mesh).diagonal();
-        for fit in fits(&mesh, &refs, None).unwrap() {
+        let diagonal = Solid::new(mesh).diagonal();
+        for fit in fits(mesh, &refs, None).unwrap() {
             assert!(fit.uncovered <= 1e-6 * diagonal && fit.protrusion <= 1.001 * error * diagonal, "{name}: {fit:?}");
         }
         assert!(with.iter().all(|part| part.vertices.len() <= usual.max_vertices as usize), "{name}");
     }
-    assert!(with_voids > 2, "{with_voids} meshes have voids");
+    assert!(with_voids > 0 && 2 * with_voids >= meshes.len(), "{with_voids} meshes have voids");
 }
 
 /// A sheet has no inside, and a mesh with a hole none that is known.

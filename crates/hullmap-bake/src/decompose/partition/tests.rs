@@ -55,7 +55,7 @@ fn round_shapes_take_few_parts() {
 
 #[test]
 fn parts_are_the_same_at_any_number_of_threads() {
-    let mesh = point_set(&concave::pipe(12));
+    let mesh = point_set(&concave::pipe(8));
     let of_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let cover = Cover { max_error: Length::Relative(0.02), ..Cover::default() };
