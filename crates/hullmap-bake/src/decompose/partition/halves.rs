@@ -73,16 +73,16 @@ pub fn merge(
     let mut enough = None;
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
-        if count <= wanted && enough.is_none() {
-            enough = Some(units.clone());
-        }
         let new: Vec<(usize, usize)> = pairs(&units).filter(|pair| !mergers.contains_key(pair)).collect();
         let new: Vec<_> =
             new.into_par_iter().map(|pair| (pair, merger(search, &units, pair, mirror, forbidden))).collect();
         mergers.extend(new);
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
-        let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
+        let Some(Some(Merger { cost, body })) = mergers.insert(pair, None) else { break };
+        if count <= wanted && enough.is_none() && !join::is_free(cost, &body) {
+            enough = Some(units.clone());
+        }
         let others = units.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
         let others = others.filter_map(|(_, unit)| unit.as_ref()).flat_map(Unit::bodies);
         let own = merged(&units, pair).into_iter().flat_map(Unit::bodies);

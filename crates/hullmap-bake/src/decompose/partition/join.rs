@@ -28,10 +28,15 @@ const FEW: usize = 48;
 /// Number of mergers that may fail to be proven, in addition to one for each part.
 pub const FAILURES: usize = 16;
 
+/// A merger is free if it adds at most this share of its volume: parts that are convex together are
+/// no tighter apart.
+const FREE: f64 = 1e-4;
+
 /// Merged parts.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The parts. They are no fewer than wanted, unless they are fewer without mergers.
+    /// The parts. They are no fewer than wanted, unless they are fewer without mergers or by free
+    /// ones.
     pub parts: Vec<Part>,
     /// Further parts, each of which stands for its mirror image, too.
     pub mirrored: Vec<Part>,
@@ -50,9 +55,9 @@ struct Merger {
 }
 
 /// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
-/// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as
-/// many; the other mergers are only counted. None are merged if the result would be of no use; with
-/// a `mirror`, each part counts with its image.
+/// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as many
+/// without free mergers; the other mergers are only counted. None are merged if the result would be
+/// of no use; with a `mirror`, each part counts with its image.
 ///
 /// # Complexity
 /// One hull for each pair of parts that are near each other, including merged parts.
@@ -79,9 +84,6 @@ pub fn merge(
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     let mut is_first = true;
     while failures > 0 && !search.is_over() {
-        if count <= wanted && enough.is_none() {
-            enough = Some(left.clone());
-        }
         let gap = if count <= FEW { f64::INFINITY } else { scale.limit };
         let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
         let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
@@ -91,7 +93,10 @@ pub fn merge(
         }
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
-        let Some(Some(Merger { body, .. })) = mergers.insert(pair, None) else { break };
+        let Some(Some(Merger { cost, body })) = mergers.insert(pair, None) else { break };
+        if count <= wanted && enough.is_none() && !is_free(cost, &body) {
+            enough = Some(left.clone());
+        }
         let others = left.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
         let others = others.filter_map(|(_, part)| part.as_ref()).map(|part| &part.piece.body);
         let own = [pair.0, pair.1].into_iter().filter_map(|i| left[i].as_ref()).map(|part| &part.piece.body);
@@ -118,6 +123,11 @@ pub fn merge(
     }
     let parts = enough.unwrap_or(left).into_iter().flatten().collect();
     Found { parts, mirrored: Vec::new(), fewest: count, divided }
+}
+
+/// Whether a merger adds hardly any volume to that of its parts.
+pub fn is_free(cost: f64, body: &Body) -> bool {
+    cost <= FREE * body.volume()
 }
 
 /// A number of parts that are left after any mergers; with a `mirror`, of parts and their images.

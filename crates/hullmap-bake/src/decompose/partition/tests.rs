@@ -113,6 +113,19 @@ fn any_number_of_parts_is_reached() {
     }
 }
 
+/// Regression: mergers ended at the maximum, and an L had three parts. Parts that are convex
+/// together are no tighter apart.
+#[test]
+fn no_more_parts_are_used_than_help() {
+    let mesh = point_set(&concave::l());
+    for symmetry in [true, false] {
+        for max_parts in 2..=5 {
+            let cover = Cover { max_parts: Some(max_parts), symmetry, ..Cover::default() };
+            assert_eq!(covering(&mesh, cover).len(), 2, "{max_parts} {symmetry}");
+        }
+    }
+}
+
 /// Regression: five searches, each an octave higher, ended before two parts sufficed.
 #[test]
 fn any_number_of_parts_is_reached_from_a_small_error() {
