@@ -54,7 +54,7 @@ const FEW: i32 = 3;
 
 /// A level is given up when it has more parts before mergers than the first of these times the
 /// number of the best level, plus the second.
-const FEWER_LATER: (f64, f64) = (1.35, 16.0);
+const FEWER_LATER: (f64, f64) = (1.35, 24.0);
 
 /// The same, if the parts of the best level were merged to far fewer.
 const MERGED_LATER: f64 = 2.0;
@@ -63,11 +63,12 @@ const MERGED_LATER: f64 = 2.0;
 /// their number, plus the second.
 const FAR_FEWER: (f64, f64) = (1.35, 8.0);
 
-/// A level ends the search if it has more parts than this, and more than the best level's plus an
-/// eighth and 4. Searches for fewer parts do not take long.
+/// A level ends the search if it has more parts than this after mergers, and more than the best
+/// level's plus an eighth and 4. Searches for fewer parts do not take long.
 const HOPELESS: usize = 40;
 
-/// A level also ends the search if it is given up at more parts before mergers than this.
+/// A level also ends the search if it is given up, or is not merged, at more parts before mergers
+/// than this.
 const HOPELESS_BEFORE_MERGERS: usize = 200;
 
 /// Number of parts before mergers, of all levels together, after which a search ends if the best
@@ -333,7 +334,10 @@ impl<'a> Levels<'a> {
             }
             level -= STEP;
             let is_hopeless = useful.is_some_and(|useful| match &found {
-                Some(found) => found.count() > HOPELESS.max(useful.parts + useful.parts / 8 + 4),
+                Some(found) if found.count() < found.divided => {
+                    found.count() > HOPELESS.max(useful.parts + useful.parts / 8 + 4)
+                }
+                Some(found) => found.divided > HOPELESS_BEFORE_MERGERS,
                 None => useful.divided > HOPELESS_BEFORE_MERGERS,
             });
             in_all += found.as_ref().map_or(useful.map_or(0, |useful| useful.divided), |found| found.divided);
