@@ -342,10 +342,7 @@ impl<'a> Levels<'a> {
             });
             in_all += found.as_ref().map_or(useful.map_or(0, |useful| useful.divided), |found| found.divided);
             let is_useful = |found: &Found| useful.is_none_or(|useful| found.count() <= useful.parts);
-            if let Some(found) = found.filter(is_useful) {
-                level = self.next(&found, level, last);
-                best = Some(found);
-            }
+            best = found.filter(is_useful).or(best);
             let is_long = in_all > MOST_IN_ALL && best.as_ref().is_some_and(|best| best.count() > HOPELESS);
             if is_hopeless || is_long {
                 break;
@@ -360,9 +357,10 @@ impl<'a> Levels<'a> {
         if first >= fewer { fewer } else { (first - (FEW - 1) * STEP).max(tighter.min(first)) }
     }
 
-    /// The next of the levels from `level` down to `last`, after parts have been found.
+    /// The next of the levels from `level` down to `last` for tighter parts, after some have been
+    /// found.
     fn next(&self, found: &Found, level: i32, last: i32) -> i32 {
-        // The levels between would give the same.
+        // The levels between would give parts that are no tighter.
         if found.reached() < self.limit(last) { level.min(last) } else { level }
     }
 

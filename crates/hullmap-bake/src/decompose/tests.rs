@@ -278,6 +278,21 @@ fn little_is_done_on_round_meshes_after_the_deadline() {
     assert_that_little_is_done_after_the_deadline(&[(concave::mug(24), true), (concave::mug(24), false)]);
 }
 
+/// Regression: seven exact parts at 7 % ended the search of all levels but the lowest, which has
+/// six. Those between have five.
+#[test]
+fn exact_parts_do_not_end_the_search_for_fewer() {
+    let is_kept = |[x, y, z]: [i32; 3]| {
+        let is_outer = x == 0 || x == 3;
+        y == 0 || y == 1 && (z > 0 || !is_outer) || y == 2 && (z == 2 || z == 1 && !is_outer)
+    };
+    let all = (0..4).flat_map(|x| (0..3).flat_map(move |y| (0..4).map(move |z| [x, y, z])));
+    let mesh = point_set(&cubes::surface(&all.filter(|cube| is_kept(*cube)).collect::<Vec<_>>()));
+    for error in [0.05, 0.07] {
+        assert_eq!(hulls(&mesh, &Cover { max_error: Length::Relative(error), ..Cover::default() }).len(), 5, "{error}");
+    }
+}
+
 /// Regression: after the first level of half a surface, its lower ones were not searched, so that
 /// this block had 17 parts at 1.5 %, and 21 at 2 %.
 #[test]

@@ -66,7 +66,7 @@ fn parts(mesh: &PointSet, cover: &Cover) -> Vec<Hull> {
 #[test]
 fn filled_parts_leave_no_voids() {
     assert_that_filled_parts_leave_no_voids(&[
-        ("grooved", point_set(&cubes::grooved([7, 7, 7], [3, 3, 3])), 0.015),
+        ("grooved", point_set(&cubes::grooved([9, 9, 7], [4, 4, 3])), 0.015),
         ("long", point_set(&cubes::grooved([9, 7, 7], [4, 3, 3])), 0.015),
         ("hollow", point_set(&cubes::hollow([6, 5, 4])), 0.01),
         ("stair", point_set(&concave::spiral_stair(4)), 0.01),
