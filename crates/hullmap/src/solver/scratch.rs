@@ -33,7 +33,7 @@ impl Workspace {
 
     #[inline(never)]
     pub(super) fn enlarge(&mut self) {
-        let medium = self.medium.get_or_insert_with(|| Polytope::empty(0.0));
+        let medium = existing(&mut self.medium);
         if let Some(small) = &self.small {
             small.overwrite(medium);
         }
@@ -45,15 +45,15 @@ impl Workspace {
 fn existing<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
     match place {
         Some(polytope) => polytope,
-        none => insert_empty(none),
+        none => insert_empty(none, 0.0),
     }
 }
 
 /// Not inlined: the polytope would be on the stack of each caller before it is moved.
 #[cold]
 #[inline(never)]
-fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
-    place.insert(Polytope::empty(0.0))
+fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>, noise: f64) -> &mut Polytope<V, F> {
+    place.insert(Polytope::empty(noise))
 }
 
 /// The polytope in `place`, without a surface. `noise` is the error bound of offsets, a length.
@@ -62,10 +62,13 @@ pub(super) fn cleared<const V: usize, const F: usize>(
     place: &mut Option<Polytope<V, F>>,
     noise: f64,
 ) -> &mut Polytope<V, F> {
-    if let Some(polytope) = place {
-        polytope.clear(noise);
+    match place {
+        Some(polytope) => {
+            polytope.clear(noise);
+            polytope
+        }
+        none => insert_empty(none, noise),
     }
-    place.get_or_insert_with(|| Polytope::empty(noise))
 }
 
 /// Memory for the large polytopes of deep contacts. With it, every query runs on a stack of
