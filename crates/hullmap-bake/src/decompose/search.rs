@@ -3,6 +3,7 @@
 //! # Steps
 //! 1. Search the parts of the half of the surface on one side of the mirror plane. They and their
 //!    images are the parts. Parts at the plane are merged with their images where the limit allows.
+//!    All are symmetric, except merged parts of which no symmetric hull is proven.
 //! 2. Where a part and its image meet at the plane and are not merged, or where mergers left far
 //!    fewer parts, cuts elsewhere may need fewer parts. Then search the parts of the whole surface,
 //!    too. They win if they are fewer.
@@ -106,16 +107,14 @@ impl Search<'_> {
         Surface::new(self.mesh)
     }
 
-    /// Parts that are symmetric about a mirror, and are proven to cover the mesh; `None` if there
-    /// are none.
+    /// Parts of half the surface, and their images, which are proven to cover the mesh; `None` if
+    /// there are none. They are symmetric, except where no symmetric hull is proven.
     fn symmetric(&self, mirror: Mirror, stage: Stage) -> Option<Parts> {
         let half = self.surface().halved(mirror, self.solid.diagonal());
         let found = self.parts(&half, UsefulParts::All, stage)?;
         let hulls: Vec<&Hull> = found.hulls.iter().collect();
-        let vertices: Vec<&[[f32; 3]]> = hulls.iter().map(|hull| hull.vertices.as_slice()).collect();
-        let is_right = symmetry::are_mirrored(&vertices, &mirror)
-            && uncovered_triangles(self.mesh, &hulls, COVERED * self.solid.diagonal(), self.deadline).is_empty();
-        is_right.then_some(found)
+        let uncovered = uncovered_triangles(self.mesh, &hulls, COVERED * self.solid.diagonal(), self.deadline);
+        uncovered.is_empty().then_some(found)
     }
 
     /// The parts of a surface, if they are useful.

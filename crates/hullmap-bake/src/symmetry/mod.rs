@@ -68,7 +68,7 @@ pub fn mirror_of_parts(parts: &[&[[f32; 3]]]) -> Option<Mirror> {
 }
 
 /// Whether each of `parts` is the mirror image of another, or of itself.
-pub fn are_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
+fn are_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
     let sorted = |mut points: Vec<[u32; 3]>| {
         points.sort_unstable();
         points

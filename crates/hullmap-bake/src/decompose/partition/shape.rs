@@ -2,13 +2,16 @@
 //!
 //! # Steps
 //! 1. Take the hull of the piece's surface. Simplify it by a small share of the limit.
-//! 2. If it has too many vertices, simplify it to the allowed number, or to fewer if it must be
-//!    cut.
+//! 2. If it has too many vertices, bound it by few planes, or simplify it to the allowed number.
+//!    Where that gives a much larger hull, which extends into the solid, cut it as in step 4. A
+//!    piece whose hull is still too large is divided further.
 //! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
 //!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If there are too many vertices, cut the hull that was proven before by planes of the piece's
-//!    faces, as far as the number of vertices allows. Also cut it further, and simplify the result.
-//!    Of these hulls and the simplified one, take the smallest that is proven.
+//! 4. If there are too many vertices, cut the hull of step 2 by planes of the piece's faces, as far
+//!    as the number of vertices allows. Also cut it further, and simplify the result. Of these
+//!    hulls and the simplified one, take the smallest that is proven.
+
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 
@@ -87,6 +90,12 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     if let Err(None) = found {
         found = wrap::simplified(field, &tight, bounds, bounds.max_vertices);
     }
+    if let Ok((hull, _)) = &found
+        && is_swollen(hull, body, bounds)
+    {
+        let trimmed = Cuts { body, flat: &[], bounds }.trimmed(field, &tight, hull);
+        found = trimmed.filter(|(hull, _)| !is_swollen(hull, body, bounds)).ok_or(None);
+    }
     if let (Err(None), true) = (&found, body.diagonal() < bounds.limit) {
         // A small piece. A flat hull has no simpler one that is near it, a thick one has.
         let thick = wrap::tight(&body.points, bounds.diagonal, 0.5 * body.diagonal());
@@ -110,18 +119,10 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
         large_faces(body).chain(part.piece.planes.iter().copied()).chain(sides.iter().copied()).collect();
     let cuts = Cuts { body, flat: &flat, bounds };
     let is_few = |hull: &Hull| hull.vertices.len() <= bounds.max_vertices;
-    let simplified = |hull: &Hull, limit| Some(simplify::simplify(hull, limit).ok().flatten()?.hull);
-    let allowed = |hull: &Hull| simplified(hull, Limit::Vertices(bounds.max_vertices)).filter(is_few);
     let is_proven = |hull: &Hull| wrap::prove(field, hull, bounds, wrap::MEASUREMENTS).is_ok();
-    let volume = |hull: &Hull| Body::new(&hull.positions(), 0.0).volume();
-    let smallest_proven = |hulls: Vec<Hull>| {
-        let mut hulls: Vec<(f64, Hull)> = hulls.into_iter().map(|hull| (volume(&hull), hull)).collect();
-        hulls.sort_by(|a, b| a.0.total_cmp(&b.0));
-        hulls.into_iter().map(|(_, hull)| hull).find(is_proven)
-    };
     if part.bound == f64::INFINITY {
         // The time is nearly over, and nothing can be proven.
-        let simple = allowed(&tight).map(|hull| cuts.flattened(hull));
+        let simple = cuts.allowed(&tight).map(|hull| cuts.flattened(hull));
         return simple.filter(|hull| volume(hull) < volume(&part.hull)).unwrap_or_else(|| part.hull.clone());
     }
     let loose = simplified(&tight, Limit::Distance(LOOSE * bounds.limit)).unwrap_or_else(|| tight.clone());
@@ -137,16 +138,25 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     if bounds.is_over() {
         return part.hull.clone();
     }
-    let simple = allowed(&tight).map(|hull| cuts.flattened(hull));
-    let cut_further = |share: &f64| {
-        let bounds = Bounds { max_vertices: (share * bounds.max_vertices as f64) as usize, ..*bounds };
-        allowed(&Cuts { bounds: &bounds, ..cuts }.filled(part.hull.clone()))
-    };
-    let mut found: Vec<Hull> = simple.into_iter().chain(CUT.iter().filter_map(cut_further)).collect();
-    found.push(cuts.filled(part.hull.clone()));
-    // Cuts only remove points, but rounding moves vertices.
-    found.retain(|hull| volume(hull) < volume(&part.hull));
-    smallest_proven(found).unwrap_or_else(|| part.hull.clone())
+    cuts.trimmed(field, &tight, &part.hull).map_or_else(|| part.hull.clone(), |(hull, _)| hull)
+}
+
+/// A hull with another number of vertices around a hull.
+fn simplified(hull: &Hull, limit: Limit) -> Option<Hull> {
+    Some(simplify::simplify(hull, limit).ok().flatten()?.hull)
+}
+
+fn volume(hull: &Hull) -> f64 {
+    Body::new(&hull.positions(), 0.0).volume()
+}
+
+/// Whether a hull is larger than its body would be if that were moved outward by the limit, by
+/// Steiner's formula. It extends into the solid then, where it may overlap other parts.
+fn is_swollen(hull: &Hull, body: &Body, Bounds { limit, .. }: &Bounds) -> bool {
+    let area: f64 = body.areas.iter().sum();
+    // The mean width is at most the diagonal.
+    let around = limit * (area + TAU * limit * (body.diagonal() + 2.0 / 3.0 * limit));
+    volume(hull) > body.volume() + around
 }
 
 /// The planes of a body's large faces.
@@ -167,6 +177,32 @@ impl Cuts<'_> {
     fn room(&self) -> f64 {
         let greatest = self.body.low.abs().max(self.body.high.abs()).max_element();
         ROOM * self.bounds.diagonal + ROUNDING * greatest
+    }
+
+    /// Of the hulls of step 4, the smallest that is proven, and its bound; `None` if none is smaller
+    /// than the `proven` one. `tight` is the hull of the body.
+    fn trimmed(&self, field: &Field, tight: &Hull, proven: &Hull) -> Option<(Hull, f64)> {
+        let simple = self.allowed(tight).map(|hull| self.flattened(hull));
+        let cut_further = |share: &f64| {
+            let max_vertices = (share * self.bounds.max_vertices as f64) as usize;
+            let bounds = Bounds { max_vertices, ..*self.bounds };
+            self.allowed(&Cuts { bounds: &bounds, ..*self }.filled(proven.clone()))
+        };
+        let mut found: Vec<Hull> = simple.into_iter().chain(CUT.iter().filter_map(cut_further)).collect();
+        found.push(self.filled(proven.clone()));
+        let mut found: Vec<(f64, Hull)> = found.into_iter().map(|hull| (volume(&hull), hull)).collect();
+        // Cuts only remove points, but rounding moves vertices.
+        let most = volume(proven);
+        found.retain(|(volume, _)| *volume < most);
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let proof = |hull: &Hull| wrap::prove(field, hull, self.bounds, wrap::MEASUREMENTS);
+        found.into_iter().find_map(|(_, hull)| proof(&hull).ok().map(|bound| (hull, bound)))
+    }
+
+    /// A hull with the allowed number of vertices around a hull.
+    fn allowed(&self, hull: &Hull) -> Option<Hull> {
+        let found = simplified(hull, Limit::Vertices(self.bounds.max_vertices));
+        found.filter(|hull| hull.vertices.len() <= self.bounds.max_vertices)
     }
 
     /// How far points exceed a plane.

@@ -53,6 +53,24 @@ fn round_shapes_take_few_parts() {
     assert!(checked(&point_set(&concave::horseshoe(24)), 0.0178).len() <= 7);
 }
 
+/// Nothing inside a cube protrudes, so the cheapest hull around a ball in it would be a box.
+#[test]
+fn hulls_do_not_swell_inside_the_solid() {
+    let mesh = point_set(&shapes::cubes::surface(&[[0; 3]]));
+    let solid = Solid::new(&mesh);
+    let (limit, radius) = (0.012 * solid.diagonal(), 0.3 * solid.diagonal() / 3.0_f64.sqrt());
+    let mut rng = SplitMix64::new(1);
+    let middle = 0.5 * (solid.bounds()[0] + solid.bounds()[1]);
+    let points: Vec<DVec3> = (0..500).map(|_| middle + radius * DVec3::from_array(rng.direction())).collect();
+    let body = Body::new(&points, 0.0);
+    let field = Field::new(&solid);
+    let (hull, bound) = shape::shaped(&field, &body, &limits(limit, &solid).bounds).unwrap();
+    let volume = crate::mass::mass(&hull).volume;
+    let ball = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    assert!(hull.vertices.len() <= 64 && bound <= limit && volume >= body.volume());
+    assert!(volume <= ball(radius + limit), "{volume}, {}", body.volume());
+}
+
 #[test]
 fn parts_are_the_same_at_any_number_of_threads() {
     let mesh = point_set(&concave::pipe(8));
