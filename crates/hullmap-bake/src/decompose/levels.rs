@@ -94,6 +94,9 @@ const LOWEST_FIRST: i32 = -PER_OCTAVE;
 /// Maximum number of searches for a number of parts.
 const MAX_SEARCHES: usize = 5;
 
+/// The same for the whole surface after its half. They take twice as long, and start near the end.
+const MAX_AFTER_HALF: usize = 2;
+
 /// Smallest limit that is searched only because parts for a smaller limit are tighter, relative to
 /// the diagonal.
 const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
@@ -429,7 +432,7 @@ impl<'a> Levels<'a> {
         let (mut level, mut rise) = (self.within.map_or_else(usual, |within| self.level(within, 1)), STRIDE / 2);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
-        for _ in 0..MAX_SEARCHES {
+        for _ in 0..if self.within.is_some() { MAX_AFTER_HALF } else { MAX_SEARCHES } {
             if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
                 break;
             }

@@ -52,10 +52,10 @@ pub struct Uncovered {
 /// Parts of f32 vertices miss the surface by 1e-8 to 3e-7, in narrow gaps. With a tolerance of 0,
 /// all gaps would be left as pieces that reach from part to part.
 ///
-/// The third pair is for triangles on which neither of the others is accepted: beside an acute
-/// edge, a point close to the planes of both faces can be far from the part. There, `outside` is
-/// hardly more than 0, and no error is measured.
-const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [3e-7, 6e-7], [1e-12, f64::INFINITY]];
+/// The second pair is for triangles on which the first leaves something: beside an acute edge, a
+/// point close to the planes of both faces can be far from the part. There, `outside` is hardly
+/// more than 0, and any error is accepted.
+const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [1e-12, f64::INFINITY], [3e-7, 6e-7]];
 
 /// Accuracy of the bound, relative to the diagonal.
 const ACCURACY: f64 = 2e-8;
