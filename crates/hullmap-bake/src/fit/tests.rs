@@ -194,6 +194,22 @@ fn every_local_maximum_is_in_a_box() {
     assert!(found > 20 && boxes > 0, "{found} local maxima, {boxes} boxes");
 }
 
+/// A triangle that is nearly in the plane of a part's face, and rises out of it inside another part.
+/// Within a tolerance, the first part seems to contain all of it, with an error.
+#[test]
+fn a_triangle_in_two_parts_is_covered_exactly() {
+    let triangle = mesh(&[[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.0, 0.6, 0.0]], &[[0, 1, 2]]);
+    let top = |x: f32| 3e-8 - 3.3e-7 * x;
+    let corners = [-0.1, 0.7].map(|x: f32| [-0.1, 0.7].map(|y: f32| [[x, y, -0.3], [x, y, top(x)]]));
+    let leaning = hull_of(corners.as_flattened().as_flattened());
+    let other = hull::build(&block([0.05, -0.1, -0.3], [0.7, 0.7, 0.1], false)).unwrap();
+    let bound = |parts: &[&Hull]| uncovered(&triangle, parts).bound;
+    let one = bound(&[&leaning]);
+    assert!(one > 1.5e-7 && one < 2e-7, "{one}");
+    let both = bound(&[&leaning, &other]);
+    assert!(both < 1e-11, "{both}");
+}
+
 #[test]
 fn an_open_box_is_closed() {
     let mut open = block([0.0; 3], [1.0; 3], false);
