@@ -171,7 +171,8 @@ fn share(parts: &Parts, index: usize, volume: f64) -> [f64; 2] {
 }
 
 /// A part's contribution to the integral of the distance over the visible surface, and to the area
-/// of that. A point is visible if no other part contains the point that is a `step` farther outward.
+/// of that. A point is visible if no other part contains the point that is a `step` farther
+/// outward.
 fn visible(solid: &Solid, parts: &Parts, index: usize, area: f64, step: f64) -> [f64; 2] {
     let part = &parts.all[index];
     let triangle_area = |[a, b, c]: &Triangle| (*b - *a).cross(*c - *a).length();

@@ -194,8 +194,8 @@ fn every_local_maximum_is_in_a_box() {
     assert!(found > 20 && boxes > 0, "{found} local maxima, {boxes} boxes");
 }
 
-/// A triangle that is nearly in the plane of a part's face, and rises out of it inside another part.
-/// Within a tolerance, the first part seems to contain all of it, with an error.
+/// A triangle that is nearly in the plane of a part's face, and rises out of it inside another
+/// part. Within a tolerance, the first part seems to contain all of it, with an error.
 #[test]
 fn a_triangle_in_two_parts_is_covered_exactly() {
     let triangle = mesh(&[[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.0, 0.6, 0.0]], &[[0, 1, 2]]);

@@ -179,8 +179,8 @@ impl Cuts<'_> {
         ROOM * self.bounds.diagonal + ROUNDING * greatest
     }
 
-    /// Of the hulls of step 4, the smallest that is proven, and its bound; `None` if none is smaller
-    /// than the `proven` one. `tight` is the hull of the body.
+    /// Of the hulls of step 4, the smallest that is proven, and its bound; `None` if none is
+    /// smaller than the `proven` one. `tight` is the hull of the body.
     fn trimmed(&self, field: &Field, tight: &Hull, proven: &Hull) -> Option<(Hull, f64)> {
         let simple = self.allowed(tight).map(|hull| self.flattened(hull));
         let cut_further = |share: &f64| {
