@@ -236,16 +236,20 @@ mod tests {
         hull::build(&set).unwrap()
     }
 
+    fn letter_l() -> PointSet {
+        let l = concave::l();
+        PointSet {
+            source_vertices: (0..l.vertices.len() as u32).collect(),
+            triangles: l.fans(),
+            positions: l.vertices,
+            ..PointSet::default()
+        }
+    }
+
     /// Beside values that follow from the geometry of boxes.
     #[test]
     fn boxes_have_known_overlap_and_protrusion() {
-        let l = concave::l();
-        let mesh = PointSet {
-            positions: l.vertices.clone(),
-            source_vertices: (0..l.vertices.len() as u32).collect(),
-            triangles: l.fans(),
-            ..PointSet::default()
-        };
+        let mesh = letter_l();
         let (solid, whole) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
         let [low, high] = solid.bounds().map(|p| p.as_vec3());
         // The box around the mesh twice, and once more beside it.
@@ -284,13 +288,7 @@ mod tests {
     /// A box that is divided has the surface of the box, whether its halves meet or overlap.
     #[test]
     fn faces_between_parts_are_not_visible() {
-        let l = concave::l();
-        let mesh = PointSet {
-            positions: l.vertices.clone(),
-            source_vertices: (0..l.vertices.len() as u32).collect(),
-            triangles: l.fans(),
-            ..PointSet::default()
-        };
+        let mesh = letter_l();
         let (solid, whole) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
         let [low, high] = solid.bounds().map(|p| p.as_vec3().to_array());
         let mean = |parts: &[&Hull]| looseness(&solid, &whole, parts).mean_protrusion;
