@@ -432,7 +432,8 @@ impl<'a> Levels<'a> {
         let (mut level, mut rise) = (self.within.map_or_else(usual, |within| self.level(within, 1)), STRIDE / 2);
         // Strides, until a level with few enough parts and one with too many are known; then
         // halves.
-        for _ in 0..if self.within.is_some() { MAX_AFTER_HALF } else { MAX_SEARCHES } {
+        let searches = if self.within.is_some() { MAX_AFTER_HALF } else { MAX_SEARCHES };
+        for _ in 0..searches {
             if self.limit(level) < LEAST_FOR_COUNTS * self.diagonal() {
                 break;
             }

@@ -110,7 +110,7 @@ impl Scratch {
     /// 64-bit processors, in an optimised build, in addition to what a user's own shape needs.
     ///
     /// # Reference
-    /// Measured: `tests/stack.rs` runs every query on a stack of this size.
+    /// Measured: `tests/queries/stack.rs` runs every query on a stack of this size.
     pub const STACK_SIZE: usize = 64 * 1024;
 
     /// Allocates scratch memory: about 230 KB. The largest part of it is on the stack for a moment,

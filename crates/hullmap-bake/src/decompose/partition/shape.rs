@@ -92,6 +92,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
     }
     if let Ok((hull, _)) = &found
         && is_swollen(hull, body, bounds)
+        && !bounds.is_over()
     {
         let trimmed = Cuts { body, flat: &[], bounds }.trimmed(field, &tight, hull);
         found = trimmed.filter(|(hull, _)| !is_swollen(hull, body, bounds)).ok_or(None);
