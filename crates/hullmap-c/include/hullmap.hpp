@@ -44,6 +44,7 @@ using ManifoldPoint = HullmapManifoldPoint;
 using ManifoldPoints = HullmapManifoldPoints;
 using HullFacts = HullmapHullFacts;
 using MassProperties = HullmapMassProperties;
+using Replacement = HullmapReplacement;
 using HullArrays = HullmapHullArrays;
 using Pair = HullmapPair;
 

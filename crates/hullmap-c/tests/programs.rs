@@ -121,6 +121,7 @@ fn structs_have_one_layout() {
             part_count solid uncovered protrusion protrusion_at voids voids_error
         }
         MassProperties { mass center_of_mass inertia source }
+        Replacement { kind pose sizes protrusion }
         HullArrays {
             vertices source_vertices neighbour_starts vertex_count neighbours neighbour_count face_starts face_count
             face_vertices face_vertex_count
