@@ -145,7 +145,7 @@ def accepted(options: dict[str, object]) -> str:
 
 def annotation(expected: str) -> str:
     """The type of the values that the command's table describes so."""
-    expected, percent, _ = expected.removesuffix(", or none").partition(", the same with %")
+    expected, unit, _ = expected.removesuffix(", or none").partition(", the same with ")
     words = [f'"{word}"' for word in re.split(", | or ", expected.removeprefix("one of "))]
     if expected.startswith("one of "):
         return f"Literal[{', '.join(words)}]"
@@ -156,7 +156,7 @@ def annotation(expected: str) -> str:
     if expected.startswith("a whole number"):
         return "int"
     assert expected == "a finite number above 0", expected
-    return "Union[float, str]" if percent else "float"
+    return "Union[float, str]" if unit else "float"
 
 
 def test_keywords_of_bakes_are_those_of_the_command():

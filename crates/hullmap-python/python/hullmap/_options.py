@@ -35,9 +35,9 @@ class BakeOptions(TypedDict, total=False):
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""
-    overlap: Optional[float]
+    overlap: Optional[Union[float, str]]
     """Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as a share
-    of the latter; 0.05 by default."""
+    of the latter, such as 0.05 or ``"5%"``, the default."""
     min_thickness: Optional[Union[float, str]]
     """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""
