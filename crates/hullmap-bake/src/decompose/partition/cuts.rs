@@ -141,46 +141,104 @@ fn led_through(search: &Search, piece: &Piece, forbidden: &[DVec3], normal: DVec
 /// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
 /// across the axes.
 pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: &Conflicts) -> Option<HalfSpace> {
-    let Search { scale, planes, .. } = search;
     let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
-    let forbidden: Vec<DVec3> = piece.forbidden.iter().step_by(stride).copied().collect();
-    let across = |normal: DVec3, k: usize| {
-        let (low, high) = range(piece, normal);
-        HalfSpace { normal, offset: low + (high - low) * k as f64 / SLABS as f64 }
-    };
-    let wide = directions(piece).into_iter().filter(|normal| {
-        let (low, high) = range(piece, *normal);
-        high - low >= 2.0 * scale.limit
-    });
-    let through = |normal: DVec3| THROUGH * led_through(search, piece, &forbidden, normal);
-    let slices = wide.flat_map(|normal| {
-        let through = through(normal);
-        (2..SLABS - 1).map(move |k| (across(normal, k), true, through))
-    });
-    let faces = faces(piece, scale, planes).map(|plane| (plane, false, through(plane.normal)));
-    let candidates: Vec<(HalfSpace, bool, f64)> = slices.chain(faces).collect();
-    let cost = |(plane, is_slice, through): &(HalfSpace, bool, f64)| {
+    let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
+    let choice = Choice { search, piece, near, conflicts, forbidden };
+    let mut candidates = choice.candidates();
+    candidates.sort_by(|a, b| a.least().total_cmp(&b.least()));
+    // As many at a time as there are threads; the best does not depend on that.
+    let mut best: Option<(f64, &Candidate)> = None;
+    for some in candidates.chunks(rayon::current_num_threads()) {
+        if best.is_some_and(|(cost, _)| some[0].least() > cost) {
+            break;
+        }
+        let costs: Vec<(f64, &Candidate)> = some.par_iter().map(|some| (choice.cost(some), some)).collect();
+        let order = |a: &(f64, &Candidate), b: &(f64, &Candidate)| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index));
+        best = best.into_iter().chain(costs).min_by(order);
+    }
+    best.filter(|(cost, _)| cost.is_finite()).map(|(_, candidate)| candidate.plane)
+}
+
+/// What the choice of a plane depends on.
+struct Choice<'a> {
+    search: &'a Search<'a>,
+    piece: &'a Piece,
+    near: &'a [Vec<u32>],
+    conflicts: &'a Conflicts,
+    /// Some of the forbidden points.
+    forbidden: Vec<DVec3>,
+}
+
+impl Choice<'_> {
+    /// All candidates.
+    fn candidates(&self) -> Vec<Candidate> {
+        let Self { search: Search { scale, planes, .. }, piece, .. } = *self;
+        let across = |normal: DVec3, k: usize| {
+            let (low, high) = range(piece, normal);
+            HalfSpace { normal, offset: low + (high - low) * k as f64 / SLABS as f64 }
+        };
+        let wide = directions(piece).into_iter().filter(|normal| {
+            let (low, high) = range(piece, *normal);
+            high - low >= 2.0 * scale.limit
+        });
+        let slices = wide.flat_map(|normal| (2..SLABS - 1).map(move |k| across(normal, k)));
+        let slices = slices.map(|plane| (plane, 1.0 + unlike(piece, &plane)));
+        let faces = faces(piece, scale, planes).map(|plane| (plane, 1.0));
+        let all: Vec<(usize, (HalfSpace, f64))> = slices.chain(faces).enumerate().collect();
+        let candidate = |(index, (plane, factor))| Candidate { index, plane, factor, left: self.left(&plane) };
+        all.into_par_iter().map(candidate).collect()
+    }
+
+    /// The share of the conflicts that a plane leaves.
+    fn left(&self, plane: &HalfSpace) -> f64 {
+        if self.search.is_over() {
+            return 0.0;
+        }
+        self.conflicts.left(self.piece, &self.search.scale, self.near, plane)
+    }
+
+    /// How much the sides of a candidate protrude, and how much it differs from a good cut.
+    fn cost(&self, Candidate { plane, factor, left, .. }: &Candidate) -> f64 {
+        let Self { search, piece, near, ref forbidden, .. } = *self;
         if search.is_over() {
             return f64::INFINITY;
         }
-        let (low, high) = range(piece, plane.normal);
-        let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
-        let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
-        let unlike = OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED };
-        let left = conflicts.left(piece, scale, near, plane);
-        let cost = (left + PROTRUSION * protrusion(piece, scale, near, &forbidden, plane)) * (1.0 + through);
-        if *is_slice { cost * (1.0 + unlike) } else { cost }
-    };
-    let costs: Vec<f64> = candidates.par_iter().map(cost).collect();
-    let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
-    costs[best].is_finite().then(|| candidates[best].0)
+        let through = THROUGH * led_through(search, piece, forbidden, plane.normal);
+        (left + PROTRUSION * protrusion(piece, &search.scale, near, forbidden, plane)) * (1.0 + through) * factor
+    }
+}
+
+/// A plane that may divide a piece.
+struct Candidate {
+    index: usize,
+    plane: HalfSpace,
+    /// By how much its place and direction raise its cost.
+    factor: f64,
+    /// The share of the conflicts that it leaves.
+    left: f64,
+}
+
+impl Candidate {
+    /// A lower bound of its cost, which needs no hulls.
+    fn least(&self) -> f64 {
+        self.left * self.factor
+    }
+}
+
+/// How much a plane across a direction differs from one in the middle of an axis.
+fn unlike(piece: &Piece, plane: &HalfSpace) -> f64 {
+    let (low, high) = range(piece, plane.normal);
+    let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
+    let is_across_axis = plane.normal.abs().max_element() > 1.0 - 1e-9;
+    OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED }
 }
 
 #[cfg(test)]
-mod tests {
+/// Tests, and the pieces that those of other files need, too.
+pub mod tests {
     use std::{f64::consts::TAU, sync::Arc};
 
-    use shapes::mesh::Mesh;
+    use shapes::{concave, mesh::Mesh};
 
     use super::*;
     use crate::{
@@ -194,7 +252,7 @@ mod tests {
     };
 
     /// A gear around the z axis, with four corners of its outline for each tooth.
-    fn gear(teeth: u32, height: f64) -> Mesh {
+    pub fn gear(teeth: u32, height: f64) -> Mesh {
         let count = 4 * teeth;
         let mut mesh = Mesh::default();
         for z in [0.0, height] {
@@ -213,7 +271,7 @@ mod tests {
     }
 
     /// Calls `with` with a search within a share of the diagonal, and the surface as a piece.
-    fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&Search, &Piece) -> T) -> T {
+    pub fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&Search, &Piece) -> T) -> T {
         let mesh = point_set(mesh);
         let (solid, surface) = (Solid::new(&mesh), Surface::new(&mesh));
         let (diagonal, limit) = (solid.diagonal(), share * solid.diagonal());
@@ -250,5 +308,26 @@ mod tests {
                 assert!(plane.normal.z.abs() < 0.1, "{teeth} teeth, {height} high, {share}: {plane:?}");
             });
         }
+    }
+
+    /// Compared with the least cost of all candidates.
+    #[test]
+    fn candidates_that_are_skipped_are_no_better() {
+        let mut skipped = 0;
+        for (mesh, share) in [(gear(9, 0.4), 0.02), (concave::bowl(24, 8), 0.02), (concave::spiral_stair(9), 0.01)] {
+            with_search(&mesh, share, |search, piece| {
+                let (near, conflicts) = (search.scale.neighbours(&piece.atoms), Conflicts::new(search, piece));
+                let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
+                let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
+                let choice = Choice { search, piece, near: &near, conflicts: &conflicts, forbidden };
+                let candidates = choice.candidates();
+                let costs: Vec<f64> = candidates.iter().map(|candidate| choice.cost(candidate)).collect();
+                let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap();
+                assert_eq!(best_plane(search, piece, &near, &conflicts), Some(candidates[best].plane));
+                assert!(candidates.iter().zip(&costs).all(|(candidate, cost)| candidate.least() <= *cost));
+                skipped += candidates.iter().filter(|candidate| candidate.least() > costs[best]).count();
+            });
+        }
+        assert!(skipped > 10, "the sample is not representative: {skipped}");
     }
 }

@@ -37,6 +37,8 @@ pub struct Field<'a> {
     /// neighbour across a face, an edge or a corner.
     steps: Vec<u8>,
     peaks: Option<Peaks>,
+    /// The greatest length above which they were sought in vain.
+    no_peaks_above: f64,
 }
 
 impl<'a> Field<'a> {
@@ -49,19 +51,23 @@ impl<'a> Field<'a> {
         let extent = (high - low).max_element();
         let step = extent / VOXELS as f64;
         if !(step > 0.0) || !step.is_finite() {
-            return Self { solid, low, step: 1.0, size: [0; 3], labels: Vec::new(), steps: Vec::new(), peaks: None };
+            return Self::of_labels(solid, low, 1.0, [0; 3], Vec::new());
         }
         // A voxel of margin on every side.
         let low = low - DVec3::splat(step);
         let size = (high - low).to_array().map(|x| (x / step) as usize + 2);
         let labels = vec![UNKNOWN; size[0] * size[1] * size[2]];
-        let mut field = Self { solid, low, step, size, labels, steps: Vec::new(), peaks: None };
+        let mut field = Self::of_labels(solid, low, step, size, labels);
         for triangle in solid.triangles() {
             field.mark(triangle);
         }
         field.fill();
         field.count_steps();
         field
+    }
+
+    fn of_labels(solid: &'a Solid, low: DVec3, step: f64, size: [usize; 3], labels: Vec<u8>) -> Self {
+        Self { solid, low, step, size, labels, steps: Vec::new(), peaks: None, no_peaks_above: 0.0 }
     }
 
     fn mark(&mut self, [a, b, c]: &[DVec3; 3]) {
@@ -171,9 +177,16 @@ impl<'a> Field<'a> {
     }
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
-    /// lengths faster.
+    /// lengths faster. Those above a smaller length serve, too. Where they are too many, they are
+    /// not sought above a smaller length.
     pub fn find_peaks(&mut self, above: f64, deadline: Option<Deadline>) {
-        self.peaks = Peaks::new(self.solid, above, PEAK_MEASUREMENTS, deadline);
+        if above <= self.no_peaks_above || self.peaks.as_ref().is_some_and(|peaks| peaks.above() <= above) {
+            return;
+        }
+        match Peaks::new(self.solid, above, PEAK_MEASUREMENTS, deadline) {
+            Some(peaks) => self.peaks = Some(peaks),
+            None => self.no_peaks_above = above,
+        }
     }
 
     /// The local maxima of the distance, if they are known.
@@ -336,5 +349,24 @@ mod tests {
             }
         }
         assert!(beyond > 3_000 && by_steps > 1_000, "{beyond} beyond, {by_steps} by steps");
+    }
+
+    #[test]
+    fn peaks_serve_greater_lengths() {
+        let mesh = point_set(&concave::bowl(24, 8));
+        let solid = Solid::new(&mesh);
+        let diagonal = solid.diagonal();
+        let mut field = Field::new(&solid);
+        // Hardly any point is as far as this, many are farther than that.
+        let [tiny, tenth, fifth, third] = [1e-4, 0.1, 0.2, 0.3].map(|share| share * diagonal);
+        let above = |field: &Field| field.peaks().map(Peaks::above);
+        field.find_peaks(fifth, None);
+        assert_eq!(above(&field), Some(fifth));
+        field.find_peaks(third, None);
+        assert_eq!(above(&field), Some(fifth));
+        field.find_peaks(tiny, None);
+        assert_eq!((above(&field), field.no_peaks_above), (Some(fifth), tiny));
+        field.find_peaks(tenth, None);
+        assert_eq!(above(&field), Some(tenth));
     }
 }

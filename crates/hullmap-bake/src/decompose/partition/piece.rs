@@ -276,6 +276,16 @@ impl Scale {
         component
     }
 
+    /// The approximate area above a plane: the sum of the areas of all components.
+    pub fn area_above(&self, atoms: &[Arc<Atom>], plane: &HalfSpace) -> f64 {
+        let share = |atom: &Atom| match heights(atom, plane) {
+            (low, _) if low >= -self.tolerance() => 1.0,
+            (_, high) if high > self.tolerance() => 0.5,
+            _ => 0.0,
+        };
+        atoms.iter().map(|atom| share(atom) * atom.area).sum()
+    }
+
     /// The connected components above a plane.
     pub fn above<'a>(&self, atoms: &'a [Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<Above<'a>> {
         let range: Vec<(f64, f64)> = atoms.iter().map(|atom| heights(atom, plane)).collect();
