@@ -453,7 +453,7 @@ mod tests {
     fn what_is_ruled_out_has_greater_support_values() {
         let mut rng = SplitMix64::new(20_261_123);
         let mut seen = Seen::default();
-        for round in 0..300 {
+        for round in 0..400 {
             let most = [8, 16, 32][round % 3];
             let points = [(); 2].map(|()| {
                 let count = 4 + rng.below(most - 3);
