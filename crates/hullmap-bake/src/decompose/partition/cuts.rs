@@ -210,6 +210,7 @@ impl Choice<'_> {
 
 /// A plane that may divide a piece.
 struct Candidate {
+    /// Of planes with the same cost, the one with the lowest index is best.
     index: usize,
     plane: HalfSpace,
     /// By how much its place and direction raise its cost.
@@ -234,7 +235,7 @@ fn unlike(piece: &Piece, plane: &HalfSpace) -> f64 {
 }
 
 #[cfg(test)]
-/// Tests, and the pieces that those of other files need, too.
+/// Tests, and the meshes and pieces that tests of other files use.
 pub mod tests {
     use std::{f64::consts::TAU, sync::Arc};
 

@@ -37,7 +37,7 @@ pub struct Field<'a> {
     /// neighbour across a face, an edge or a corner.
     steps: Vec<u8>,
     peaks: Option<Peaks>,
-    /// The greatest length above which they were sought in vain.
+    /// The greatest length above which there are too many.
     no_peaks_above: f64,
 }
 
@@ -177,8 +177,8 @@ impl<'a> Field<'a> {
     }
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
-    /// lengths faster. Those above a smaller length serve, too. Where they are too many, they are
-    /// not sought above a smaller length.
+    /// lengths faster. Those above a smaller length serve, too. Where there are too many, none are
+    /// sought above a smaller length.
     pub fn find_peaks(&mut self, above: f64, deadline: Option<Deadline>) {
         if above <= self.no_peaks_above || self.peaks.as_ref().is_some_and(|peaks| peaks.above() <= above) {
             return;
@@ -357,7 +357,7 @@ mod tests {
         let solid = Solid::new(&mesh);
         let diagonal = solid.diagonal();
         let mut field = Field::new(&solid);
-        // Hardly any point is as far as this, many are farther than that.
+        // There are too many above the tiny length, and few above the others.
         let [tiny, tenth, fifth, third] = [1e-4, 0.1, 0.2, 0.3].map(|share| share * diagonal);
         let above = |field: &Field| field.peaks().map(Peaks::above);
         field.find_peaks(fifth, None);

@@ -96,7 +96,7 @@ struct Line {
     normal: DVec3,
     low: f64,
     high: f64,
-    /// Number of positions.
+    /// Number of equal steps between the two heights.
     count: usize,
     /// The lowest position that gives a cap, and the highest that gives none, from the top.
     good: usize,
