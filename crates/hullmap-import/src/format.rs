@@ -1,4 +1,5 @@
-//! Source formats, and how a file's format is recognised.
+//! Source formats, and how a file's format is recognised; `foreign.rs` recognises those that are not
+//! read.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! The connection to a server, what the server can do, and requests with retries.
+//! The connection to a server, what the server can do, and requests with retries. Actions in
+//! progress are resumed in `execution.rs`.
 
 use std::future::Future;
 use std::time::Duration;

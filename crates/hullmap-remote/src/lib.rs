@@ -13,7 +13,7 @@
 //! | `client` | connection and retries |
 //! | `strip_header` | strips a response header that makes the transport panic |
 //! | `store` | the content-addressed store (CAS): which blobs are missing, upload, download |
-//! | `execution` | the action cache, and actions in progress |
+//! | `execution` | the action cache, actions in progress, and how they are resumed |
 //!
 //! The server is not trusted: blobs are compared with their digests, sizes and counts are bounded,
 //! and every wait has an end. Methods block, and may be called from several threads at once.

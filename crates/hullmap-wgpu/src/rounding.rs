@@ -1,4 +1,6 @@
-//! Bound on every rounding error of the kernels. docs/intervals.md, section 13, derives it.
+//! Bound on every rounding error of the kernels, which the record of each pair holds
+//! (`records.rs`).
+//! docs/intervals.md, section 13, derives it.
 
 /// Bound on the relative error of one operation in f32, whichever way it is rounded: 2⁻²³.
 pub(crate) const EPSILON: f64 = 1.0 / (1 << 23) as f64;
@@ -13,14 +15,14 @@ mod units {
     pub(super) const RADII: f64 = 54.0;
     /// For the length of the centre v₀.
     pub(super) const CENTER: f64 = 20.0;
-    /// For the lengths that only f64 rounds, in units of `f64::EPSILON`: the largest coefficient,
+    /// For the lengths that only the preparation in f64 rounds, in units of `f64::EPSILON`: the largest coefficient,
     /// `rounding_units::RADII`, of `crates/hullmap/src/solver/minkowski.rs`.
     pub(super) const DOUBLE: f64 = 68.0;
 }
 
 /// Bound on all rounding errors of a support value or of a point: a length. `radii` is the sum of
 /// the outer radii, `center` the length of the centre v₀, and `double` the sum of the lengths that
-/// only f64 rounds.
+/// only the preparation in f64 rounds.
 pub(crate) fn rounding_error(radii: f64, center: f64, double: f64) -> f64 {
     EPSILON * (units::RADII * radii + units::CENTER * center) + f64::EPSILON * units::DOUBLE * double
 }

@@ -53,8 +53,9 @@ struct Finish<'a, 'b> {
     sides: Vec<HalfSpace>,
 }
 
-/// The hulls of parts, and of what they do not cover. They cover the mesh, and are at most
-/// `max_parts`. Those of a symmetric mesh are symmetric as far as that can be proven.
+/// The hulls of parts, and of what they do not cover; at most `max_parts`. They cover the mesh, as
+/// far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is left. Those of a
+/// symmetric mesh are symmetric as far as that can be proven.
 pub fn finished(
     mesh: &PointSet,
     vertices: &SourceVertices,

@@ -1,5 +1,6 @@
 //! Convex decomposition: a concave mesh becomes few convex parts that contain its whole surface and
-//! protrude by a limited length. Both are proven, in `fit/coverage.rs` and `fit/protrusion.rs`.
+//! protrude by a limited length. Both are proven, in `fit/coverage.rs` and `fit/protrusion.rs`;
+//! `fit/fits.rs` states them.
 //!
 //! | file | concept |
 //! |---|---|

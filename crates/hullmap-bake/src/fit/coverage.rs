@@ -54,7 +54,7 @@ pub struct Uncovered {
 ///
 /// The second pair is for triangles on which the first leaves something: beside an acute edge, a
 /// point close to the planes of both faces can be far from the part. There, `outside` is hardly
-/// more than 0, and any error is accepted.
+/// more than 0, and any error is accepted. The third pair is for wider gaps, which the others leave.
 const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [1e-12, f64::INFINITY], [3e-7, 6e-7]];
 
 /// Accuracy of the bound, relative to the diagonal.
@@ -192,26 +192,26 @@ impl Part {
 /// The rest of a triangle outside the parts, and the greatest distance of a subtracted piece from
 /// the part that contains it.
 fn left_over(corners: &Triangle, parts: &Parts, diagonal: f64) -> (Vec<Triangle>, f64) {
-    let [margin, covered] = INSIDE[0].map(|distance| distance * diagonal);
-    let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - margin;
-    let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
+    let [outside, error] = INSIDE[0].map(|distance| distance * diagonal);
+    let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - outside;
+    let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + outside;
     let near = parts.solids_near(&Bounds { low, high });
-    let contains = |part: &&&Part| part.planes.iter().all(|plane| corners.iter().all(|p| plane.height(*p) <= margin));
+    let contains = |part: &&&Part| part.planes.iter().all(|plane| corners.iter().all(|p| plane.height(*p) <= outside));
     let mut left = None;
     for whole in near.iter().filter(contains) {
         let distance = whole.farthest(corners);
-        if distance <= covered {
+        if distance <= error {
             return (Vec::new(), distance);
         }
     }
-    for [inside, accepted] in INSIDE {
-        let next = subtract(corners, &near, inside * diagonal);
-        let is_accepted = next.1 <= accepted * diagonal;
+    for [outside, error] in INSIDE {
+        let next = subtract(corners, &near, outside * diagonal);
+        let is_accepted = next.1 <= error * diagonal;
         if is_accepted && next.0.is_empty() {
             return next;
         }
         // The coarser of two accepted results has fewer pieces.
-        if is_accepted && (inside > INSIDE[0][0] || left.is_none()) {
+        if is_accepted && (outside > INSIDE[0][0] || left.is_none()) {
             left = Some(next);
         }
     }

@@ -27,7 +27,7 @@ pub struct Fit {
 /// The fit of each of `parts`, which together stand for `mesh`. `None` if the mesh has no
 /// triangles, there are no parts, or a bound is not finite: then nothing is known.
 ///
-/// Protrusions are proven to be within `limit`, if one is given and it holds.
+/// If a bound on the protrusion exceeds `limit`, a further search tries to prove `limit` itself.
 ///
 /// ```
 /// use hullmap_bake::{PointSet, SolidKind, fit::fits, hull};

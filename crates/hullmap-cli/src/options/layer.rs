@@ -1,5 +1,5 @@
-//! Options as given by one source: the command line, the defaults or a rule of `hullmap.toml`, or a
-//! pack's record.
+//! Options as given by one source: the command line, `hullmap.toml` (for all meshes, or in a rule),
+//! or a pack's record.
 
 use super::removed::instead_of_option;
 use super::table::{Group, OPTION_COUNT, OPTIONS, position};

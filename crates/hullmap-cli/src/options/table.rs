@@ -18,8 +18,8 @@ pub struct BuildOption {
     pub key: &'static str,
     /// Values it accepts.
     pub syntax: Syntax,
-    /// Its value if no source gives one. With `decompose`, `none` stands for the value in
-    /// [`Cover::default`](hullmap_bake::decompose::Cover): see `BuildOptions::decompose`.
+    /// Its value if no source gives one. With `decompose`, the `none` of `max_error` and of
+    /// `max_vertices` stands for the value in [`Cover::default`](hullmap_bake::decompose::Cover).
     pub default: DefaultValue,
     /// Name of the value in the help.
     pub value_name: &'static str,

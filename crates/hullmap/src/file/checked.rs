@@ -1,4 +1,4 @@
-//! Files whose bytes are all checked when they are opened: triangle meshes and height fields.
+//! Files that are only opened with all checks: triangle meshes and height fields.
 
 use std::path::Path;
 

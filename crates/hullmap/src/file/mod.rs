@@ -1,4 +1,4 @@
-//! The bytes of a file, in a memory map or in memory of this process.
+//! The bytes of a file, in a memory map or in memory of this process, and its checksum.
 
 pub(crate) mod checked;
 #[cfg(feature = "mmap")]

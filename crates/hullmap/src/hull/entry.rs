@@ -19,7 +19,7 @@ use crate::solver::Ray;
 
 /// Maximum number of edges to look at. A walk that is longer costs more than a ray cast by support
 /// queries. It also bounds the walk where rounding errors lead it in a circle.
-const MAX_EDGES: usize = 64;
+const MAX_ENTRY_EDGES: usize = 64;
 
 /// Minimum cosine of the angle between the ray and the normal of a face whose plane gives the
 /// answer. Steeper planes magnify the rounding errors of normals.
@@ -41,7 +41,7 @@ impl Hull<'_> {
     /// outside of the hull, so far that all faces that it may enter look towards its origin.
     pub(super) fn walk(&self, ray: &Ray, near: u32) -> Walk {
         let up = -ray.direction();
-        let Some(mut face) = self.faces_at(near).take(MAX_EDGES).find(|face| self.looks_along(*face, up)) else {
+        let Some(mut face) = self.faces_at(near).take(MAX_ENTRY_EDGES).find(|face| self.looks_along(*face, up)) else {
             return Walk::Open;
         };
         let mut edges = 0;
@@ -49,7 +49,7 @@ impl Hull<'_> {
         let mut entered = None;
         loop {
             edges += self.face_run(face).len();
-            if edges > MAX_EDGES {
+            if edges > MAX_ENTRY_EDGES {
                 return Walk::Open;
             }
             let Some((v, w)) = self.edge_beside(face, ray.origin(), up, entered) else { break };

@@ -1,4 +1,5 @@
-//! Support mapping of a hull through its direction index, and the certified hints.
+//! Support mapping of a hull: a hint if the caller has one, else the path that `support/index.rs`
+//! chooses.
 
 use glam::{DVec3, Vec3};
 use hullmap_format::{IndexKind, archive::ArchivedBlock, walk::Cost};
@@ -17,7 +18,7 @@ use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 const SUPPORT_ERROR: f64 = 1e-12;
 
 /// A vertex with more edges, such as the tip of a cone, does not tell which of them are level.
-const MAX_EDGES: usize = 32;
+const MAX_LEVEL_EDGES: usize = 32;
 
 /// Answer of [`Hull::support`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -298,11 +299,11 @@ impl SupportMap for Hull<'_> {
     }
 
     /// # Complexity
-    /// One dot product for each edge at the vertex, of at most [`MAX_EDGES`].
+    /// One dot product for each edge at the vertex, of at most [`MAX_LEVEL_EDGES`].
     fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
         let (from, neighbours) = (self.position(feature)?, self.neighbours(feature));
         // A solid has three edges at each vertex.
-        if !(3..=MAX_EDGES).contains(&neighbours.len()) {
+        if !(3..=MAX_LEVEL_EDGES).contains(&neighbours.len()) {
             return None;
         }
         let mut found = LevelEdges { shortest: f64::INFINITY, ..LevelEdges::default() };

@@ -1,4 +1,4 @@
-//! Errors: a pack cannot be opened, or a hull is not in it.
+//! Errors: a file cannot be opened, or a hull is not in a pack.
 
 use std::{io, path::PathBuf};
 

@@ -4,7 +4,7 @@
 //! 2. Header: magic, version, length.
 //! 3. Sections: cut the archive into slices ([`hullmap_format::sections`]). Later accesses use the
 //!    slices; no offset in the file is followed again.
-//! 4. Checksum.
+//! 4. Checksum (`file/mod.rs`).
 //! 5. Structure, then every number that a query follows or returns ([`hullmap_format::check`]).
 //!
 //! After that, no query on the pack can panic, loop or read out of bounds. Functions whose names

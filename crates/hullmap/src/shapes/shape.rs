@@ -1,5 +1,5 @@
 //! `Shape`: a support mapping that also returns the feature (vertex, edge or face) facing a
-//! direction.
+//! direction. To add a shape, follow the recipe in CONTRIBUTING.md.
 
 #![forbid(unsafe_code)]
 

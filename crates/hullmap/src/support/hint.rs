@@ -12,7 +12,7 @@ use rkyv::rend::i16_le;
 use super::simd::{Kernel, Simd};
 
 /// Maximum number of edges to test. With more, an ordinary query is cheaper.
-const MAX_EDGES: usize = 16;
+const MAX_HINT_EDGES: usize = 16;
 
 /// Quantised directions of the edges at one vertex, in structure-of-arrays order.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +67,7 @@ impl Kernel for LevelOrRising<'_> {
 /// is out of range) or an ordinary query is cheaper (too many edges).
 #[inline(always)]
 fn threshold(edges: Edges, dir: [f32; 3], tangent: f32) -> Option<f32> {
-    let is_testable = (1..=MAX_EDGES).contains(&edges.count) && cube::IN_RANGE.contains(&cube::largest(dir));
+    let is_testable = (1..=MAX_HINT_EDGES).contains(&edges.count) && cube::IN_RANGE.contains(&cube::largest(dir));
     let fall = edge::DOUBT + edge::SCALE as f32 * tangent;
     is_testable.then(|| -fall * (dir[0].abs() + dir[1].abs() + dir[2].abs()))
 }
@@ -116,7 +116,7 @@ mod tests {
         let mut yes = 0;
         let rounds = 4_000;
         for round in 0..rounds {
-            let count = 1 + round % MAX_EDGES;
+            let count = 1 + round % MAX_HINT_EDGES;
             let more = [0, 1, 7, 8, 60][rng.below(5)];
             let components = components(&mut rng, count, more);
             let edges = Edges { components: &components, count };
@@ -164,16 +164,16 @@ mod tests {
     #[test]
     fn undecidable_tests_fail() {
         let mut rng = SplitMix64::new(9);
-        let components = components(&mut rng, MAX_EDGES + 1, 8);
+        let components = components(&mut rng, MAX_HINT_EDGES + 1, 8);
         let passes = |count: usize, dir: [f32; 3]| -> Vec<bool> {
             let edges = Edges { components: &components, count };
             dispatches().map(|dispatch| dispatch.run(LevelOrRising { edges, tangent: 0.0 }, dir) == Some(0)).collect()
         };
         let away = [1.0, 0.0, 0.0];
-        assert!(passes(MAX_EDGES, away).iter().all(|passes| *passes));
+        assert!(passes(MAX_HINT_EDGES, away).iter().all(|passes| *passes));
         assert!(passes(1, [1e30, 0.0, 0.0]).iter().all(|passes| *passes));
         // No edges, too many, and more than there are components.
-        for count in [0, MAX_EDGES + 1, 1_000, usize::MAX / 4] {
+        for count in [0, MAX_HINT_EDGES + 1, 1_000, usize::MAX / 4] {
             assert!(passes(count, away).iter().all(|passes| !passes), "{count}");
         }
         let (nan, inf) = (f32::NAN, f32::INFINITY);
@@ -187,7 +187,7 @@ mod tests {
             [1e-31, 0.0, 0.0],
             [1e-44, 0.0, 0.0],
         ] {
-            assert!(passes(MAX_EDGES, dir).iter().all(|passes| !passes), "{dir:?}");
+            assert!(passes(MAX_HINT_EDGES, dir).iter().all(|passes| !passes), "{dir:?}");
         }
         let short = LevelOrRising { edges: Edges { components: &components[..5], count: 2 }, tangent: 0.0 };
         assert!(dispatches().all(|dispatch| dispatch.run(short, away) != Some(0)));

@@ -1,5 +1,5 @@
-//! Direction index look-up (cube map or quadtree over the Gauss map): direction → leaf → support
-//! vertex.
+//! Support query of a hull: the choice between a scan and a look-up in the direction index (cube map
+//! or quadtree over the Gauss map), which leads from the direction to a leaf and its support vertex.
 //!
 //! 1. [`cube::locate`] finds the cell of the finest cube-map grid that contains the direction.
 //! 2. A tree is descended from the root of the cell's cube face: a branch reads the next bits of u
@@ -7,10 +7,11 @@
 //!    an index, all blocks form one leaf.
 //! 3. The support vertex is the leaf's candidate with the maximum dot product (`best_candidate`).
 //!
-//! [`Index::support`] chooses the path. Up to four blocks without an index are scanned at once,
-//! without a look-up. Otherwise [`Index::leaf`] matches the kind of the index. A batch interrupts
+//! [`Index::support`] chooses the path for one block, and [`Index::support_out_of_line`] for more.
+//! Up to four blocks without an index are scanned at once, without a look-up. Otherwise
+//! [`Index::leaf`] matches the kind of the index. A batch interrupts
 //! its look-ups ([`Index::start_lookup`], [`Index::continue_lookup`]), which visit the same nodes.
-//! Whether a query starts at a hint instead, is decided in `hull/support_mapping.rs`.
+//! Whether a query starts at a hint instead is decided in `hull/support_mapping.rs`.
 //!
 //! # Reference
 //! B. Kenwright, "Generic Convex Collision Detection using Support Mapping", for the cube map and

@@ -17,7 +17,7 @@ pub struct Lookup {
     pub(crate) kind: LookupKind,
 }
 
-/// The state of a look-up.
+/// What a look-up waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LookupKind {
     /// A word of the direction index.
@@ -26,7 +26,7 @@ pub(crate) enum LookupKind {
     Node,
     /// The leaf is known.
     Leaf,
-    /// Not interrupted. The whole look-up is still to be done.
+    /// Nothing: the whole look-up is still to be done, and is not interrupted.
     Whole,
 }
 

@@ -1,4 +1,5 @@
-//! Support mapping: the only interface between the solver and a shape.
+//! Trait of support mappings: the only interface between the solver and a shape. Hulls implement it
+//! in `hull/support_mapping.rs`; `support/index.rs` chooses the path of a query.
 
 use super::bounds::Bounds;
 use super::paused_lookup::Lookup;

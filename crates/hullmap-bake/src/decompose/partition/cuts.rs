@@ -141,9 +141,7 @@ fn led_through(search: &Search, piece: &Piece, forbidden: &[DVec3], normal: DVec
 /// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
 /// across the axes.
 pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: &Conflicts) -> Option<HalfSpace> {
-    let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
-    let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
-    let choice = Choice { search, piece, near, conflicts, forbidden };
+    let choice = Choice::new(search, piece, near, conflicts);
     let mut candidates = choice.candidates();
     candidates.sort_by(|a, b| a.least().total_cmp(&b.least()));
     // As many at a time as there are threads; the best does not depend on that.
@@ -169,7 +167,13 @@ struct Choice<'a> {
     forbidden: Vec<DVec3>,
 }
 
-impl Choice<'_> {
+impl<'a> Choice<'a> {
+    fn new(search: &'a Search<'a>, piece: &'a Piece, near: &'a [Vec<u32>], conflicts: &'a Conflicts) -> Self {
+        let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
+        let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
+        Self { search, piece, near, conflicts, forbidden }
+    }
+
     /// All candidates.
     fn candidates(&self) -> Vec<Candidate> {
         let Self { search: Search { scale, planes, .. }, piece, .. } = *self;
@@ -318,9 +322,7 @@ pub mod tests {
         for (mesh, share) in [(gear(9, 0.4), 0.02), (concave::bowl(24, 8), 0.02), (concave::spiral_stair(9), 0.01)] {
             with_search(&mesh, share, |search, piece| {
                 let (near, conflicts) = (search.scale.neighbours(&piece.atoms), Conflicts::new(search, piece));
-                let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
-                let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
-                let choice = Choice { search, piece, near: &near, conflicts: &conflicts, forbidden };
+                let choice = Choice::new(search, piece, &near, &conflicts);
                 let candidates = choice.candidates();
                 let costs: Vec<f64> = candidates.iter().map(|candidate| choice.cost(candidate)).collect();
                 let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap();

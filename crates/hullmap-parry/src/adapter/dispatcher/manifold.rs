@@ -1,4 +1,5 @@
-//! The contact manifold of one pair: computed by hullmap, and written to parry's.
+//! The contact manifold of one pair: computed by hullmap, and written to parry's. `persistent.rs`
+//! calls it; manifolds on surfaces are in `surface_manifold.rs`.
 //!
 //! # Steps
 //! 1. If the shapes have hardly moved, keep the points (parry's coherence test).

@@ -1,4 +1,13 @@
 //! `HullDispatcher`: parry's queries, solved by hullmap for pairs with a baked hull or a surface.
+//!
+//! | module | concept |
+//! |---|---|
+//! | `pair`, `primitive`, `pieces` | which of parry's shapes hullmap solves |
+//! | `nearest`, `cast`, `motion` | contacts, closest points, and casts of a pair |
+//! | `persistent` | parry's `contact_manifolds`, which keeps manifolds from step to step |
+//! | `memory`, `manifold` | what a pair keeps, and its manifold |
+//! | `part_dispatcher`, `compound_union`, `patches` | parts of compounds |
+//! | `surface_pair`, `surface_cast`, `surface_manifold`, `nearby` | triangle meshes and height fields |
 
 mod cast;
 mod compound_union;

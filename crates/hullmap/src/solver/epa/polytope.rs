@@ -56,6 +56,7 @@ const OFFSET_LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solver) struct InsertError;
 
+/// An edge of the horizon: its first corner, and the face beyond it with that face's number for it.
 #[derive(Clone, Copy, Debug)]
 struct HorizonEdge {
     from: u16,
@@ -71,6 +72,7 @@ struct HorizonEdge {
 pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
     /// Coordinates of the vertices: all x, all y, all z.
     w: [[f64; V]; 3],
+    /// The points of the first shape that the vertices come from.
     a: [DVec3; V],
     features: [[u32; 2]; V],
     /// Also counts vertices that are inside the surface by now.
@@ -302,6 +304,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
 
+    /// The least offset of the faces whose normal differs from `normal`.
     pub(in crate::solver) fn offset_beside(&self, normal: DVec3) -> f64 {
         let mut lowest = f64::INFINITY;
         for face in 0..self.face_count {
