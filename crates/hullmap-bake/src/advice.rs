@@ -326,9 +326,13 @@ pub fn without_faces(name: &str) -> Remark {
     Remark::warning("no faces", name, text)
 }
 
+/// Protrusion, relative to the diagonal, that an engine cannot use even if the number of parts was
+/// requested: of a body of 1 m, another one rests 5 cm above what is seen.
+pub const FAR: f64 = 0.05;
+
 /// Parts that protrude more than requested: by the length `reached`, instead of `requested`; `size`
-/// is the mesh's diagonal. With a maximum number of parts this is a note, since the error was to be
-/// found; a search that ended early is a warning.
+/// is the mesh's diagonal. With a maximum number of parts this is a note up to [`FAR`], since the
+/// error was to be found; a search that ended early is a warning.
 pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requested, size]: [f64; 3]) -> Remark {
     let share = percent(reached / size);
     let shares = format!("{} ({share} of the diagonal) instead of {}", short(reached), short(requested));
@@ -336,11 +340,14 @@ pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requ
         Some(count) => {
             let until = if is_timed { "in the time of --decompose-seconds" } else { "by the search" };
             let noun = if count == 1 { "part" } else { "parts" };
-            let text = format!(
-                "{name}: with at most {count} {noun}, the smallest error reached {until} is {shares}; \
-                 to lower it, increase --max-parts or --max-vertices"
-            );
-            Remark::note("error of parts", name, text)
+            let text = format!("{name}: with at most {count} {noun}, the smallest error reached {until} is {shares}");
+            if reached > FAR * size {
+                let text = format!("{text}, so bodies collide where nothing is; increase --max-parts");
+                Remark::warning("error of parts", name, text)
+            } else {
+                let text = format!("{text}; to lower it, increase --max-parts or --max-vertices");
+                Remark::note("error of parts", name, text)
+            }
         }
         None => {
             let remedy = if is_timed {
@@ -498,8 +505,10 @@ mod tests {
 
     #[test]
     fn parts_that_protrude_too_far_are_explained() {
-        let few = beyond("a", Some(3), false, [0.25, 0.1, 2.0]);
-        assert!(!few.is_warning && few.text.contains("at most 3 parts") && few.text.contains("12.5%"), "{few:?}");
+        let few = beyond("a", Some(3), false, [0.09, 0.04, 2.0]);
+        assert!(!few.is_warning && few.text.contains("at most 3 parts") && few.text.contains("4.5%"), "{few:?}");
+        let too_few = beyond("a", Some(3), false, [0.25, 0.1, 2.0]);
+        assert!(too_few.is_warning && too_few.text.contains("12.5%"), "{too_few:?}");
         let late = beyond("a", None, true, [0.25, 0.1, 2.0]);
         assert!(late.is_warning && late.text.contains("--decompose-seconds; increase it"), "{late:?}");
     }

@@ -49,7 +49,7 @@ fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
 }
 
-/// A note states the error with few parts; a warning, that of a decomposition out of time.
+/// A warning states the error with too few parts, and that of a decomposition out of time.
 #[test]
 fn decomposed_meshes_state_the_error_that_was_reached() {
     let folder = tempfile::tempdir().unwrap();
@@ -62,7 +62,8 @@ fn decomposed_meshes_state_the_error_that_was_reached() {
         bake(&folder, "build u.obj --out few --decompose --max-parts 2 --verify --json").expect(0).json()[0].clone();
     assert!(!row["notes"].to_string().contains("more volume"), "{row}");
     assert!((1..=2).contains(&row["hulls"].as_u64().unwrap()), "{row}");
-    assert!(row["notes"].to_string().contains("with at most 2 parts"), "{row}");
+    assert!(row["warnings"].to_string().contains("with at most 2 parts"), "{row}");
+    assert_eq!(row["objects"][0]["flaws"], serde_json::json!(["protruding"]), "{row}");
     let line = "build u.obj --out late --decompose --decompose-seconds 1e-9 --verify --json";
     let row = bake(&folder, line).expect(0).json()[0].clone();
     assert!((2..=8).contains(&row["hulls"].as_u64().unwrap()), "{row}");

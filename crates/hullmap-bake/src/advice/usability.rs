@@ -4,7 +4,7 @@
 
 use hullmap_format::SolidKind;
 
-use super::{COVERED, Remark, beyond};
+use super::{COVERED, FAR, Remark, beyond};
 use crate::{
     decompose::Cover,
     number::{percent, short},
@@ -131,11 +131,14 @@ fn thin(object: &ObjectMeasures) -> Option<Doubt> {
     Some(Doubt { flaw: Flaw::Thin, remark, parts: found })
 }
 
-/// With a maximum number of parts, the error was to be found, and no protrusion is a flaw.
+/// With a maximum number of parts, the error was to be found, and no protrusion up to [`FAR`] is a
+/// flaw.
 fn protruding(object: &ObjectMeasures) -> Option<Doubt> {
     let remark = excess(object).filter(|remark| remark.is_warning)?;
-    let requested = object.cover?.max_error.of(object.diagonal);
-    let is_beyond = |index: &usize| object.parts[*index].protrusion.is_some_and(|bound| bound > requested * ROOM);
+    let cover = object.cover?;
+    let requested = cover.max_error.of(object.diagonal) * ROOM;
+    let allowed = cover.max_parts.map_or(requested, |_| requested.max(FAR * object.diagonal));
+    let is_beyond = |index: &usize| object.parts[*index].protrusion.is_some_and(|bound| bound > allowed);
     let parts = (0..object.parts.len()).filter(is_beyond).collect();
     Some(Doubt { flaw: Flaw::Protruding, remark, parts })
 }
@@ -260,6 +263,11 @@ mod tests {
         let few = ObjectMeasures { cover: Some(&few), ..far };
         assert_eq!(flaws(&few), []);
         assert!(excess(&few).unwrap().text.contains("with at most 2 parts"));
+        let parts =
+            [PartMeasures { protrusion: Some(0.101), ..PART }, PartMeasures { protrusion: Some(0.099), ..PART }];
+        let too_few = ObjectMeasures { parts: &parts, ..few };
+        assert_eq!(flaws(&too_few), [(Flaw::Protruding, vec![0])]);
+        assert!(words(&too_few).contains("is 0.101 (5.05% of the diagonal) instead of 0.04, so bodies collide"));
         let loose = ObjectMeasures { overlap: Some(0.0627), ..SOUND };
         assert_eq!(flaws(&loose), [(Flaw::Overlapping, vec![0, 1])]);
         assert!(words(&loose).contains("overlap by 6.27% of the volume of their union, more than the 5% of --overlap"));

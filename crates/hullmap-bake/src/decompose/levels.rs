@@ -247,18 +247,9 @@ impl<'a> Levels<'a> {
 
     /// The final limits of thin parts that were found within `limit`, but may be as thick as the
     /// maximum error allows.
-    ///
-    /// Their thickness is halved until the maximum error allows it, so that errors of an octave have
-    /// the same: a larger one would otherwise change hulls, and with them the number of vertices.
     pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
-        if self.parameters.max_parts.is_some() {
-            return self.final_bounds(limit);
-        }
-        let bounds = self.final_bounds(limit.max(self.parameters.max_error.of(self.diagonal())));
-        let wanted = self.parameters.min_thickness.of(self.diagonal());
-        // Rounding does not count.
-        let halvings = (libm::log2(2.0 * wanted / bounds.limit) - 1e-9).max(0.0).ceil();
-        Bounds { thickness: wanted * libm::exp2(-halvings), ..bounds }
+        let is_counted = self.parameters.max_parts.is_some();
+        self.final_bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
     }
 
     fn is_over(&self) -> bool {
@@ -498,7 +489,7 @@ mod tests {
     use shapes::{concave, mesh::Mesh};
 
     use super::*;
-    use crate::decompose::{parameters::Length, tests::point_set};
+    use crate::decompose::tests::point_set;
 
     /// 150 bodies in the shape of an L, in a grid. Their hulls protrude by 1.75 % of the diagonal:
     /// one part each within the level of 2 %, and two within the next one, of 1.68 %.
@@ -521,28 +512,5 @@ mod tests {
         let (surface, solid, cover) = (Surface::new(&mesh), Solid::new(&mesh), Cover::default());
         let mut levels = Levels::new(&surface, &solid, &cover, 64, None, Stage::default());
         assert_eq!((levels.parts().unwrap().count(), levels.searches), (150, 2));
-    }
-
-    /// Otherwise the same parts would have other hulls, with more or fewer vertices.
-    #[test]
-    fn errors_of_an_octave_have_thin_parts_of_one_thickness() {
-        let mesh = point_set(&concave::l());
-        let (surface, solid) = (Surface::new(&mesh), Solid::new(&mesh));
-        let of_error = |percent: f64| {
-            let cover = Cover { max_error: Length::Relative(0.01 * percent), ..Cover::default() };
-            let levels = Levels::new(&surface, &solid, &cover, 64, None, Stage::default());
-            let bounds = levels.bounds_of_thin_parts(0.0);
-            assert_eq!(bounds.limit, 0.01 * percent * solid.diagonal());
-            100.0 * bounds.thickness / solid.diagonal()
-        };
-        for (errors, thickness) in [([1.0, 1.7, 9.0], 0.5), ([0.5, 0.7, 0.99], 0.25), ([0.25, 0.3, 0.49], 0.125)] {
-            for error in errors {
-                let found = of_error(error);
-                assert!(
-                    (found - thickness).abs() < 1e-12 && found <= 0.5 * error * (1.0 + 1e-9),
-                    "{error} %: {found} %"
-                );
-            }
-        }
     }
 }

@@ -52,8 +52,8 @@ pub struct Cover {
     /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume
     /// of their union, relative to the latter.
     pub overlap: f64,
-    /// Thickness of the parts of a sheet, and of other thin parts, above 0. If it is more than half
-    /// of the maximum error, a quarter to a half of that error.
+    /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
+    /// the maximum error.
     pub min_thickness: Length,
     /// Whether a mesh that has a mirror plane gets symmetric parts.
     pub symmetry: bool,

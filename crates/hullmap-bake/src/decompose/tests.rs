@@ -71,6 +71,39 @@ fn larger_errors_take_fewer_parts() {
     }
 }
 
+/// Each triangle as four, with the middles of its edges.
+fn divided(mesh: &PointSet) -> PointSet {
+    let mut divided = PointSet { triangles: Vec::new(), ..mesh.clone() };
+    let mut middles = std::collections::HashMap::new();
+    for [a, b, c] in &mesh.triangles {
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                let [a, b] = [a, b].map(|v| mesh.positions[v as usize]);
+                divided.positions.push([0, 1, 2].map(|k| 0.5 * (a[k] + b[k])));
+                divided.positions.len() as u32 - 1
+            })
+        };
+        let [ab, bc, ca] = [middle(*a, *b), middle(*b, *c), middle(*c, *a)];
+        divided.triangles.extend([[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]);
+    }
+    divided.source_vertices = (0..divided.positions.len() as u32).collect();
+    divided
+}
+
+/// The same shape with more triangles takes as many parts.
+#[test]
+fn finer_triangles_take_as_many_parts() {
+    for mesh in [concave::l(), concave::horseshoe(6)] {
+        let mut mesh = point_set(&mesh);
+        let mut counts = Vec::new();
+        for _ in 0..3 {
+            counts.push(hulls(&mesh, &Cover::default()).len());
+            mesh = divided(&mesh);
+        }
+        assert!(mesh.triangles.len() > 1_000 && counts[0] > 1 && counts == [counts[0]; 3], "{counts:?}");
+    }
+}
+
 #[test]
 fn parts_are_tight_and_apart() {
     for mesh in [concave::pipe(24), concave::horseshoe(16)] {

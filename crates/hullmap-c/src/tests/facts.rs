@@ -57,6 +57,34 @@ fn facts_and_arrays_match_the_pack() {
     }
 }
 
+/// An L of height 1, as two bars that overlap in its corner. It has a volume of 4, its bars of 5.
+#[test]
+fn parts_weigh_as_much_as_their_mesh() {
+    let bar = |high: [f32; 3]| {
+        let corners: Vec<[f32; 3]> =
+            (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { 0.0 } else { high[axis] })).collect();
+        hullmap_bake::bake_hull(&packs::point_set("l", &corners), hullmap_bake::IndexKind::Tree).unwrap()
+    };
+    let [mut first, mut second] = [bar([2.0, 1.0, 1.0]), bar([1.0, 3.0, 1.0])];
+    let l = shapes::concave::l();
+    let set = hullmap_bake::PointSet { triangles: l.fans(), ..packs::point_set("l", &l.vertices) };
+    let mass = hullmap_bake::fit::mesh_mass(&set).unwrap();
+    (first.part_count, first.mesh_mass) = (2, Some(mass));
+    (second.part_count, second.part) = (2, 1);
+    let file = hullmap_bake::write_owned_pack(vec![first, second], &hullmap_bake::SourceRecord::default()).unwrap();
+    // SAFETY: the pointers are valid.
+    unsafe {
+        let pack = Owned::new(hullmap_pack_free, |out| hullmap_pack_from_memory(file.as_ptr(), file.len(), 0, out));
+        let mut found = std::mem::zeroed::<types::MassProperties>();
+        assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 2, 2.0, &raw mut found), Code::Ok);
+        assert_eq!(found.source, types::MassSource::Mesh as u32);
+        assert!((found.mass - 8.0).abs() < 1e-6, "{}", found.mass);
+        // A bar alone.
+        assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 1, 2.0, &raw mut found), Code::Ok);
+        assert_eq!((found.source, found.mass), (types::MassSource::Hulls as u32, 4.0));
+    }
+}
+
 /// A box that is the only part of its mesh, and a rock that is not a part.
 #[test]
 fn primitives_match_the_pack() {

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::{DAffine3, DVec3};
 use roxmltree::Node;
 
-use super::xml::{at, child, local, number};
+use super::xml::{child, fault_at, local, number};
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::mesh::Polygons;
 
@@ -53,7 +53,7 @@ pub fn positions_of<'a, 'input>(
     let Some(mesh) = child(geometry, "mesh").or_else(|| child(geometry, "convex_mesh")) else { return Ok(None) };
     let Some(vertices) = child(mesh, "vertices") else { return Ok(None) };
     let input = vertices.children().find(|input| input.attribute("semantic") == Some("POSITION"));
-    let input = input.ok_or_else(|| at(vertices, "the vertices have no positions: export the file again"))?;
+    let input = input.ok_or_else(|| fault_at(vertices, "the vertices have no positions: export the file again"))?;
     Ok(Some((mesh, source(input, ids)?)))
 }
 
@@ -77,13 +77,14 @@ impl Target<'_> {
     /// The positions in a source: three numbers of each entry.
     fn add_positions(&mut self, source: Node) -> Result<(), LineFault> {
         let array = child(source, "float_array");
-        let array = array.ok_or_else(|| at(source, "the positions have no `float_array`: export the file again"))?;
+        let array =
+            array.ok_or_else(|| fault_at(source, "the positions have no `float_array`: export the file again"))?;
         let accessor = child(source, "technique_common").and_then(|common| child(common, "accessor"));
         let stated = |name: &str| accessor.and_then(|accessor| accessor.attribute(name)?.trim().parse::<usize>().ok());
         let (offset, stride) = (stated("offset").unwrap_or(0), stated("stride").unwrap_or(3));
         let places = accessor.map_or([0, 1, 2], places);
         if stride <= places.into_iter().max().unwrap_or_default() {
-            return Err(at(source, "the stride of the positions is below 3: export the file again"));
+            return Err(fault_at(source, "the stride of the positions is below 3: export the file again"));
         }
         let count = stated("count").unwrap_or(usize::MAX);
         let before = self.positions.len();
@@ -102,7 +103,10 @@ impl Target<'_> {
             if place == stride - 1 {
                 let position = self.placed.transform_point3(DVec3::from_array(entry));
                 if !position.is_finite() {
-                    return Err(at(array, "a transformed position is not finite: check the transforms of its nodes"));
+                    return Err(fault_at(
+                        array,
+                        "a transformed position is not finite: check the transforms of its nodes",
+                    ));
                 }
                 self.positions.push(position.to_array());
                 found += 1;
@@ -112,7 +116,7 @@ impl Target<'_> {
             let text = format!(
                 "the accessor states {count} positions, but there are {found}: the file was cut off; export it again"
             );
-            return Err(at(source, text));
+            return Err(fault_at(source, text));
         }
         Ok(())
     }
@@ -173,7 +177,7 @@ impl Target<'_> {
             }
             if count != Some(self.faces.corners.len() - start) {
                 let text = "the list of indices does not end with a face: the file was cut off; export it again";
-                return Err(at(primitive, text));
+                return Err(fault_at(primitive, text));
             }
             self.turn(start);
             self.faces.end();
@@ -228,7 +232,7 @@ impl Layout {
                 let text = format!(
                     "vertex index `{word}` is out of range (the geometry has {count} vertices): export the file again"
                 );
-                at(list, text)
+                fault_at(list, text)
             })
         })
     }
@@ -240,14 +244,18 @@ fn layout(primitive: Node, first: u32, count: u32) -> Result<Layout, LineFault> 
     for input in primitive.children().filter(|node| node.tag_name().name() == "input") {
         let own: usize = input.attribute("offset").unwrap_or("0").trim().parse().unwrap_or(MAX_INPUTS);
         if own >= MAX_INPUTS {
-            return Err(at(input, format!("the offset is not a number below {MAX_INPUTS}: export the file again")));
+            return Err(fault_at(
+                input,
+                format!("the offset is not a number below {MAX_INPUTS}: export the file again"),
+            ));
         }
         stride = stride.max(own + 1);
         if input.attribute("semantic") == Some("VERTEX") {
             offset = Some(own);
         }
     }
-    let offset = offset.ok_or_else(|| at(primitive, "the primitives have no input `VERTEX`: export the file again"))?;
+    let offset =
+        offset.ok_or_else(|| fault_at(primitive, "the primitives have no input `VERTEX`: export the file again"))?;
     Ok(Layout { offset, stride, first, count })
 }
 
@@ -258,7 +266,7 @@ fn source<'a, 'input>(
 ) -> Result<Node<'a, 'input>, LineFault> {
     let id = local(input, "source")?;
     let found = ids.get(id).copied();
-    found.ok_or_else(|| at(input, format!("there is no source `{}`: export the file again", excerpt(id))))
+    found.ok_or_else(|| fault_at(input, format!("there is no source `{}`: export the file again", excerpt(id))))
 }
 
 /// Places of x, y and z in an entry; parameters without a name are skipped.

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use roxmltree::{Document, Node};
 
 use super::geometry::{Target, positions_of};
-use super::xml::{at, child, local, number};
+use super::xml::{child, fault_at, local, number};
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::limits::{GLTF_LIST, Limits};
 use crate::mesh::{Polygons, Positions, SourceMesh};
@@ -76,7 +76,7 @@ fn scene<'a, 'input>(
     let found = ids.get(id).copied().filter(|scene| scene.tag_name().name() == "visual_scene");
     found
         .map(Some)
-        .ok_or_else(|| at(instance, format!("there is no visual scene `{}`: export the file again", excerpt(id))))
+        .ok_or_else(|| fault_at(instance, format!("there is no visual scene `{}`: export the file again", excerpt(id))))
 }
 
 struct Reader<'a, 'input, 'l> {
@@ -103,7 +103,7 @@ impl<'a, 'input> Reader<'a, 'input, '_> {
                 let text = format!(
                     "the scene has more than {GLTF_LIST} nodes, or nodes deeper than {MAX_DEPTH}; instances may form a cycle: remove it"
                 );
-                return Err(at(node, text));
+                return Err(fault_at(node, text));
             }
             let placed = outer * transform(node)?;
             let mut inner = Vec::new();
@@ -133,7 +133,7 @@ impl<'a, 'input> Reader<'a, 'input, '_> {
     fn named(&self, instance: Node<'a, 'input>, kind: &str) -> Result<Node<'a, 'input>, LineFault> {
         let id = local(instance, "url")?;
         let found = self.ids.get(id).copied().filter(|node| node.tag_name().name() == kind);
-        found.ok_or_else(|| at(instance, format!("there is no {kind} `{}`: export the file again", excerpt(id))))
+        found.ok_or_else(|| fault_at(instance, format!("there is no {kind} `{}`: export the file again", excerpt(id))))
     }
 
     /// Adds an instance of a geometry as an object with the name of its node.
@@ -155,7 +155,7 @@ impl<'a, 'input> Reader<'a, 'input, '_> {
                 let text = format!(
                     "instances add more than {limit} vertices and corners: apply them in the editor, or raise --max-instanced"
                 );
-                return Err(at(node, text));
+                return Err(fault_at(node, text));
             }
         }
         Ok(())
@@ -213,7 +213,9 @@ fn transform(node: Node) -> Result<DAffine3, LineFault> {
                 axis.map_or(DAffine3::IDENTITY, |axis| DAffine3::from_quat(DQuat::from_axis_angle(axis, angle)))
             }
             "lookat" => look_at(own)?,
-            "skew" => return Err(at(own, "a transform is `skew`, which is not supported: apply it in the editor")),
+            "skew" => {
+                return Err(fault_at(own, "a transform is `skew`, which is not supported: apply it in the editor"));
+            }
             _ => continue,
         };
         product *= step;
@@ -229,7 +231,7 @@ fn exactly<const N: usize>(node: Node) -> Result<[f64; N], LineFault> {
     let numbers: Vec<f64> = words.take(N + 1).map(|word| number(node, word)).collect::<Result<_, _>>()?;
     let count = text.split_ascii_whitespace().count();
     <[f64; N]>::try_from(numbers).map_err(|_| {
-        at(
+        fault_at(
             node,
             format!("`{}` has {count} numbers; expected {N}: export the file again", excerpt(node.tag_name().name())),
         )
@@ -241,7 +243,7 @@ fn matrix(node: Node) -> Result<DAffine3, LineFault> {
     let rows: [f64; 16] = exactly(node)?;
     let matrix = DMat4::from_cols_array(&rows).transpose();
     if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-        return Err(at(
+        return Err(fault_at(
             node,
             "the last row of the matrix is not 0 0 0 1, but only affine transforms are supported: correct it",
         ));
@@ -255,6 +257,6 @@ fn look_at(node: Node) -> Result<DAffine3, LineFault> {
     let (eye, centre, up) = (DVec3::new(ex, ey, ez), DVec3::new(cx, cy, cz), DVec3::new(ux, uy, uz));
     let back = (eye - centre).try_normalize();
     let frame = back.and_then(|z| Some((up.cross(z).try_normalize()?, z)));
-    let (x, z) = frame.ok_or_else(|| at(node, "`lookat` has no direction: correct it"))?;
+    let (x, z) = frame.ok_or_else(|| fault_at(node, "`lookat` has no direction: correct it"))?;
     Ok(DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z), translation: eye })
 }

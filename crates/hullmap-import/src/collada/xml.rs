@@ -10,7 +10,7 @@ pub fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 
 }
 
 /// A fault at a node.
-pub fn at(node: Node, text: impl Into<String>) -> LineFault {
+pub fn fault_at(node: Node, text: impl Into<String>) -> LineFault {
     let line = node.document().text_pos_at(node.range().start).row;
     Fault::format(text).at_line(line as usize)
 }
@@ -18,7 +18,7 @@ pub fn at(node: Node, text: impl Into<String>) -> LineFault {
 /// A number in the text of a node. Fails if it is not finite.
 pub fn number(node: Node, word: &str) -> Result<f64, LineFault> {
     let number = word.parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| at(node, format!("`{}` is not a finite number: export the file again", excerpt(word))))
+    number.ok_or_else(|| fault_at(node, format!("`{}` is not a finite number: export the file again", excerpt(word))))
 }
 
 /// The id that a local reference names, `#id`.
@@ -26,6 +26,9 @@ pub fn local<'a>(node: Node<'a, '_>, attribute: &str) -> Result<&'a str, LineFau
     let written = node.attribute(attribute).unwrap_or_default();
     written.strip_prefix('#').ok_or_else(|| {
         let written = excerpt(written);
-        at(node, format!("`{attribute}` is `{written}`, which does not name a part of this file: export one file"))
+        fault_at(
+            node,
+            format!("`{attribute}` is `{written}`, which does not name a part of this file: export one file"),
+        )
     })
 }

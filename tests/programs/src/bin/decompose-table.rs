@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p hullmap-programs --bin concave-meshes -- --meshes FOLDER --write MESHES
-//! python benches/peers/run_coacd.py MESHES PEER
+//! python benches/peers/decompose.py coacd MESHES PEER
 //! cargo run --release -p hullmap-programs --bin decompose-table -- MESHES --peer PEER
 //! ```
 //!

@@ -1,6 +1,6 @@
 //! Prints how bodies of convex parts behave in a pit in Rapier: bodies fall, pile up, and come to
 //! rest. The parts come from folders of OBJ files with one object for each part, for instance of
-//! `bake decompose` and of `benches/peers/run_coacd.py`. The worlds of the folders take turns, so
+//! `bake decompose` and of `benches/peers/decompose.py`. The worlds of the folders take turns, so
 //! that a busy machine slows all of them alike.
 
 use std::path::PathBuf;

@@ -41,6 +41,12 @@ use crate::support::SupportMap;
 use crate::support::simd::Dispatch;
 use crate::vector::unit;
 
+/// Maximum number of vertices of a small pair, whose points fit one block of eight.
+const SMALL: usize = 8;
+
+/// Maximum number of vertices of a medium pair, whose points fit two blocks.
+const MEDIUM: usize = 16;
+
 /// Reach of a pair that f32 can represent with room for squares and for small coordinates.
 const RANGE: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
 
@@ -71,8 +77,8 @@ pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &Cache,
 ) -> bool {
     match a.vertex_count().max(b.vertex_count()) {
-        0..=8 => true,
-        9..=16 => cache.is_new() || m.inner_balls_overlap(),
+        ..=SMALL => true,
+        ..=MEDIUM => cache.is_new() || m.inner_balls_overlap(),
         _ => cache.is_new() && m.inner_balls_overlap(),
     }
 }
@@ -88,8 +94,8 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Option<Contact> {
     let [a, b] = &facets;
     match a.vertex_count().max(b.vertex_count()) {
-        0..=8 => search::<A, B, 1, 2>(m, &facets, tolerance, cache),
-        9..=16 => search::<A, B, 2, 4>(m, &facets, tolerance, cache),
+        ..=SMALL => search::<A, B, 1, 2>(m, &facets, tolerance, cache),
+        ..=MEDIUM => search::<A, B, 2, 4>(m, &facets, tolerance, cache),
         _ => search::<A, B, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, cache),
     }
 }
