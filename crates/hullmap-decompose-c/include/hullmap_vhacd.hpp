@@ -1,4 +1,5 @@
-// The class and the names of V-HACD 4 over hullmap's convex decomposition. C++11 and later.
+// The class and the names of V-HACD 4.1 over hullmap's convex decomposition. C++11 and later. For programs
+// that were written for V-HACD 4.0, whose ConvexHull has pointers, define HULLMAP_VHACD_4_0 before.
 //
 // Licence: MIT OR Apache-2.0.
 //
@@ -40,6 +41,34 @@ namespace VHACD {
 
 enum class FillMode { FLOOD_FILL, SURFACE_ONLY, RAYCAST_FILL };
 
+struct Vertex {
+    double mX, mY, mZ;
+    Vertex() = default;
+    Vertex(double x, double y, double z) : mX(x), mY(y), mZ(z) {}
+    const double& operator[](size_t index) const { return index == 0 ? mX : index == 1 ? mY : mZ; }
+};
+
+struct Triangle {
+    uint32_t mI0, mI1, mI2;
+    Triangle() = default;
+    Triangle(uint32_t a, uint32_t b, uint32_t c) : mI0(a), mI1(b), mI2(c) {}
+};
+
+// A vector's coordinates; V-HACD's arithmetic of vectors is not here.
+class Vect3 {
+public:
+    Vect3() = default;
+    Vect3(double x, double y, double z) : at_{x, y, z} {}
+    double& operator[](size_t index) { return at_[index]; }
+    const double& operator[](size_t index) const { return at_[index]; }
+    const double& GetX() const { return at_[0]; }
+    const double& GetY() const { return at_[1]; }
+    const double& GetZ() const { return at_[2]; }
+
+private:
+    double at_[3] = {0, 0, 0};
+};
+
 class IVHACD {
 public:
     class IUserCallback {
@@ -64,6 +93,7 @@ public:
         virtual void JoinTask(void* task) = 0;
     };
 
+#ifdef HULLMAP_VHACD_4_0
     // A part. The arrays are valid until the next Compute, Clean or Release.
     class ConvexHull {
     public:
@@ -77,6 +107,18 @@ public:
         double mBmin[3]{0, 0, 0};
         double mBmax[3]{0, 0, 0};
     };
+#else
+    // A part.
+    class ConvexHull {
+    public:
+        std::vector<Vertex> m_points;
+        std::vector<Triangle> m_triangles;
+        double m_volume{0};
+        Vect3 m_center;
+        uint32_t m_meshId{0};
+        Vect3 mBmin, mBmax;
+    };
+#endif
 
     class Parameters {
     public:
@@ -86,7 +128,7 @@ public:
         uint32_t m_maxConvexHulls{64};
         uint32_t m_resolution{400000};
         double m_minimumVolumePercentErrorAllowed{1};
-        uint32_t m_maxRecursionDepth{12};
+        uint32_t m_maxRecursionDepth{10};
         bool m_shrinkWrap{true};
         FillMode m_fillMode{FillMode::FLOOD_FILL};
         uint32_t m_maxNumVerticesPerCH{64};
@@ -136,17 +178,18 @@ public:
         return start(points, countPoints, triangles, countTriangles, params);
     }
 
-    uint32_t GetNConvexHulls() const override { return IsReady() ? static_cast<uint32_t>(hulls_.size()) : 0; }
+    uint32_t GetNConvexHulls() const override { return IsReady() ? static_cast<uint32_t>(parts_.size()) : 0; }
 
     bool GetConvexHull(const uint32_t index, ConvexHull& ch) const override {
         if (index >= GetNConvexHulls()) return false;
-        ch = hulls_[index];
+        ch = hull_of(parts_[index]);
+        ch.m_meshId = index;
         return true;
     }
 
     void Clean() override {
         Cancel();
-        hulls_.clear();
+        parts_.clear();
         hullmap_decomposition_free(found_);
         found_ = nullptr;
         hullmap_decompose_progress_free(progress_);
@@ -158,8 +201,8 @@ public:
     bool ComputeCenterOfMass(double centerOfMass[3]) const override {
         double sum[3] = {0, 0, 0}, volume = 0;
         for (uint32_t index = 0; index < GetNConvexHulls(); ++index) {
-            volume += hulls_[index].m_volume;
-            for (int axis = 0; axis < 3; ++axis) sum[axis] += hulls_[index].m_volume * hulls_[index].m_center[axis];
+            volume += parts_[index].volume;
+            for (int axis = 0; axis < 3; ++axis) sum[axis] += parts_[index].volume * parts_[index].center[axis];
         }
         if (!(volume > 0)) return false;
         for (int axis = 0; axis < 3; ++axis) centerOfMass[axis] = sum[axis] / volume;
@@ -176,7 +219,7 @@ public:
         uint32_t nearest = 0;
         distanceToHull = HUGE_VAL;
         for (uint32_t index = 0; index < GetNConvexHulls(); ++index) {
-            const double distance = height_above(hulls_[index], pos);
+            const double distance = height_above(parts_[index], pos);
             if (distance < distanceToHull) {
                 distanceToHull = distance;
                 nearest = index;
@@ -205,7 +248,7 @@ private:
             update();
         }
         join();
-        return !hulls_.empty();
+        return !parts_.empty();
     }
 
     // The computation, in a thread of its own.
@@ -219,7 +262,11 @@ private:
             options.max_parts = params_.m_maxConvexHulls;
             decompose(options, facts);
         }
-        for (size_t index = 0; index < facts.part_count; ++index) add(index);
+        for (size_t index = 0; index < facts.part_count; ++index) {
+            HullmapDecomposePart part;
+            const HullmapDecomposeResult result = hullmap_decomposition_part(found_, index, &part);
+            if (result == HULLMAP_DECOMPOSE_RESULT_OK) parts_.push_back(part);
+        }
         is_done_.store(true, std::memory_order_release);
         if (is_async_ && params_.m_callback != nullptr) params_.m_callback->NotifyVHACDComplete();
     }
@@ -237,17 +284,25 @@ private:
         hullmap_decomposition_facts(found_, &facts);
     }
 
-    void add(size_t index) {
-        HullmapDecomposePart part;
-        if (hullmap_decomposition_part(found_, index, &part) != HULLMAP_DECOMPOSE_RESULT_OK) return;
+    static ConvexHull hull_of(const HullmapDecomposePart& part) {
         ConvexHull hull;
+#ifdef HULLMAP_VHACD_4_0
         hull.m_nPoints = part.vertex_count;
         // V-HACD's type is not const.
         hull.m_points = const_cast<double*>(part.vertices);
         hull.m_nTriangles = part.triangle_count;
         hull.m_triangles = const_cast<uint32_t*>(part.triangles);
+#else
+        for (uint32_t v = 0; v < part.vertex_count; ++v) {
+            const double* p = part.vertices + 3 * v;
+            hull.m_points.push_back(Vertex(p[0], p[1], p[2]));
+        }
+        for (uint32_t t = 0; t < part.triangle_count; ++t) {
+            const uint32_t* corners = part.triangles + 3 * t;
+            hull.m_triangles.push_back(Triangle(corners[0], corners[1], corners[2]));
+        }
+#endif
         hull.m_volume = part.volume;
-        hull.m_meshId = static_cast<uint32_t>(index);
         for (int axis = 0; axis < 3; ++axis) {
             hull.m_center[axis] = part.center[axis];
             hull.mBmin[axis] = hull.mBmax[axis] = part.vertices[axis];
@@ -256,16 +311,16 @@ private:
                 hull.mBmax[axis] = std::max(hull.mBmax[axis], part.vertices[3 * v + axis]);
             }
         }
-        hulls_.push_back(hull);
+        return hull;
     }
 
     // The greatest height of a point above the planes of a part; 0 inside.
-    static double height_above(const ConvexHull& hull, const double pos[3]) {
+    static double height_above(const HullmapDecomposePart& part, const double pos[3]) {
         double greatest = 0;
-        for (uint32_t t = 0; t < hull.m_nTriangles; ++t) {
-            const double* a = hull.m_points + 3 * hull.m_triangles[3 * t];
-            const double* b = hull.m_points + 3 * hull.m_triangles[3 * t + 1];
-            const double* c = hull.m_points + 3 * hull.m_triangles[3 * t + 2];
+        for (uint32_t t = 0; t < part.triangle_count; ++t) {
+            const double* a = part.vertices + 3 * part.triangles[3 * t];
+            const double* b = part.vertices + 3 * part.triangles[3 * t + 1];
+            const double* c = part.vertices + 3 * part.triangles[3 * t + 2];
             const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
             const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
             const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -294,7 +349,7 @@ private:
     std::vector<uint32_t> triangles_;
     HullmapDecomposeProgress* progress_ = nullptr;
     HullmapDecomposition* found_ = nullptr;
-    std::vector<ConvexHull> hulls_;
+    std::vector<HullmapDecomposePart> parts_;
 };
 
 }  // namespace hullmap

@@ -67,15 +67,17 @@ fn programs_run_against_the_installed_library() {
     assert!(licences.join("LICENSES-OF-DEPENDENCIES.txt").exists() && licences.join("LICENSE-MIT").exists());
     let libraries = prefix.join("lib");
     let library_path = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
-    for (compiler, standard, source) in
-        [(&cc, "-std=c99", "tests/c/parts.c"), (&cxx, "-std=c++11", "tests/c/vhacd.cpp")]
-    {
+    for (compiler, options, source) in [
+        (&cc, &["-std=c99"][..], "tests/c/parts.c"),
+        (&cxx, &["-std=c++11"], "tests/c/vhacd.cpp"),
+        (&cxx, &["-std=c++11", "-DHULLMAP_VHACD_4_0"], "tests/c/vhacd.cpp"),
+    ] {
         let program = folder.path().join(Path::new(source).file_stem().unwrap());
         let mut command = Command::new(compiler);
-        command.args(WARNINGS).arg(standard).arg(crate_path(source)).arg("-I").arg(prefix.join("include"));
+        command.args(WARNINGS).args(options).arg(crate_path(source)).arg("-I").arg(prefix.join("include"));
         command.arg("-L").arg(&libraries).args(["-lhullmap_decompose", "-lm", "-pthread", "-o"]).arg(&program);
         run(&mut command);
         let out = run(Command::new(&program).env(library_path, &libraries));
-        assert!(out.contains(" checks, 0 failures\n"), "{source}: {out}");
+        assert!(out.contains(" checks, 0 failures\n"), "{source} {options:?}: {out}");
     }
 }

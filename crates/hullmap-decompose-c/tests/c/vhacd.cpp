@@ -1,4 +1,5 @@
-// A program that was written for V-HACD 4: only the name of the header has changed.
+// A program that was written for V-HACD 4.1, or with HULLMAP_VHACD_4_0 for 4.0: only the name of the header has
+// changed.
 #include <cmath>
 #include <cstdio>
 #include <thread>
@@ -67,7 +68,15 @@ int main() {
     for (uint32_t index = 0; index < interface->GetNConvexHulls(); ++index) {
         VHACD::IVHACD::ConvexHull hull;
         check(interface->GetConvexHull(index, hull), "GetConvexHull");
+#ifdef HULLMAP_VHACD_4_0
         check(hull.m_nPoints == 8 && hull.m_nTriangles == 12 && hull.m_meshId == index, "a box");
+        const double x = hull.m_points[3 * hull.m_triangles[0]];
+#else
+        check(hull.m_points.size() == 8 && hull.m_triangles.size() == 12 && hull.m_meshId == index, "a box");
+        const double x = hull.m_points[hull.m_triangles[0].mI0].mX;
+        check(hull.m_center.GetX() == hull.m_center[0] && hull.m_points[0][2] == hull.m_points[0].mZ, "coordinates");
+#endif
+        check(std::min(std::abs(x - hull.mBmin[0]), std::abs(x - hull.mBmax[0])) < 1e-6, "a corner");
         // The boxes are symmetric about a slanted plane, so they are grown by what rounding moves.
         check(hull.m_volume > 1 - 1e-12 && hull.m_volume < 1 + 3e-6, "volume");
         for (int axis = 0; axis < 3; ++axis) {
@@ -75,7 +84,7 @@ int main() {
             check(std::abs(hull.m_center[axis] - (hull.mBmin[axis] + hull.mBmax[axis]) / 2) < 1e-6, "centre");
         }
         double distance = 1;
-        check(interface->findNearestConvexHull(hull.m_center, distance) == index && distance == 0, "nearest");
+        check(interface->findNearestConvexHull(&hull.m_center[0], distance) == index && distance == 0, "nearest");
     }
     VHACD::IVHACD::ConvexHull none;
     check(!interface->GetConvexHull(2, none), "no third part");

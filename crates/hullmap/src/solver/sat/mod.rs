@@ -77,8 +77,8 @@ pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &Cache,
 ) -> bool {
     match a.vertex_count().max(b.vertex_count()) {
-        ..=SMALL => true,
-        ..=MEDIUM => cache.is_new() || m.inner_balls_overlap(),
+        count if count <= SMALL => true,
+        count if count <= MEDIUM => cache.is_new() || m.inner_balls_overlap(),
         _ => cache.is_new() && m.inner_balls_overlap(),
     }
 }
@@ -94,8 +94,8 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Option<Contact> {
     let [a, b] = &facets;
     match a.vertex_count().max(b.vertex_count()) {
-        ..=SMALL => search::<A, B, 1, 2>(m, &facets, tolerance, cache),
-        ..=MEDIUM => search::<A, B, 2, 4>(m, &facets, tolerance, cache),
+        count if count <= SMALL => search::<A, B, 1, 2>(m, &facets, tolerance, cache),
+        count if count <= MEDIUM => search::<A, B, 2, 4>(m, &facets, tolerance, cache),
         _ => search::<A, B, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, cache),
     }
 }
