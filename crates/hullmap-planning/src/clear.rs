@@ -86,7 +86,7 @@ impl Robot {
     ) -> Result<EdgeClearance, PlanningError> {
         let mut magnitudes = [0.0; 2];
         let margin = settings.margin.max(0.0);
-        let mut search = Search {
+        let mut search = EdgeSearch {
             robot: self,
             ends: [start, end],
             magnitudes,
@@ -129,7 +129,7 @@ impl Robot {
 }
 
 /// A search along an edge.
-struct Search<'s> {
+struct EdgeSearch<'s> {
     robot: &'s Robot,
     ends: [&'s [f64]; 2],
     /// Sums of the displacements of both ends, for rounding errors.
@@ -150,7 +150,7 @@ struct Search<'s> {
     hit: Option<usize>,
 }
 
-impl Search<'_> {
+impl EdgeSearch<'_> {
     /// Tests whether the robot, which is placed at an end, certainly hits.
     fn try_end(&mut self, t: f64, memory: &mut Memory) {
         let robot = self.robot;

@@ -68,7 +68,7 @@ pub(crate) enum BodyOrObstacle {
 
 /// A pair of convex bodies, or of an obstacle and a body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
+pub(crate) struct BodyPair {
     pub(crate) a: BodyOrObstacle,
     pub(crate) b: usize,
     /// Number of joints from the root that move both.
@@ -120,7 +120,7 @@ pub struct Robot {
     /// Pairs of colliders that may touch.
     allowed: BTreeSet<[usize; 2]>,
     pub(crate) obstacles: Vec<Placed>,
-    pub(crate) pairs: Vec<Pair>,
+    pub(crate) pairs: Vec<BodyPair>,
     pub(crate) couples: Vec<Couple>,
     /// Geometry that is ignored, and the reason.
     pub notes: Vec<String>,
@@ -337,7 +337,7 @@ impl Robot {
     fn list_pairs(&mut self) {
         let with_bodies: Vec<usize> = (0..self.links.len()).filter(|link| !self.of_link[*link].is_empty()).collect();
         let (mut pairs, mut couples) = (Vec::new(), Vec::new());
-        let mut add = |a: BodyOrObstacle, b: usize, own: Vec<Pair>| {
+        let mut add = |a: BodyOrObstacle, b: usize, own: Vec<BodyPair>| {
             let first = pairs.len();
             pairs.extend(own);
             if pairs.len() > first {
@@ -350,7 +350,7 @@ impl Robot {
                 let shared = self.shared_joints([a, b]);
                 let all = self.of_link[a].clone().flat_map(|a| self.of_link[b].clone().map(move |b| [a, b]));
                 let may_meet = |[a, b]: &[usize; 2]| self.bodies[*a].may_meet(&self.bodies[*b]);
-                let pair = |[a, b]: [usize; 2]| Pair { a: BodyOrObstacle::Body(a), b, shared };
+                let pair = |[a, b]: [usize; 2]| BodyPair { a: BodyOrObstacle::Body(a), b, shared };
                 add(BodyOrObstacle::Body(a), b, all.filter(may_meet).map(pair).collect());
             }
         }
@@ -358,7 +358,7 @@ impl Robot {
             let collider = self.links.len() + obstacle;
             for &b in with_bodies.iter().filter(|b| !self.allowed.contains(&[**b, collider])) {
                 let a = BodyOrObstacle::Obstacle(obstacle);
-                add(a, b, self.of_link[b].clone().map(|b| Pair { a, b, shared: 0 }).collect());
+                add(a, b, self.of_link[b].clone().map(|b| BodyPair { a, b, shared: 0 }).collect());
             }
         }
         (self.pairs, self.couples) = (pairs, couples);
@@ -421,7 +421,7 @@ impl Robot {
 
     /// The colliders of a pair, the lower index first.
     pub(crate) fn colliders_of(&self, pair: usize) -> [usize; 2] {
-        let Pair { a, b, .. } = self.pairs[pair];
+        let BodyPair { a, b, .. } = self.pairs[pair];
         match a {
             BodyOrObstacle::Body(a) => self.colliders(BodyOrObstacle::Body(self.bodies[a].link), self.bodies[b].link),
             BodyOrObstacle::Obstacle(_) => self.colliders(a, self.bodies[b].link),
@@ -448,7 +448,7 @@ impl Robot {
     }
 
     /// Lower bound of the distance of a pair, by the balls around bodies.
-    pub(crate) fn pair_gap(&self, pair: &Pair, memory: &Memory) -> f64 {
+    pub(crate) fn pair_gap(&self, pair: &BodyPair, memory: &Memory) -> f64 {
         let centre = |body: &Body| memory.links[body.link].apply(body.ball.0);
         let b = &self.bodies[pair.b];
         let noise = self.pair_noise(pair, memory);
@@ -462,7 +462,7 @@ impl Robot {
     }
 
     /// Upper bound of the distance of two bodies, by points inside of them; `None` if not known.
-    pub(crate) fn reach(&self, pair: &Pair, memory: &Memory) -> Option<f64> {
+    pub(crate) fn reach(&self, pair: &BodyPair, memory: &Memory) -> Option<f64> {
         let inside =
             |body: usize| self.body_frame(body, memory).apply(self.bodies[body].convex.shape().interior_point());
         match pair.a {
@@ -472,7 +472,7 @@ impl Robot {
     }
 
     /// Upper bound of the rounding error of the relative position of two bodies: a length.
-    pub(crate) fn pair_noise(&self, pair: &Pair, memory: &Memory) -> f64 {
+    pub(crate) fn pair_noise(&self, pair: &BodyPair, memory: &Memory) -> f64 {
         let a = match pair.a {
             BodyOrObstacle::Body(a) => memory.noise[self.bodies[a].link],
             BodyOrObstacle::Obstacle(a) => self.obstacle_noise(a),
@@ -492,7 +492,7 @@ impl Robot {
     }
 
     /// The frame of A in the world.
-    pub(crate) fn frame_of_a(&self, pair: &Pair, memory: &Memory) -> Frame {
+    pub(crate) fn frame_of_a(&self, pair: &BodyPair, memory: &Memory) -> Frame {
         match pair.a {
             BodyOrObstacle::Body(a) => self.body_frame(a, memory),
             BodyOrObstacle::Obstacle(a) => self.obstacles[a].frame,

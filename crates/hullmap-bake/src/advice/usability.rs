@@ -159,9 +159,10 @@ fn overlapping(object: &ObjectMeasures) -> Option<Doubt> {
         return None;
     }
     let name = object.name;
+    let remedy = if cover.fill { "leave out --fill, " } else { "" };
     let text = format!(
         "{name}: the parts overlap by {} of the volume of their union, more than the {} of --overlap, and an engine finds \
-         contacts there twice; increase --max-vertices, try another --max-error, or allow it with --overlap",
+         contacts there twice; {remedy}increase --max-vertices, try another --max-error, or allow it with --overlap",
         percent(found),
         percent(cover.overlap),
     );
@@ -271,6 +272,9 @@ mod tests {
         let loose = ObjectMeasures { overlap: Some(0.0627), ..SOUND };
         assert_eq!(flaws(&loose), [(Flaw::Overlapping, vec![0, 1])]);
         assert!(words(&loose).contains("overlap by 6.27% of the volume of their union, more than the 5% of --overlap"));
+        assert!(!words(&loose).contains("--fill"));
+        let filled = Cover { fill: true, ..COVER };
+        assert!(words(&ObjectMeasures { cover: Some(&filled), ..loose }).contains("twice; leave out --fill, increase"));
         for uncovered in [1e-6, f64::NAN] {
             let open = ObjectMeasures { uncovered, ..SOUND };
             assert_eq!(flaws(&open), [(Flaw::Uncovered, vec![0, 1])]);

@@ -193,7 +193,7 @@ impl Filling<'_, '_> {
         let mut pairs = Vec::new();
         (1..parts.len()).for_each(|last| pairs.extend(pairs_with(&parts, last)));
         while let Some(next) = (0..pairs.len()).min_by(|a, b| pairs[*a].added.total_cmp(&pairs[*b].added)) {
-            let Pair { of: [a, b], .. } = pairs.swap_remove(next);
+            let PartPair { of: [a, b], .. } = pairs.swap_remove(next);
             let (Some((_, left)), Some((_, other))) = (&parts[a], &parts[b]) else { continue };
             let left = Left { pieces: left.pieces.iter().chain(&other.pieces).cloned().collect() };
             let Some(hull) = self.hull_of(None, &left, left.room(room)) else { continue };
@@ -237,19 +237,19 @@ impl Filling<'_, '_> {
 }
 
 /// Two new parts, and the volume that their hull adds.
-struct Pair {
+struct PartPair {
     added: f64,
     of: [usize; 2],
 }
 
 /// The pairs of a part with those before it.
-fn pairs_with(parts: &[Option<(Hull, Left)>], last: usize) -> Vec<Pair> {
+fn pairs_with(parts: &[Option<(Hull, Left)>], last: usize) -> Vec<PartPair> {
     let Some((hull, _)) = &parts[last] else { return Vec::new() };
     let pair = |(index, other): (usize, &Option<(Hull, Left)>)| {
         let (other, _) = other.as_ref()?;
         let points = [hull.positions(), other.positions()].concat();
         let volumes = mass::mass(hull).volume + mass::mass(other).volume;
-        Some(Pair { added: Body::new(&points, 0.0).volume() - volumes, of: [index, last] })
+        Some(PartPair { added: Body::new(&points, 0.0).volume() - volumes, of: [index, last] })
     };
     parts[..last].iter().enumerate().filter_map(pair).collect()
 }

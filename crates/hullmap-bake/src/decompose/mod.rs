@@ -49,7 +49,7 @@ use fill::Filling;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
 use partition::{HARD_SHARE, few, field::Field, wrap::Bounds};
-use search::Search;
+use search::SymmetrySearch;
 
 use crate::{
     BakeError, PointSet,
@@ -105,7 +105,7 @@ fn decompose_by(
     let found = if parameters.max_parts == Some(1) {
         None
     } else {
-        Search { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices, deadline }.best(stage)
+        SymmetrySearch { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices, deadline }.best(stage)
     };
     let hulls = found.unwrap_or_else(|| vec![few::within_vertices(hull, max_vertices)]);
     let hulls = if parameters.fill { filled(mesh, &solid, &vertices, parameters, deadline, hulls) } else { hulls };

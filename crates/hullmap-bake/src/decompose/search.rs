@@ -35,7 +35,7 @@ const TIGHTER: f64 = 0.9;
 const HALF: f64 = 0.4;
 
 /// The search for the parts of one mesh.
-pub struct Search<'a> {
+pub struct SymmetrySearch<'a> {
     /// The mesh.
     pub mesh: &'a PointSet,
     /// Its solid.
@@ -69,7 +69,7 @@ enum UsefulParts {
     Within(f64),
 }
 
-impl Search<'_> {
+impl SymmetrySearch<'_> {
     /// The hulls of the parts; `None` if there are none in time.
     pub fn best(&self, stage: Stage) -> Option<Vec<Hull>> {
         let mirror = self.parameters.symmetry.then(|| symmetry::mirror_of_mesh(self.mesh, self.solid)).flatten();

@@ -31,7 +31,7 @@ const UNIT: f64 = 1.0 / (1 << 24) as f64;
 /// Values of eight faces per block.
 type Lanes = [f32; LANES];
 
-pub(super) struct Pair<'v> {
+pub(super) struct FacetPair<'v> {
     a: View<'v>,
     b: View<'v>,
     rotation: DMat3,
@@ -40,7 +40,7 @@ pub(super) struct Pair<'v> {
     reach: f64,
 }
 
-impl<'v> Pair<'v> {
+impl<'v> FacetPair<'v> {
     #[inline(always)]
     pub(super) fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
@@ -105,7 +105,7 @@ type Heights<const P: usize, const N: usize> = [[[Lanes; N]; LANES]; P];
 
 impl<const P: usize, const N: usize> FirstPass<P, N> {
     #[inline(always)]
-    pub(super) fn new(pair: &Pair<'_>) -> Self {
+    pub(super) fn new(pair: &FacetPair<'_>) -> Self {
         Self {
             points: [[PointBlock::default(); P]; 2],
             values: [[[f32::INFINITY; LANES]; N]; 2],
@@ -121,7 +121,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
     /// Step 1: the support values at the faces of A and of B. If a face of A separates, it stops
     /// there: [`low`](Self::low) is below −`error` then.
     #[inline(always)]
-    pub(super) fn find_faces(&mut self, pair: &Pair<'_>, dispatch: Dispatch) {
+    pub(super) fn find_faces(&mut self, pair: &FacetPair<'_>, dispatch: Dispatch) {
         dispatch.pass(&mut FacePass { first: self, pair });
     }
 
@@ -131,7 +131,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
     /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces), whose
     /// vertices are known from f64 ([`set_vertex`](Self::set_vertex)).
     #[inline(always)]
-    pub(super) fn find_arcs(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
+    pub(super) fn find_arcs(&mut self, pair: &FacetPair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
         dispatch.pass(&mut ArcPass { first: self, edges: pair.a.edges, upper });
         // If the slots are full, the first one may hold an arc that is not left.
         (self.arc_count < LANES * N).then_some(())
@@ -180,7 +180,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
 
 struct FacePass<'s, 'p, 'v, const P: usize, const N: usize> {
     first: &'s mut FirstPass<P, N>,
-    pair: &'p Pair<'v>,
+    pair: &'p FacetPair<'v>,
 }
 
 impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
@@ -369,7 +369,7 @@ mod tests {
         let facets = [a.facets().unwrap(), b.facets().unwrap()];
         let mut buffers = [Buffer::default(), Buffer::default()];
         let reach = m.outer_radius() + m.center_point().w.abs().element_sum();
-        let pair = Pair::new(&m, &facets, &mut buffers, reach);
+        let pair = FacetPair::new(&m, &facets, &mut buffers, reach);
         let mut first = FirstPass::<P, N>::new(&pair);
         first.find_faces(&pair, dispatch);
         let (low, error) = (f64::from(first.low), f64::from(first.error));

@@ -29,7 +29,7 @@ mod witness;
 
 use glam::DVec3;
 
-use self::first_pass::{Arc, FirstPass, Pair, threshold};
+use self::first_pass::{Arc, FacetPair, FirstPass, threshold};
 use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS, SAME_NORMAL};
 use super::cache::Cache;
@@ -128,7 +128,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     // 2.
     let [a, b] = facets;
     let mut buffers = [Buffer::default(), Buffer::default()];
-    let pair = Pair::new(m, facets, &mut buffers, reach);
+    let pair = FacetPair::new(m, facets, &mut buffers, reach);
     let dispatch = a.dispatch().or(b.dispatch()).unwrap_or_else(Dispatch::best);
     let mut first = FirstPass::<P, N>::new(&pair);
     first.find_faces(&pair, dispatch);
@@ -137,7 +137,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return separated_by_face(m, facets, &first, cache);
     }
     // 3.
-    let mut search = Search::new(m, facets);
+    let mut search = AxisSearch::new(m, facets);
     search.evaluate_faces(&mut first)?;
     // 4.
     first.find_arcs(&pair, dispatch, search.best.upper as f32)?;
@@ -151,7 +151,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     // What the first pass has ruled out is at least two of its errors above the depth.
     let others = search.others.min(search.best.upper + 2.0 * f64::from(first.error)) - (search.best.upper - lower);
     // 6.
-    let Search { m, mut best, mut features, lowest_of_a, .. } = search;
+    let AxisSearch { m, mut best, mut features, lowest_of_a, .. } = search;
     if best.normal == lowest_of_a {
         // B is at a vertex, and A at a face.
         features[0] = Point::CENTER[0];
@@ -211,7 +211,7 @@ fn reversed_normal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     unit(m.rotation() * -b.normal(face)?)
 }
 
-struct Search<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
+struct AxisSearch<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
     m: &'m mut Minkowski<'s, A, B>,
     facets: &'f [Facets<'f>; 2],
     best: Bound,
@@ -225,7 +225,7 @@ struct Search<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
     lowest_of_a: DVec3,
 }
 
-impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, 'f, A, B> {
+impl<'m, 's, 'f, A: SupportMap + ?Sized, B: SupportMap + ?Sized> AxisSearch<'m, 's, 'f, A, B> {
     fn new(m: &'m mut Minkowski<'s, A, B>, facets: &'f [Facets<'f>; 2]) -> Self {
         let nothing = f64::INFINITY;
         let lowest_of_a = DVec3::ZERO;
