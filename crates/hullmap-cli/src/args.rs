@@ -1,7 +1,7 @@
 //! The command line: subcommands and flags of `bake`.
 //!
-//! The flags that shape a pack come from the table in `options/table.rs`; all others are here and in
-//! `args/`.
+//! The flags that shape a pack come from the table in `options/table.rs`; all others are here and
+//! in `args/`.
 
 pub mod export;
 mod guesses;

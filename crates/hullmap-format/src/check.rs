@@ -1,7 +1,8 @@
 //! Checks of an archive: whether it meets the requirements that the runtime relies on.
 //!
 //! [`crate::header`] checks the header. The runtime (`hullmap/src/pack/mod.rs`) decides which
-//! checks a file has to pass, and rejects it if one fails or the checksum differs. The levels follow one another:
+//! checks a file has to pass, and rejects it if one fails or the checksum differs. The levels
+//! follow one another:
 //!
 //! 1. [`Sections::read`]: the root. O(1).
 //! 2. [`layout`]: the sections of the format version in the header. O(1).

@@ -1,5 +1,5 @@
-//! Source formats, and how a file's format is recognised; `foreign.rs` recognises those that are not
-//! read.
+//! Source formats, and how a file's format is recognised; `foreign.rs` recognises those that are
+//! not read.
 
 use std::path::Path;
 

@@ -15,8 +15,8 @@ mod units {
     pub(super) const RADII: f64 = 54.0;
     /// For the length of the centre v₀.
     pub(super) const CENTER: f64 = 20.0;
-    /// For the lengths that only the preparation in f64 rounds, in units of `f64::EPSILON`: the largest coefficient,
-    /// `rounding_units::RADII`, of `crates/hullmap/src/solver/minkowski.rs`.
+    /// For the lengths that only the preparation in f64 rounds, in units of `f64::EPSILON`: the
+    /// largest coefficient, `rounding_units::RADII`, of `crates/hullmap/src/solver/minkowski.rs`.
     pub(super) const DOUBLE: f64 = 68.0;
 }
 

@@ -54,7 +54,8 @@ pub struct Uncovered {
 ///
 /// The second pair is for triangles on which the first leaves something: beside an acute edge, a
 /// point close to the planes of both faces can be far from the part. There, `outside` is hardly
-/// more than 0, and any error is accepted. The third pair is for wider gaps, which the others leave.
+/// more than 0, and any error is accepted. The third pair is for wider gaps, which the others
+/// leave.
 const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [1e-12, f64::INFINITY], [3e-7, 6e-7]];
 
 /// Accuracy of the bound, relative to the diagonal.

@@ -1,5 +1,6 @@
-//! Support query of a hull: the choice between a scan and a look-up in the direction index (cube map
-//! or quadtree over the Gauss map), which leads from the direction to a leaf and its support vertex.
+//! Support query of a hull: the choice between a scan and a look-up in the direction index (cube
+//! map or quadtree over the Gauss map), which leads from the direction to a leaf and its support
+//! vertex.
 //!
 //! 1. [`cube::locate`] finds the cell of the finest cube-map grid that contains the direction.
 //! 2. A tree is descended from the root of the cell's cube face: a branch reads the next bits of u
