@@ -81,8 +81,8 @@ impl Imported {
 /// Imports a source file.
 ///
 /// `file` is the name of the file in messages. `stem` is the name of objects without one, and of
-/// the hull of a whole file. The extension of `path` selects the format, or the first
-/// bytes if the extension is not known. Material files are not read.
+/// the hull of a whole file. The extension of `path` selects the format, or the first bytes if the
+/// extension is not known. Material files are not read.
 ///
 /// ```
 /// use std::path::Path;

@@ -10,8 +10,8 @@
 //!
 //! [`Index::support`] chooses the path for one block, and [`Index::support_out_of_line`] for more.
 //! Up to four blocks without an index are scanned at once, without a look-up. Otherwise
-//! [`Index::leaf`] matches the kind of the index. A batch interrupts
-//! its look-ups ([`Index::start_lookup`], [`Index::continue_lookup`]), which visit the same nodes.
+//! [`Index::leaf`] matches the kind of the index. A batch interrupts its look-ups
+//! ([`Index::start_lookup`], [`Index::continue_lookup`]), which visit the same nodes.
 //! Whether a query starts at a hint instead is decided in `hull/support_mapping.rs`.
 //!
 //! # Reference
