@@ -254,6 +254,7 @@ mod hull;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod manifold;
 mod pack;
+mod polygon;
 pub mod pose;
 mod ray_box;
 pub mod shapes;

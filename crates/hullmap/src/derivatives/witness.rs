@@ -20,10 +20,10 @@
 //!    difference. The support points of the face, relative to the place, are a polygon around it:
 //!    EPA in the plane, which ends as soon as the polygon contains a small disc.
 
-use arrayvec::ArrayVec;
 use glam::{DMat3, DVec2, DVec3};
 
 use super::pose_derivative::Differentiability;
+use crate::polygon;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::perpendicular;
@@ -44,9 +44,6 @@ const PARALLEL: f64 = 16.0;
 
 /// Three directions at equal angles, up to rounding error.
 const THIRDS: [DVec2; 3] = [DVec2::X, DVec2::new(-0.5, 0.866), DVec2::new(-0.5, -0.866)];
-
-/// Maximum number of corners of the polygon in a face. 3 to 6 are common.
-const MAX_CORNERS: usize = 16;
 
 /// Support points that are nearer to each other than this many tilts times the outer radius are at
 /// a vertex, or on a straight edge. Rounding errors are less than a tenth of it, and a surface is
@@ -307,34 +304,13 @@ fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let corner = (a.support(dir) - point_a) - (b.support(-dir) - point_b);
         DVec2::new(corner.dot(x), corner.dot(y))
     };
-    let mut polygon = Polygon(THIRDS.map(corner).into_iter().collect());
-    while !polygon.0.is_full() {
-        let Some((at, height, outward)) = polygon.nearest_side() else { return false };
-        if height > reach {
-            return true;
-        }
+    let mut is_inside = false;
+    polygon::expand(THIRDS.map(corner), |side| {
+        is_inside = side.distance > reach;
+        let outward = side.outward.try_normalize().filter(|_| !is_inside)?;
         let found = corner(outward);
         // NaN takes the failing branch.
-        if !(found.dot(outward) > height + reach) {
-            return false;
-        }
-        polygon.0.insert(at + 1, found);
-    }
-    false
-}
-
-/// A convex polygon, counter-clockwise. Corners may coincide.
-struct Polygon(ArrayVec<DVec2, MAX_CORNERS>);
-
-impl Polygon {
-    /// The side whose line has the least height over the origin: its index, that height, and its
-    /// outward unit normal. `None` if all corners are at one place.
-    fn nearest_side(&self) -> Option<(usize, f64, DVec2)> {
-        let corners = &self.0;
-        let sides = corners.iter().zip(corners.iter().cycle().skip(1)).enumerate().filter_map(|(at, (&from, &to))| {
-            let outward = DVec2::new(to.y - from.y, from.x - to.x).try_normalize()?;
-            Some((at, outward.dot(from), outward))
-        });
-        sides.min_by(|a, b| a.1.total_cmp(&b.1))
-    }
+        (found.dot(outward) > side.distance + reach).then_some(found)
+    });
+    is_inside
 }

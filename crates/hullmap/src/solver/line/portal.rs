@@ -23,6 +23,7 @@
 use glam::DVec3;
 
 use super::clip::Clip;
+use crate::polygon::edge_distance;
 use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
@@ -106,16 +107,9 @@ impl Portal {
     /// Minimum distance of the line from an edge, seen along the line; negative if it passes
     /// outside.
     pub(super) fn depth(&self) -> f64 {
-        let [a, b, c] = self.corners.map(|corner| corner.at);
+        let [a, b, c] = self.corners.map(|corner| corner.at.truncate());
         [(a, b), (b, c), (c, a)].into_iter().map(|(a, b)| edge_distance(a, b)).fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Distance of the line from the edge `a` `b`, seen along the line: positive on its left.
-pub(super) fn edge_distance(a: DVec3, b: DVec3) -> f64 {
-    let distance = turn(a, b) / across_sq(b - a).sqrt();
-    // An edge without length is no edge.
-    if distance.is_nan() { 0.0 } else { distance }
 }
 
 /// Weights of the point of a triangle that is nearest to the line.
