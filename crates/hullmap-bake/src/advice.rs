@@ -234,10 +234,12 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }
 
-/// Note on the number of parts that primitives may replace.
-pub fn primitives(name: &str, count: usize, of: usize) -> Remark {
+/// Note on the number of parts that primitives may replace; `is_late` if the time ended the search.
+pub fn primitives(name: &str, count: usize, of: usize, is_late: bool) -> Remark {
     let noun = if of == 1 { "part" } else { "parts" };
-    let text = format!("{name}: {count} of {of} {noun} can be replaced by a box, sphere, capsule or cylinder, proven");
+    let late = if is_late { "; --decompose-seconds ended the search for more" } else { "" };
+    let text =
+        format!("{name}: {count} of {of} {noun} can be replaced by a box, sphere, capsule or cylinder, proven{late}");
     Remark::note("primitives", name, text)
 }
 

@@ -86,6 +86,8 @@ typedef struct {
     // Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
     // Default: everywhere.
     double reachable;
+    // 1: every point of a closed mesh's solid is in a part, as far as max_parts allows. Default: 0.
+    uint32_t fill;
 } HullmapDecomposeOptions;
 
 // Facts about a decomposition.
@@ -98,6 +100,25 @@ typedef struct {
     double uncovered;
     // Bound on how far a point of a part lies outside the mesh's solid; NaN if it is unknown.
     double protrusion;
+    // Overlap: the sum of the parts' volumes minus the volume of their union, as a share of the
+    // latter. An estimate; NaN if it is unknown.
+    double overlap;
+    // Mean distance of the parts' visible surface from the mesh's solid. An estimate; NaN if it is
+    // unknown.
+    double mean_protrusion;
+    // Share of the solid's volume that is in no part. An estimate; NaN if the mesh is not closed.
+    double voids;
+    // 1 if every point of the solid is proven to be in a part. Only with the option fill is this
+    // examined.
+    uint32_t is_filled;
+    // Volume of the solid that the mesh bounds; NaN if the mesh is not closed. The parts weigh
+    // more, because they protrude and overlap.
+    double volume;
+    // Centre of mass of that solid; NaN if the mesh is not closed.
+    double center[3];
+    // Inertia tensor of that solid about its centre of mass at density 1, row by row; NaN if the
+    // mesh is not closed.
+    double inertia[9];
 } HullmapDecomposeFacts;
 
 // A convex part. The arrays belong to the decomposition.
@@ -173,4 +194,4 @@ void hullmap_decomposition_free(HullmapDecomposition *decomposition);
 
 // Options with all defaults.
 #define HULLMAP_DECOMPOSE_OPTIONS_DEFAULT \
-    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0, 0.0}
+    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0, 0.0, 0}

@@ -198,7 +198,13 @@ public:
 
     void Release() override { delete this; }
 
+    // Of the mesh if it is closed, otherwise of its parts.
     bool ComputeCenterOfMass(double centerOfMass[3]) const override {
+        if (GetNConvexHulls() == 0) return false;
+        if (facts_.volume > 0) {
+            for (int axis = 0; axis < 3; ++axis) centerOfMass[axis] = facts_.center[axis];
+            return true;
+        }
         double sum[3] = {0, 0, 0}, volume = 0;
         for (uint32_t index = 0; index < GetNConvexHulls(); ++index) {
             volume += parts_[index].volume;
@@ -256,13 +262,12 @@ private:
         HullmapDecomposeOptions options = HULLMAP_DECOMPOSE_OPTIONS_DEFAULT;
         options.max_error_share = 0.02 * params_.m_minimumVolumePercentErrorAllowed;
         options.max_vertices = params_.m_maxNumVerticesPerCH;
-        HullmapDecomposeFacts facts = {sizeof(HullmapDecomposeFacts), 0, 0.0, 0.0};
-        decompose(options, facts);
-        if (facts.part_count > params_.m_maxConvexHulls && params_.m_maxConvexHulls > 0) {
+        decompose(options);
+        if (facts_.part_count > params_.m_maxConvexHulls && params_.m_maxConvexHulls > 0) {
             options.max_parts = params_.m_maxConvexHulls;
-            decompose(options, facts);
+            decompose(options);
         }
-        for (size_t index = 0; index < facts.part_count; ++index) {
+        for (size_t index = 0; index < facts_.part_count; ++index) {
             HullmapDecomposePart part;
             const HullmapDecomposeResult result = hullmap_decomposition_part(found_, index, &part);
             if (result == HULLMAP_DECOMPOSE_RESULT_OK) parts_.push_back(part);
@@ -271,9 +276,10 @@ private:
         if (is_async_ && params_.m_callback != nullptr) params_.m_callback->NotifyVHACDComplete();
     }
 
-    void decompose(const HullmapDecomposeOptions& options, HullmapDecomposeFacts& facts) {
+    void decompose(const HullmapDecomposeOptions& options) {
         hullmap_decomposition_free(found_);
-        facts.part_count = 0;
+        facts_ = HullmapDecomposeFacts();
+        facts_.struct_size = sizeof facts_;
         const HullmapDecomposeResult result =
             hullmap_decompose(points_.data(), points_.size() / 3, triangles_.data(), triangles_.size() / 3, &options,
                               progress_, &found_);
@@ -281,7 +287,7 @@ private:
             if (params_.m_logger != nullptr) params_.m_logger->Log(hullmap_decompose_last_error());
             return;
         }
-        hullmap_decomposition_facts(found_, &facts);
+        hullmap_decomposition_facts(found_, &facts_);
     }
 
     static ConvexHull hull_of(const HullmapDecomposePart& part) {
@@ -349,6 +355,7 @@ private:
     std::vector<uint32_t> triangles_;
     HullmapDecomposeProgress* progress_ = nullptr;
     HullmapDecomposition* found_ = nullptr;
+    HullmapDecomposeFacts facts_ = HullmapDecomposeFacts();
     std::vector<HullmapDecomposePart> parts_;
 };
 

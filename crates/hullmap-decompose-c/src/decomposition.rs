@@ -3,18 +3,18 @@
 //! 1. Check the arrays. Positions are taken relative to the centre of the box around them, and
 //!    equal ones are merged.
 //! 2. Decompose the mesh. A convex mesh gives its hull, simplified if it has too many vertices.
-//! 3. Measure cover and protrusion.
+//! 3. Measure cover and protrusion, and how the parts fit together.
 
 #![forbid(unsafe_code)]
 
 use std::collections::HashMap;
 use std::time::Instant;
 
-use hullmap_bake::deadline::Deadline;
+use hullmap_bake::deadline::{Deadline, is_over};
 use hullmap_bake::decompose::{Cover, Length, decompose_in};
-use hullmap_bake::fit::fits_around;
+use hullmap_bake::fit::{Solid, SolidKind, fits_around, looseness, mesh_mass, remainder, voids};
 use hullmap_bake::hull::{self, Hull};
-use hullmap_bake::mass::mass;
+use hullmap_bake::mass::{Mass, mass};
 use hullmap_bake::progress::{Progress, Stage};
 use hullmap_bake::simplify::{Limit, MIN_VERTICES, simplify};
 use hullmap_bake::{BakeError, MAX_POINTS, PointSet};
@@ -26,8 +26,7 @@ use crate::types::{Facts, Options, Part, Result as Code};
 #[derive(Debug)]
 pub struct Decomposition {
     parts: Vec<OwnedPart>,
-    uncovered: f64,
-    protrusion: f64,
+    facts: Facts,
 }
 
 /// The arrays of a part.
@@ -43,12 +42,7 @@ struct OwnedPart {
 impl Decomposition {
     /// Facts about it.
     pub fn facts(&self) -> Facts {
-        Facts {
-            struct_size: size_of::<Facts>(),
-            part_count: self.parts.len(),
-            uncovered: self.uncovered,
-            protrusion: self.protrusion,
-        }
+        self.facts
     }
 
     /// The part with this index.
@@ -88,24 +82,52 @@ pub fn decompose(
     if stage.is_cancelled() {
         return Err(Failure::new(Code::Cancelled, "the decomposition was cancelled; start it again"));
     }
+    let spent = start.elapsed().as_secs_f64();
+    let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
+    let (parts, facts) = measured(&mesh, &cover, &hulls, deadline);
+    stage.reach(1.0);
+    Ok(Decomposition { parts, facts })
+}
+
+/// The arrays of the parts, with their bounds, and the facts about all of them. After the deadline,
+/// bounds are coarse, and estimates are left out.
+fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Deadline>) -> (Vec<OwnedPart>, Facts) {
+    let all: Vec<&Hull> = hulls.iter().collect();
     // With a maximum number of parts, the limit is not proven.
     let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(&mesh.positions)));
-    let fits = if mesh.triangles.is_empty() {
-        None
-    } else {
-        let spent = start.elapsed().as_secs_f64();
-        let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
-        fits_around(&cover.solid(&mesh), &mesh, &hulls.iter().collect::<Vec<_>>(), limit, deadline)
-    };
+    let solid = (!mesh.triangles.is_empty()).then(|| cover.solid(mesh));
+    let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &all, limit, deadline));
     let protrusion = |index: usize| fits.as_ref().and_then(|fits| fits.get(index)).map_or(f64::NAN, |f| f.protrusion);
     let parts: Vec<OwnedPart> =
         hulls.iter().enumerate().map(|(index, hull)| owned(hull, mesh.origin, protrusion(index))).collect();
-    stage.reach(1.0);
-    Ok(Decomposition {
+    let is_early = !is_over(deadline);
+    let whole = solid.as_ref().filter(|_| is_early).and_then(|solid| Some((solid, hull::build(mesh).ok()?)));
+    let loose = whole.map(|(solid, whole)| looseness(solid, &whole, &all));
+    // Space that is not reachable does not belong to the mesh's own solid.
+    let own = solid.map(|solid| if cover.reachable.is_some() { Solid::new(mesh) } else { solid });
+    let mass = mesh_mass(mesh);
+    let empty = own.as_ref().zip(mass).filter(|_| is_early);
+    let is_filled = |own: &Solid| cover.fill && own.kind() == SolidKind::Watertight && remainder(own, &all).is_empty();
+    let facts = Facts {
+        struct_size: size_of::<Facts>(),
+        part_count: parts.len(),
         uncovered: fits.as_ref().and_then(|fits| fits.first()).map_or(f64::NAN, |fit| fit.uncovered),
         protrusion: if fits.is_some() { parts.iter().map(|p| p.protrusion).fold(0.0, f64::max) } else { f64::NAN },
-        parts,
-    })
+        overlap: loose.map_or(f64::NAN, |loose| loose.overlap),
+        mean_protrusion: loose.map_or(f64::NAN, |loose| loose.mean_protrusion),
+        voids: empty.map_or(f64::NAN, |(own, mass)| voids(own, &all, deadline).relative_to(mass.volume).share),
+        is_filled: own.as_ref().filter(|_| is_early).is_some_and(is_filled).into(),
+        volume: mass.map_or(f64::NAN, |mass| mass.volume),
+        center: mass.map_or([f64::NAN; 3], |mass| moved(mass.centroid, mesh.origin)),
+        inertia: mass.map_or([f64::NAN; 9], |mass| inertia(&mass)),
+    };
+    (parts, facts)
+}
+
+/// Inertia tensor about the centre of mass at density 1, row by row.
+fn inertia(mass: &Mass) -> [f64; 9] {
+    let [xx, yy, zz, yz, zx, xy] = mass.second_moments.map(|moment| moment * mass.volume);
+    [yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy]
 }
 
 /// The hull of a mesh that is not divided, with at most this number of vertices.
@@ -151,7 +173,7 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         },
         symmetry: options.ignore_symmetry == 0,
         reachable: (options.reachable > 0.0).then_some(Length::Absolute(options.reachable)),
-        fill: usual.fill,
+        fill: options.fill != 0,
         seconds: (options.seconds > 0.0).then_some(options.seconds),
     })
 }
@@ -221,12 +243,13 @@ fn diagonal(positions: &[[f32; 3]]) -> f64 {
     bounds.iter().map(|(low, high)| (f64::from(*high) - f64::from(*low)).powi(2)).sum::<f64>().sqrt()
 }
 
+/// A point relative to `origin`, in the frame of the mesh.
+fn moved([x, y, z]: [f64; 3], [a, b, c]: [f64; 3]) -> [f64; 3] {
+    [x + a, y + b, z + c]
+}
+
 /// The arrays of a hull in the frame of the mesh.
 fn owned(hull: &Hull, origin: [f64; 3], protrusion: f64) -> OwnedPart {
-    let moved = |point: [f64; 3]| {
-        let ([x, y, z], [a, b, c]) = (point, origin);
-        [x + a, y + b, z + c]
-    };
     let mass = mass(hull);
     // Faces are convex: each is divided from its first vertex.
     let fan = |face: &Vec<u32>| -> Vec<u32> {
@@ -235,10 +258,10 @@ fn owned(hull: &Hull, origin: [f64; 3], protrusion: f64) -> OwnedPart {
         pairs.flat_map(|pair| std::iter::once(first).chain(pair.iter().copied())).collect()
     };
     OwnedPart {
-        vertices: hull.vertices.iter().flat_map(|vertex| moved(vertex.map(f64::from))).collect(),
+        vertices: hull.vertices.iter().flat_map(|vertex| moved(vertex.map(f64::from), origin)).collect(),
         triangles: hull.faces.iter().flat_map(fan).collect(),
         volume: mass.volume,
-        center: moved(mass.centroid),
+        center: moved(mass.centroid, origin),
         protrusion,
     }
 }

@@ -52,6 +52,8 @@ pub struct Options {
     /// Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
     /// Default: everywhere.
     pub reachable: f64,
+    /// 1: every point of a closed mesh's solid is in a part, as far as max_parts allows. Default: 0.
+    pub fill: u32,
 }
 
 /// A convex part. The arrays belong to the decomposition.
@@ -86,4 +88,23 @@ pub struct Facts {
     pub uncovered: f64,
     /// Bound on how far a point of a part lies outside the mesh's solid; NaN if it is unknown.
     pub protrusion: f64,
+    /// Overlap: the sum of the parts' volumes minus the volume of their union, as a share of the
+    /// latter. An estimate; NaN if it is unknown.
+    pub overlap: f64,
+    /// Mean distance of the parts' visible surface from the mesh's solid. An estimate; NaN if it is
+    /// unknown.
+    pub mean_protrusion: f64,
+    /// Share of the solid's volume that is in no part. An estimate; NaN if the mesh is not closed.
+    pub voids: f64,
+    /// 1 if every point of the solid is proven to be in a part. Only with the option fill is this
+    /// examined.
+    pub is_filled: u32,
+    /// Volume of the solid that the mesh bounds; NaN if the mesh is not closed. The parts weigh
+    /// more, because they protrude and overlap.
+    pub volume: f64,
+    /// Centre of mass of that solid; NaN if the mesh is not closed.
+    pub center: [f64; 3],
+    /// Inertia tensor of that solid about its centre of mass at density 1, row by row; NaN if the
+    /// mesh is not closed.
+    pub inertia: [f64; 9],
 }

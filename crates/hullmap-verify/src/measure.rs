@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use hullmap_bake::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, excess, thickness};
 use hullmap_bake::advice::{self, Remark};
-use hullmap_bake::deadline::Deadline;
+use hullmap_bake::deadline::{Deadline, is_over};
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
 use hullmap_bake::hull::Hull;
-use hullmap_bake::primitive::primitives;
+use hullmap_bake::primitive::{PrimitiveLimits, primitives};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet, SolidKind};
 
@@ -65,7 +65,7 @@ pub fn parts(
             let (estimates, holes) = record(points, own, limit, Some(cover), is_divided, deadline);
             measured.remarks.extend(advice::openings(name, holes));
             if has_primitives {
-                measured.remarks.extend(record_primitives(points, own, cover));
+                measured.remarks.extend(record_primitives(points, own, cover, deadline));
             }
             judge(name, diagonal(points), own, Some(cover), estimates, &mut measured);
         }
@@ -157,7 +157,13 @@ fn record(
 
 /// Records the primitives that may replace parts, and returns a note on their number. They protrude
 /// by at most the maximum error; with a maximum number of parts, by at most as much as the parts.
-fn record_primitives(mesh: &PointSet, own: &mut [BakedHull], cover: &Cover) -> Option<Remark> {
+/// After the deadline, none are sought.
+fn record_primitives(
+    mesh: &PointSet,
+    own: &mut [BakedHull],
+    cover: &Cover,
+    deadline: Option<Deadline>,
+) -> Option<Remark> {
     let fits: Vec<Fit> = own.iter().filter_map(|baked| baked.fit).collect();
     if fits.len() < own.len() {
         return None;
@@ -165,10 +171,15 @@ fn record_primitives(mesh: &PointSet, own: &mut [BakedHull], cover: &Cover) -> O
     let reached = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
     let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.of(diagonal(mesh)) };
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
-    let found = primitives(&solid_of(mesh, Some(cover)), mesh, &hulls, &fits, limit, cover.fill);
+    let limits = PrimitiveLimits { protrusion: limit, contains_part: cover.fill, deadline };
+    let found = if is_over(deadline) {
+        vec![None; own.len()]
+    } else {
+        primitives(&solid_of(mesh, Some(cover)), mesh, &hulls, &fits, &limits)
+    };
     let count = found.iter().flatten().count();
     own.iter_mut().zip(found).for_each(|(baked, primitive)| baked.primitive = primitive);
-    Some(advice::primitives(&mesh.name, count, own.len()))
+    Some(advice::primitives(&mesh.name, count, own.len(), is_over(deadline)))
 }
 
 /// Adds the summary of an object, and remarks on what an engine cannot use. `cover` are the
@@ -198,6 +209,7 @@ fn judge(
         uncovered: fit.map_or(0.0, |fit| fit.uncovered),
         overlap: estimates.and_then(|estimates| estimates.overlap),
         overlap_error: estimates.and_then(|estimates| estimates.overlap_error).unwrap_or(0.0),
+        outside_hull: estimates.and_then(|estimates| estimates.outside_hull),
         parts: &parts,
         is_cut: estimates.is_some(),
         cover,

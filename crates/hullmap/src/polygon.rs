@@ -52,6 +52,7 @@ pub(crate) fn expand(corners: [DVec2; 3], mut next: impl FnMut(&Side) -> Option<
     }
 }
 
+#[expect(clippy::indexing_slicing, reason = "the index is taken modulo the number of corners")]
 fn nearest_side(polygon: &[DVec2]) -> Option<(usize, Side)> {
     let mut nearest: Option<(usize, Side)> = None;
     for (index, &start) in polygon.iter().enumerate() {
@@ -68,6 +69,7 @@ fn nearest_side(polygon: &[DVec2]) -> Option<(usize, Side)> {
 
 /// Removes the neighbours of the new corner that are no longer corners. If one corner of the first
 /// triangle is no support point, at most this corner is removed.
+#[expect(clippy::indexing_slicing, reason = "indices are taken modulo the number of corners")]
 fn remove_dents(polygon: &mut ArrayVec<DVec2, MAX_CORNERS>, new: usize) {
     let count = polygon.len();
     let [before, after] = [(new + count - 1) % count, (new + 1) % count];

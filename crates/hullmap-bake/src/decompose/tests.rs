@@ -119,6 +119,59 @@ fn parts_are_tight_and_apart() {
     }
 }
 
+/// Bodies rest on such faces. A limit of 4 % would allow parts to round them off, or to extend
+/// beyond them.
+#[test]
+fn flat_faces_stay_flat() {
+    let cover = Cover { max_error: Length::Relative(0.04), ..Cover::default() };
+    for mesh in [concave::pipe(24), concave::horseshoe(16)] {
+        let mesh = point_set(&mesh);
+        let parts = hulls(&mesh, &cover);
+        let diagonal = Solid::new(&mesh).diagonal();
+        let extent =
+            |points: &[[f32; 3]], sign: f32| points.iter().map(|p| sign * p[2]).fold(f32::NEG_INFINITY, f32::max);
+        for sign in [-1.0, 1.0] {
+            let all = parts.iter().map(|part| extent(&part.vertices, sign)).fold(f32::NEG_INFINITY, f32::max);
+            let beyond = f64::from(all - extent(&mesh.positions, sign));
+            assert!((0.0..1e-6 * diagonal).contains(&beyond), "{} parts, {sign}: {beyond}", parts.len());
+        }
+    }
+    // The inner faces, too.
+    for mesh in [concave::l(), concave::chair()] {
+        let mesh = point_set(&mesh);
+        let parts = hulls(&mesh, &cover);
+        let fits = fits(&mesh, &parts.iter().collect::<Vec<_>>(), None).unwrap();
+        let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
+        println!("{} parts: {worst}", parts.len());
+        assert!(worst < 1e-5 * Solid::new(&mesh).diagonal(), "{worst}");
+    }
+}
+
+/// Work of a decomposition, as readings of a clock that ends nothing.
+fn work(mesh: &PointSet, max_parts: Option<u32>) -> u64 {
+    static READINGS: AtomicU64 = AtomicU64::new(0);
+    let cover = Cover { max_parts, ..Cover::default() };
+    let clock = || Duration::from_secs(READINGS.fetch_add(1, Ordering::Relaxed));
+    let before = READINGS.load(Ordering::Relaxed);
+    let parts = decompose_by(mesh, &cover, Some(Deadline::by(clock, f64::INFINITY)), Stage::default());
+    assert!(parts.unwrap().unwrap().len() > 1);
+    READINGS.load(Ordering::Relaxed) - before
+}
+
+#[test]
+fn a_number_of_parts_costs_at_most_three_plain_searches() {
+    for mesh in [concave::horseshoe(16), concave::chair()] {
+        let mesh = point_set(&mesh);
+        let plain = work(&mesh, None);
+        assert!(plain > 20_000, "the sample is not representative: {plain}");
+        for count in [3, 8, 32] {
+            let counted = work(&mesh, Some(count));
+            println!("at most {count} parts: {counted}; any number: {plain}");
+            assert!(counted <= 3 * plain, "{count}: {counted} > 3 · {plain}");
+        }
+    }
+}
+
 /// Two bars of volume 6 have a cube in common. Apart, they are three.
 #[test]
 fn parts_that_cross_are_divided_if_they_may_not_overlap() {

@@ -34,6 +34,7 @@ pub use shape::Primitive;
 
 use crate::{
     PointSet,
+    deadline::{Deadline, is_over},
     decompose::partition::body::Body,
     fit::{Accuracy, Fit, Solid, planes, protrusion},
     hull::Hull,
@@ -55,9 +56,19 @@ pub struct ProvenPrimitive {
     pub protrusion: f64,
 }
 
+/// Limits of primitives.
+#[derive(Clone, Copy, Debug)]
+pub struct PrimitiveLimits {
+    /// Maximum protrusion from the solid.
+    pub protrusion: f64,
+    /// Whether a primitive contains all of its part, so that no voids arise.
+    pub contains_part: bool,
+    /// When no more primitives are sought.
+    pub deadline: Option<Deadline>,
+}
+
 /// For each part of `mesh` the smallest primitive that can replace it; `None` where there is none.
-/// `fits` are the bounds of the parts. A primitive protrudes from `solid` by at most `limit`. With
-/// `whole`, it contains all of its part, so that no voids arise.
+/// `fits` are the bounds of the parts. Protrusion counts from `solid`.
 ///
 /// # Complexity
 /// For each part, a pass over the triangles, and at most four proofs.
@@ -66,18 +77,17 @@ pub fn primitives(
     mesh: &PointSet,
     parts: &[&Hull],
     fits: &[Fit],
-    limit: f64,
-    whole: bool,
+    limits: &PrimitiveLimits,
 ) -> Vec<Option<ProvenPrimitive>> {
     let replaced = |(part, fit): (&&Hull, &Fit)| {
-        if part.rank < 3 {
+        if part.rank < 3 || is_over(limits.deadline) {
             return None;
         }
         let mut points = contained(mesh, part, fit.uncovered, solid.diagonal());
-        if whole || points.is_empty() {
+        if limits.contains_part || points.is_empty() {
             points.extend(part.positions());
         }
-        of_points(solid, &points, limit)
+        of_points(solid, &points, limits)
     };
     parts.par_iter().zip(fits).map(replaced).collect()
 }
@@ -103,30 +113,31 @@ pub fn contained(mesh: &PointSet, part: &Hull, uncovered: f64, diagonal: f64) ->
     points
 }
 
-/// The smallest primitive around points that protrudes by at most `limit`.
-fn of_points(solid: &Solid, points: &[DVec3], limit: f64) -> Option<ProvenPrimitive> {
+/// The smallest primitive around points that is within the limits.
+fn of_points(solid: &Solid, points: &[DVec3], limits: &PrimitiveLimits) -> Option<ProvenPrimitive> {
     let diagonal = solid.diagonal();
     let body = Body::new(points, 0.0);
     let mut found = candidates::candidates(&body, MARGIN * diagonal);
     found.retain(|primitive| points.iter().all(|p| primitive.holds(*p, 0.0)));
     found.sort_by(|a, b| a.volume().total_cmp(&b.volume()));
     found.into_iter().find_map(|primitive| {
-        let protrusion = proven(solid, &primitive, limit)?;
+        let protrusion = proven(solid, &primitive, limits.protrusion, limits.deadline)?;
         Some(ProvenPrimitive { primitive, protrusion })
     })
 }
 
-/// A bound on how far a primitive protrudes from a solid, if it is at most `limit`.
-pub fn proven(solid: &Solid, primitive: &Primitive, limit: f64) -> Option<f64> {
+/// A bound on how far a primitive protrudes from a solid, if it is at most `limit`; `None` also if
+/// the deadline passes first.
+pub fn proven(solid: &Solid, primitive: &Primitive, limit: f64, deadline: Option<Deadline>) -> Option<f64> {
     let diagonal = solid.diagonal();
     // Most primitives that protrude are refuted by a few points. Written so that NaN fails.
     if !around::surface_points(primitive).iter().all(|p| solid.distance(*p) <= limit) {
         return None;
     }
     let polytope = around::polytope(primitive, EXCESS * limit, diagonal)?;
-    let mut found = protrusion(solid, &polytope, &Accuracy::tight(diagonal)).bound;
+    let mut found = protrusion(solid, &polytope, &Accuracy { deadline, ..Accuracy::tight(diagonal) }).bound;
     if found > limit {
-        found = protrusion(solid, &polytope, &Accuracy::decide(limit)).bound;
+        found = protrusion(solid, &polytope, &Accuracy { deadline, ..Accuracy::decide(limit) }).bound;
     }
     (found <= limit).then_some(found)
 }

@@ -101,7 +101,10 @@ fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>>
     let solid = Solid::new(mesh);
     let (diagonal, limit) = (solid.diagonal(), error * solid.diagonal());
     let fits = fits(mesh, &parts, Some(limit)).unwrap();
-    let found = primitives(&solid, mesh, &parts, &fits, limit, false);
+    let limits = PrimitiveLimits { protrusion: limit, contains_part: false, deadline: None };
+    let found = primitives(&solid, mesh, &parts, &fits, &limits);
+    let late = PrimitiveLimits { deadline: Some(Deadline::after(0.0)), ..limits };
+    assert!(primitives(&solid, mesh, &parts, &fits, &late).iter().all(Option::is_none), "{name}: after the deadline");
     let mut rng = SplitMix64::new(SEED);
     let planes: Vec<_> = parts.iter().map(|part| planes::half_spaces(part)).collect();
     let room = 1e-6 * diagonal;

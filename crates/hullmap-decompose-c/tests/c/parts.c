@@ -72,16 +72,25 @@ static HullmapDecomposeResult run(const HullmapDecomposeOptions *options, Hullma
 
 static void good_calls(void) {
     HullmapDecomposition *found = NULL;
-    HullmapDecomposeFacts facts = {sizeof(HullmapDecomposeFacts), 0, 0, 0};
+    HullmapDecomposeFacts facts;
     HullmapDecomposeOptions options = HULLMAP_DECOMPOSE_OPTIONS_DEFAULT;
     HullmapDecomposeProgress *progress = hullmap_decompose_progress_new();
     HullmapDecomposePart part;
     double volume = 0;
     size_t i, k;
+    facts.struct_size = sizeof facts;
     check(run(NULL, &found) == HULLMAP_DECOMPOSE_RESULT_OK, "default options");
     check(hullmap_decomposition_facts(found, &facts) == HULLMAP_DECOMPOSE_RESULT_OK, "facts");
     check(facts.part_count >= 2 && facts.part_count <= 8, "number of parts");
     check(facts.uncovered <= 1e-6 && facts.protrusion <= 0.02 * sqrt(19), "bounds");
+    check(facts.overlap >= 0 && facts.overlap < 0.06, "overlap");
+    check(facts.mean_protrusion >= 0 && facts.mean_protrusion <= facts.protrusion, "mean protrusion");
+    check(facts.voids >= 0 && facts.voids < 0.01 && facts.is_filled == 0, "voids");
+    check(fabs(facts.volume - 7) < 1e-6, "the volume of the mesh");
+    check(fabs(facts.center[0] - 1001.5) < 1e-6 && fabs(facts.center[1] - 9.5 / 7) < 1e-6, "its centre");
+    /* Of the base and the two arms, with the parallel axis theorem. */
+    check(fabs(facts.inertia[8] - (2.5 + 3 * 36.0 / 49 + 2 * (5.0 / 6 + 2 * (1 + 81.0 / 196)))) < 1e-5, "its inertia");
+    check(fabs(facts.inertia[1]) < 1e-6 && facts.inertia[1] == facts.inertia[3], "its products of inertia");
     for (i = 0; i < 16; ++i) {
         double least = HUGE_VAL;
         for (k = 0; k < facts.part_count; ++k) {
@@ -99,6 +108,13 @@ static void good_calls(void) {
     check(volume > 7 * (1 - 1e-6) && volume < 9, "the U has the volume 7, its hull 9");
     hullmap_decomposition_free(found);
 
+    options.fill = 1;
+    check(run(&options, &found) == HULLMAP_DECOMPOSE_RESULT_OK, "filled");
+    check(hullmap_decomposition_facts(found, &facts) == HULLMAP_DECOMPOSE_RESULT_OK && facts.is_filled == 1, "filled");
+    check(facts.voids == 0, "no voids");
+    hullmap_decomposition_free(found);
+    options.fill = 0;
+
     options.max_parts = 1;
     check(hullmap_decompose(points[0], 16, triangles[0], 28, &options, progress, &found) == HULLMAP_DECOMPOSE_RESULT_OK,
           "one part");
@@ -112,11 +128,12 @@ static void good_calls(void) {
 
 static void bad_calls(void) {
     HullmapDecomposition *found = NULL;
-    HullmapDecomposeFacts facts = {1, 0, 0, 0};
+    HullmapDecomposeFacts facts;
     HullmapDecomposeOptions options = HULLMAP_DECOMPOSE_OPTIONS_DEFAULT;
     HullmapDecomposeProgress *progress = hullmap_decompose_progress_new();
     HullmapDecomposePart part;
     const double kept = points[3][1];
+    facts.struct_size = 1;
     check(run(NULL, NULL) == HULLMAP_DECOMPOSE_RESULT_NULL, "out is NULL");
     check(hullmap_decompose(NULL, 16, triangles[0], 28, NULL, NULL, &found) == HULLMAP_DECOMPOSE_RESULT_NULL, "points");
     check(strcmp(hullmap_decompose_last_error(), "points is NULL") == 0, "message");

@@ -315,6 +315,25 @@ pub mod tests {
         }
     }
 
+    /// A gear has cuts in many directions that are as good. Without the extra cost, a slanted one is
+    /// best for 13 teeth.
+    #[test]
+    fn cuts_across_an_axis_are_preferred() {
+        with_search(&gear(13, 0.4), 0.02, |search, piece| {
+            let (near, conflicts) = (search.scale.neighbours(&piece.atoms), Conflicts::new(search, piece));
+            let choice = Choice::new(search, piece, &near, &conflicts);
+            let is_slanted = |candidate: &Candidate| candidate.plane.normal.abs().max_element() < 0.99;
+            let extra = |candidate: &Candidate| if is_slanted(candidate) { SLANTED } else { 0.0 };
+            let plain = |candidate: &Candidate| {
+                choice.cost(candidate) * (candidate.factor - extra(candidate)) / candidate.factor
+            };
+            let candidates = choice.candidates();
+            let best = candidates.iter().min_by(|a, b| choice.cost(a).total_cmp(&choice.cost(b))).unwrap();
+            let best_plain = candidates.iter().min_by(|a, b| plain(a).total_cmp(&plain(b))).unwrap();
+            assert!(!is_slanted(best) && is_slanted(best_plain), "{:?} {:?}", best.plane, best_plain.plane);
+        });
+    }
+
     /// Compared with the least cost of all candidates.
     #[test]
     fn candidates_that_are_skipped_are_no_better() {

@@ -446,3 +446,28 @@ impl Faces<'_> {
         (left, best)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use shapes::solids::extrusion;
+
+    use super::*;
+    use crate::{decompose::tests::point_set, fit::Solid};
+
+    /// A plate, which may get a thickness of 0.2 only where it may protrude by half of that.
+    #[test]
+    fn a_hull_stays_thin_where_the_thick_one_protrudes_too_far() {
+        let mesh = point_set(&extrusion(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]], 0.0, 0.001));
+        let (solid, plate) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
+        let field = Field::new(&solid);
+        let result = |limit: f64| {
+            let (max_vertices, diagonal) = (64, solid.diagonal());
+            let bounds =
+                Bounds { limit, max_vertices, diagonal, thickness: 0.2, deadline: None, stage: Stage::default() };
+            let found = thick(&field, plate.clone(), &bounds);
+            assert!(prove(&field, &found, &bounds, MEASUREMENTS).is_ok());
+            thinnest(&found.positions()).1
+        };
+        assert!((result(0.11) - 0.2).abs() < 1e-3 && (result(0.09) - 0.001).abs() < 1e-6);
+    }
+}
