@@ -281,3 +281,45 @@ def test_xml_snippets_are_complete(tmp_path):
     assert inertia["ixy"] < 0 and inertia["ixx"] > 0
     with pytest.raises(hullmap.ArrayError, match="MuJoCo requires a solid"):
         hullmap.to_mjcf(hullmap.bake(CUBE[:4]))
+
+
+def test_primitives_replace_hulls_in_xml(tmp_path):
+    from xml.etree import ElementTree
+
+    # A slab on two posts, turned and moved. Each part is a box.
+    slab, post = CUBE * [3, 2, 0.2], CUBE * [0.2, 0.3, 1]
+    boxes = [slab, post + [-2, 0, -1.2], post + [2, 0, -1.2]]
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    points = np.concatenate(boxes) @ turn.T + [1, 2, 3]
+    triangles = np.concatenate([np.array(faces) + 8 * index for index in range(3)])
+    pack = hullmap.bake(points, triangles, decompose=True, max_error="1%", primitives=True)
+    assert [hull.primitive.kind for hull in pack] == ["box"] * 3
+    model = ElementTree.fromstring(hullmap.to_mjcf(pack))
+    link = ElementTree.fromstring(hullmap.to_urdf(pack, tmp_path))
+    assert list(model.iter("mesh")) == list(link.iter("mesh")) == list(tmp_path.iterdir()) == []
+    geoms, collisions = list(model.iter("geom")), list(link.iter("collision"))
+    assert len(geoms) == len(collisions) == 3
+    read = lambda element, key: np.array(element.get(key).split(), float)
+    for geom, collision in zip(geoms, collisions):
+        size, center = read(geom, "size"), read(geom, "pos")
+        origin = collision.find("origin")
+        assert np.allclose(read(collision.find("geometry/box"), "size"), 2 * size) and np.allclose(read(origin, "xyz"), center)
+        (w, x, y, z), angles = read(geom, "quat"), read(origin, "rpy")
+        by_quaternion = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        (sr, sp, sy), (cr, cp, cy) = np.sin(angles), np.cos(angles)
+        by_angles = (
+            np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+            @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+            @ np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+        )
+        assert np.allclose(by_quaternion, by_angles)
+        # All corners of one of the boxes are corners of this one.
+        local = (points - center) @ by_quaternion
+        assert (np.abs(np.abs(local) - size).max(axis=1) < 1e-3).sum() >= 8

@@ -73,6 +73,23 @@ def test_a_threshold_is_a_share_of_half_the_longest_side():
     assert few < many
 
 
+def test_parts_can_be_boxes():
+    mesh = ring(shift=(5.0, -7.0, 1.0))
+    hulls, boxes = coacd.run_coacd(mesh), coacd.run_coacd(mesh, apx_mode="box")
+    assert len(boxes) == len(hulls) > 3
+    for hull, (vertices, faces) in zip(hulls, boxes):
+        assert vertices.shape == (8, 3) and faces.shape == (12, 3) and faces.dtype == np.int32
+        sides = vertices[[1, 2, 4]] - vertices[0]
+        assert np.allclose(sides @ sides.T, np.diag((sides**2).sum(axis=1)))
+        size = volume(vertices - vertices[0], faces)
+        assert size == pytest.approx(np.prod(np.linalg.norm(sides, axis=1))), "faces seen from outside"
+        assert outside([[vertices, faces]], hull[0]) < 1e-9
+        # No larger than the box along the axes of any triangle of the hull.
+        for a, b, c in hull[0][hull[1]]:
+            frame, _ = np.linalg.qr(np.stack([b - a, c - a], axis=1), mode="complete")
+            assert size <= np.prod(np.ptp(hull[0] @ frame, axis=0)) * (1 + 1e-9)
+
+
 def test_numbers_of_parts_and_vertices_are_limited():
     mesh = ring()
     assert len(coacd.run_coacd(mesh, max_convex_hull=3)) <= 3
@@ -94,7 +111,7 @@ def test_arguments_without_effect_are_accepted_and_stated(monkeypatch):
     silent = dict(preprocess_mode="on", preprocess_resolution=30, resolution=1000, mcts_nodes=10, mcts_iterations=60)
     expected = coacd.run_coacd(mesh)[0][0]
     assert np.array_equal(coacd.run_coacd(mesh, mcts_max_depth=2, pca=True, seed=7, **silent)[0][0], expected)
-    for argument, value in (("merge", False), ("extrude", True), ("apx_mode", "box")):
+    for argument, value in (("merge", False), ("extrude", True)):
         with pytest.warns(hullmap.BakeWarning, match=argument):
             coacd.run_coacd(mesh, **{argument: value})
         # Once: warnings are errors in these tests.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, List, Optional, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -13,7 +14,7 @@ from ._bake import bake, bake_parts
 from ._hullmap import ArrayError, Error
 from ._options import BakeOptions
 from ._progress import Progress
-from ._results import MassProperties
+from ._results import MassProperties, Primitive
 from ._shapes import Hull, Pack
 
 if TYPE_CHECKING:
@@ -87,7 +88,8 @@ def _mass(shape: Union[Hull, Pack], density: float) -> MassProperties:
 
 
 def to_mjcf(shape: Union[Hull, Pack], name: str = "hull", *, density: float = 1000.0) -> str:
-    """A MuJoCo model (MJCF) with one body: a mesh geom for each hull, with its vertices in the text.
+    """A MuJoCo model (MJCF) with one body: a mesh geom for each hull, with its vertices in the text. A hull
+    that a primitive may replace (see `Hull.primitive`) is a geom of that kind.
 
     ``mujoco.MjModel.from_xml_string`` loads it, and MuJoCo's ``MjSpec`` attaches it to other models.
     MuJoCo builds the hull of the vertices again.
@@ -114,6 +116,9 @@ def to_mjcf(shape: Union[Hull, Pack], name: str = "hull", *, density: float = 10
     for hull in _hulls(shape):
         if hull.rank < 3:
             raise ArrayError(f"hull {hull.name}: MuJoCo requires a solid, but this hull is flat: leave it out")
+        if hull.primitive is not None:
+            geoms.append(f"      <geom {_geom(hull.primitive)}/>")
+            continue
         own = quoteattr(f"{name}_{hull.name}")
         assets.append(f'    <mesh name={own} vertex="{_numbers(hull.vertices)}"/>')
         geoms.append(f'      <geom type="mesh" mesh={own}/>')
@@ -136,7 +141,8 @@ def to_urdf(
 ) -> str:
     """A URDF ``<link>`` with a collision mesh for each hull. Writes the meshes as OBJ files to
     ``folder``, and names them in the text as ``prefix`` and the name of the file: pass
-    ``prefix="package://robot/meshes/"`` for ROS.
+    ``prefix="package://robot/meshes/"`` for ROS. A hull that a primitive may replace (see `Hull.primitive`) is
+    that primitive, except for capsules, which URDF does not have.
 
     The inertial element is that of the mesh at uniform ``density``, if the pack records it: see
     `Pack.mass_properties`. Otherwise it is that of the hulls, which counts overlaps twice.
@@ -151,12 +157,48 @@ def to_urdf(
         lines += ["  <inertial>", f'    <origin xyz="{_numbers(mass.center_of_mass)}" rpy="0 0 0"/>']
         lines += [f'    <mass value="{mass.mass!r}"/>', f"    <inertia {numbers}/>", "  </inertial>"]
     for hull in hulls:
+        if hull.primitive is not None and hull.primitive.kind != "capsule":
+            lines.append(f"  <collision name={quoteattr(hull.name)}>{_origin_and_geometry(hull.primitive)}</collision>")
+            continue
         safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in f"{name}_{hull.name}")
         file = f"{safe}_{hull.index}.obj" if len(hulls) > 1 else f"{safe}.obj"
         (place / file).write_text(_obj(hull), encoding="utf-8")
         mesh = f"<geometry><mesh filename={quoteattr(prefix + file)}/></geometry>"
         lines.append(f"  <collision name={quoteattr(hull.name)}>{mesh}</collision>")
     return "\n".join([*lines, "</link>"])
+
+
+def _geom(primitive: Primitive) -> str:
+    """The attributes of a geom in MJCF: half of all lengths, and a quaternion w, x, y, z."""
+    count = {"box": 3, "sphere": 1}.get(primitive.kind, 2)
+    x, y, z, w = primitive.rotation
+    place = f'pos="{_numbers(primitive.center)}" quat="{_numbers((w, x, y, z))}"'
+    return f'type="{primitive.kind}" size="{_numbers(primitive.sizes[:count])}" {place}'
+
+
+def _origin_and_geometry(primitive: Primitive) -> str:
+    """The elements of a collision in URDF: whole lengths, and angles."""
+    a, b, _ = primitive.sizes
+    if primitive.kind == "box":
+        shape = f'<box size="{_numbers(2 * np.array(primitive.sizes))}"/>'
+    elif primitive.kind == "sphere":
+        shape = f'<sphere radius="{a!r}"/>'
+    else:
+        shape = f'<{primitive.kind} radius="{a!r}" length="{2 * b!r}"/>'
+    angles = _numbers(_roll_pitch_yaw(primitive.rotation))
+    return f'<origin xyz="{_numbers(primitive.center)}" rpy="{angles}"/><geometry>{shape}</geometry>'
+
+
+def _roll_pitch_yaw(rotation: Tuple[float, float, float, float]) -> Tuple[float, float, float]:
+    """The angles of URDF about the fixed axes x, y, z, one after the other. Reference: Diebel,
+    "Representing attitude", 2006, section 5.8."""
+    x, y, z, w = rotation
+    sine = 2 * (w * y - z * x)
+    if abs(sine) >= 1 - 1e-12:
+        # At a pitch of a right angle, roll and yaw turn about one axis.
+        return 2 * math.atan2(x, w), math.copysign(math.pi / 2, sine), 0.0
+    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    return roll, math.asin(sine), math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def _obj(hull: Hull) -> str:

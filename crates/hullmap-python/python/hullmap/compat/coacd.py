@@ -102,6 +102,8 @@ def run_coacd(
     - ``decimate`` and ``max_ch_vertex``: with ``decimate``, parts have at most ``max_ch_vertex`` vertices,
       at least 4. They still contain the surface. Without it, the limit is 64, the default of `bake`, where
       CoACD has none.
+    - ``apx_mode="box"``: each part is replaced by a box around it, with the axes of one of its triangles for
+      which the volume is smallest. Boxes contain the surface, but may protrude more than ``threshold``.
 
     These are accepted and have no effect:
 
@@ -110,9 +112,9 @@ def run_coacd(
     - ``resolution``, ``seed``: nothing is sampled. The same arguments give the same parts.
     - ``mcts_nodes``, ``mcts_iterations``, ``mcts_max_depth``: there is no tree search.
     - ``pca``: directions of cuts come from the mesh.
-    - ``merge=False``, ``extrude=True`` with ``extrude_margin``, ``apx_mode="box"``: parts are always
-      merged where the bound allows it, are not extruded, and are hulls, not boxes. Each of these would
-      change the result, so the first use of each is a `BakeWarning`.
+    - ``merge=False``, ``extrude=True`` with ``extrude_margin``: parts are always merged where the bound
+      allows it, and are not extruded. Each of these would change the result, so the first use of each is
+      a `BakeWarning`.
 
     Raises `ArrayError` for wrong arrays, and `BakeError` for wrong options and meshes.
     """
@@ -128,8 +130,6 @@ def run_coacd(
         _warn("merge", "merge=False has no effect: parts are merged where the threshold allows it")
     if extrude:
         _warn("extrude", "extrude=True has no effect: parts are not extruded, but they cover the mesh without gaps")
-    if apx_mode == "box":
-        _warn("apx_mode", 'apx_mode="box" has no effect: parts are convex hulls')
     points = floats("vertices", mesh.vertices)
     side = float(np.ptp(points, axis=0).max()) if points.ndim == 2 and len(points) else 0.0
     bound = threshold if real_metric else threshold * side / 2
@@ -151,7 +151,31 @@ def run_coacd(
         pack = bake(points, mesh.indices, name="mesh", index="none", recentre=True, max_vertices=int(max_ch_vertex))
     for note in pack.notes:
         _LOG.info("%s", note)
-    return [[hull.vertices.astype(np.float64) + hull.origin, hull.triangles.astype(np.int32)] for hull in pack]
+    parts = [[hull.vertices.astype(np.float64) + hull.origin, hull.triangles.astype(np.int32)] for hull in pack]
+    return [_box_around(*part) for part in parts] if apx_mode == "box" else parts
+
+
+# The outer sides of a box whose corner i has the upper bound along axis k where bit k of i is set.
+_BOX_TRIANGLES = [
+    [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+    [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+]  # fmt: skip
+
+
+def _box_around(vertices: npt.NDArray[np.float64], triangles: npt.NDArray[np.int32]) -> List[npt.NDArray[np.generic]]:
+    """The smallest box around a hull of those with a side in the plane of a triangle, along one of its edges."""
+    a, b, c = vertices[triangles].transpose(1, 0, 2)
+    x = np.concatenate([b - a, c - b, a - c])
+    z = np.tile(np.cross(b - a, c - a), (3, 1))
+    lengths = [np.linalg.norm(axis, axis=1, keepdims=True) for axis in (x, z)]
+    is_long = np.minimum(*lengths)[:, 0] > 0
+    x, z = (axis[is_long] / length[is_long] for axis, length in zip((x, z), lengths))
+    frames = np.stack([x, np.cross(z, x), z], axis=1) if len(x) else np.eye(3)[None]
+    heights = frames @ vertices.T
+    low, high = heights.min(axis=2), heights.max(axis=2)
+    best = np.prod(high - low, axis=1).argmin()
+    corners = [[(low, high)[i >> axis & 1][best, axis] for axis in range(3)] for i in range(8)]
+    return [np.array(corners) @ frames[best], np.array(_BOX_TRIANGLES, dtype=np.int32)]
 
 
 def set_log_level(level: str) -> None:
