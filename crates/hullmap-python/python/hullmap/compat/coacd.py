@@ -151,8 +151,8 @@ def run_coacd(
         pack = bake(points, mesh.indices, name="mesh", index="none", recentre=True, max_vertices=int(max_ch_vertex))
     for note in pack.notes:
         _LOG.info("%s", note)
-    parts = [[hull.vertices.astype(np.float64) + hull.origin, hull.triangles.astype(np.int32)] for hull in pack]
-    return [_box_around(*part) for part in parts] if apx_mode == "box" else parts
+    parts = [(hull.vertices.astype(np.float64) + hull.origin, hull.triangles.astype(np.int32)) for hull in pack]
+    return [_box_around(*part) if apx_mode == "box" else list(part) for part in parts]
 
 
 # The outer sides of a box whose corner i has the upper bound along axis k where bit k of i is set.
