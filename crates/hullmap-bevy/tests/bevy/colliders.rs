@@ -10,7 +10,7 @@ use hullmap_bevy::{
 use hullmap_parry::BakedHull;
 use parry3d::shape::SharedShape;
 
-use crate::packs::{corners, cube, pack, rock};
+use crate::packs::{corners, cube, l, pack, rock};
 use crate::stage::{Folder, load, loaded, start, update_until};
 
 /// An engine's collider.
@@ -89,6 +89,27 @@ fn hulls_are_selected_by_name_and_index() {
     let flat = Vec3::new(1.0, 0.0, 1.0);
     assert_eq!(pack.shape(&Selection::All, flat).err(), Some(ShapeError::Scale(flat)));
     assert!(pack.shape(&Selection::All, Vec3::splat(f32::NAN)).is_err());
+}
+
+#[test]
+fn parts_weigh_as_much_as_their_mesh() {
+    let folder = Folder::new(&l());
+    let mut app = folder.app();
+    app.add_plugins(HullmapPlugin);
+    start(&mut app);
+    let handle = loaded(&mut app);
+    let packs = app.world().resource::<Assets<PackAsset>>();
+    let pack = packs.get(&handle).expect("it is loaded");
+    for (selection, scale, mass) in [
+        (Selection::All, 1.0, 8.0),
+        (Selection::All, 2.0, 64.0),
+        // A bar alone has its own mass.
+        (Selection::Hull(0), 1.0, 4.0),
+    ] {
+        let shape = pack.shape(&selection, Vec3::splat(scale)).expect("there are two hulls");
+        let found = shape.mass_properties(2.0).mass();
+        assert!((found - mass).abs() < 1e-4, "{selection:?}, {scale}: {found}");
+    }
 }
 
 #[test]
