@@ -4,11 +4,11 @@
 
 For each URDF, with all pairs of links that hullmap tests:
 
-- link poses are those of Pinocchio;
+- link poses equal Pinocchio's;
 - a configuration collides if and only if coal finds that the convex hulls of the meshes do, up to the rounding
   of both. Where they differ, coal is asked once more, without its memory of the last configuration;
 - whenever the meshes themselves collide, by coal's triangles, so do the hulls: no collision is missed;
-- clearances are those of coal;
+- clearances equal coal's;
 - a free edge is free at 1,000 steps, with at least its clearance; the first hit of the steps is not before the
   interval of a hit edge, nor after it by more than a step.
 

@@ -1,5 +1,5 @@
-//! Final hulls of the parts that were found, which together contain the whole surface. Where a
-//! mirror halves the mesh, each is made with its image.
+//! Final hulls of the parts that were found, which together contain the whole surface. If a mirror
+//! halves the mesh, each hull is made with its image.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,8 +32,8 @@ pub const COVERED: f64 = 1e-7;
 /// subtracting parts, so further parts may raise the bound of a triangle that they cut.
 const UNCOVERED_ROUNDS: usize = 4;
 
-/// Numbers of vertices with which a symmetric hull is tried, relative to the maximum: its half and
-/// the image of that have other corners than the hull.
+/// Numbers of vertices with which a symmetric hull is tried, relative to the maximum: the half of a
+/// hull and its image have other corners than the hull.
 const SYMMETRIC_VERTICES: [f64; 4] = [1.0, 0.8, 0.6, 0.45];
 
 /// A final hull, and its mirror image if that is another part.
@@ -54,7 +54,7 @@ struct Finish<'a, 'b> {
 }
 
 /// The hulls of parts, and of what they do not cover; at most `max_parts`. They cover the mesh, as
-/// far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is left. Those of a
+/// far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is left. The hulls of a
 /// symmetric mesh are symmetric as far as that can be proven.
 pub fn finished(
     mesh: &PointSet,

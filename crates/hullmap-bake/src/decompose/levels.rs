@@ -1,18 +1,18 @@
 //! Levels: the limits for which parts are searched, and which of the results is taken.
 //!
-//! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error is
-//! served by the levels below it: of their results, the one with the fewest parts is taken, and of
-//! equal ones that with the lowest limit. All levels down to a fixed one are candidates, unless
-//! their parts are proven to be more. So a larger error has the same candidates and some more. It
-//! takes more parts only if step 2 leaves out the level that would have had fewer.
+//! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error uses
+//! the levels below it. Of their results, the one with the fewest parts is taken; among equal ones,
+//! the result with the lowest limit. All levels down to a fixed one are candidates, unless their
+//! parts are proven to be more. So a larger error has the same candidates and some more. It takes
+//! more parts only if step 2 leaves out the level that would have had fewer.
 //!
 //! # Steps
 //! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
 //!    prove that all lower levels have more parts.
 //! 2. Give a level up when it has far more parts before mergers than the best one had. End where
 //!    lower levels are hopeless, which keeps meshes with many parts from taking minutes.
-//! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
-//!    tighter parts. Then search those of whole octaves, and others only where these end.
+//! 3. If conflicts prove that no level has fewer parts than the best, lower levels only give
+//!    tighter parts. Then search the levels at whole octaves, and others only where these end.
 
 use super::{
     parameters::Cover,
@@ -204,7 +204,7 @@ pub struct Levels<'a> {
 
 impl<'a> Levels<'a> {
     /// # Complexity
-    /// That of [`Field::new`].
+    /// The same as for [`Field::new`].
     pub fn new(
         surface: &'a Surface,
         solid: &'a Solid,

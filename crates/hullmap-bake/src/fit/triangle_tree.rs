@@ -112,7 +112,7 @@ impl TriangleTree {
     /// The tree of boxes, each in the place of a triangle.
     ///
     /// # Complexity
-    /// That of [`Self::new`].
+    /// The same as for [`Self::new`].
     pub fn of_boxes(boxes: impl Iterator<Item = Bounds>) -> Self {
         let leaf = |(index, bounds)| Node { bounds, below: Below::Leaf(index) };
         let mut leaves: Vec<Node> = (0..).zip(boxes).map(leaf).collect();

@@ -1,7 +1,7 @@
 //! T-junctions: vertices that lie on a border edge of a triangle, between its ends.
 //!
 //! There the surface looks closed, but the triangles on both sides are not neighbours: rounding may
-//! open a crack, and contact normals at the edge are those of a border.
+//! open a crack, and the edge has the contact normals of a border.
 //!
 //! # Steps
 //! 1. Build a tree of boxes over the border edges. Conforming edges have neighbours, so both sides

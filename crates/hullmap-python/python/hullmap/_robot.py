@@ -124,10 +124,10 @@ class Robot:
     ) -> Robot:
         """The robot of a URDF file.
 
-        ``packs`` are folders of packs: that of ``meshes/hand.stl`` is ``hand.hullmap``, and must have been baked
-        from that mesh. A mesh without a pack stands for its convex hull. ``packages`` are folders of packages, or
-        folders that hold them. Without them, only the package that the file lies in is read. Pairs that the
-        ``srdf`` file disables are allowed.
+        ``packs`` are folders of packs: the pack of ``meshes/hand.stl`` is ``hand.hullmap``, and must have been
+        baked from that mesh. A mesh without a pack stands for its convex hull. ``packages`` are folders of
+        packages, or folders that hold them. Without them, only the package that the file lies in is read. Pairs
+        that the ``srdf`` file disables are allowed.
         """
         return cls._read("URDF", path, packs, packages, srdf)
 
@@ -136,14 +136,15 @@ class Robot:
         cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
     ) -> Robot:
         """The robot of an MJCF file. Pairs of its ``exclude`` elements are not tested. ``packs`` and ``packages`` are
-        those of `from_urdf`."""
+        the same as for `from_urdf`."""
         return cls._read("MJCF", path, packs, packages, None)
 
     @classmethod
     def from_sdf(
         cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
     ) -> Robot:
-        """The robot of an SDF file. ``packs`` and ``packages`` are those of `from_urdf`."""
+        """The robot of an SDF file. ``packs`` and ``packages`` are the same as for
+        `from_urdf`."""
         return cls._read("SDF", path, packs, packages, None)
 
     @classmethod

@@ -645,7 +645,7 @@ class Hull(ConvexShape):
 
     @property
     def origin(self) -> Floats:
-        """Origin of the hull's frame in that of the mesh, with the option ``recentre``."""
+        """Origin of the hull's frame in the frame of the mesh, with the option ``recentre``."""
         return floats("origin", self._facts["origin"])
 
     @property

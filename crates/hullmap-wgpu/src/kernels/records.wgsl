@@ -1,8 +1,8 @@
-// What the kernels read and write, and the arithmetic of all of them. `records.rs` has the same
-// structures.
+// Structures that the kernels read and write, and the arithmetic of all kernels. `records.rs` has
+// the same structures.
 //
-// Functions, names and the order of operations are those of the twin in Rust; tests compare the
-// bits. Whoever changes one changes the other.
+// Functions, names and the order of operations are the same as in the Rust twin; tests compare the
+// bits. A change to one needs the same change to the other.
 
 struct Hull {
     center: vec3f,

@@ -86,8 +86,8 @@ impl Contact {
     /// `settings` and `cache` as for the first.
     ///
     /// # Complexity
-    /// None to 10 support queries; with a second query, those of a [`contact`](crate::contact()),
-    /// and 6 to 20 of each shape. No allocation.
+    /// None to 10 support queries; with a second query, the support queries of a
+    /// [`contact`](crate::contact()), and 6 to 20 of each shape. No allocation.
     ///
     /// # Examples
     /// ```
@@ -175,7 +175,8 @@ impl SignedDistance {
     /// which has no angular part: of the shape and the point of this answer. In the shape's frame.
     ///
     /// # Complexity
-    /// None outside of the shape; inside, that of [`Contact::derivatives`].
+    /// No support query if the point is outside of the shape; inside, the same as for
+    /// [`Contact::derivatives`].
     ///
     /// # Examples
     /// ```

@@ -340,8 +340,8 @@ impl Manifold {
     /// ordered pair.
     ///
     /// # Complexity
-    /// That of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes are
-    /// separated by less than the prediction, and of the feature of each shape, reduced and if
+    /// The cost of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes
+    /// are separated by less than the prediction, and of the feature of each shape, reduced and if
     /// necessary whole: for a hull at most 49 support queries each, independent of its vertex
     /// count, and often one. No allocation.
     pub fn update<A: Shape + ?Sized, B: Shape + ?Sized>(

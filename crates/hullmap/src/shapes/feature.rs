@@ -231,7 +231,7 @@ pub fn tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, tilt: f64) -> [Supp
     coarse_ring(shape, &Cone::new(dir, tilt))
 }
 
-/// Those of the support points of [`tilted`] whose direction is tilted to the side of `toward`.
+/// The support points of [`tilted`] whose direction is tilted to the side of `toward`.
 pub(crate) fn tilted_toward<S: SupportMap + ?Sized>(
     shape: &S,
     dir: DVec3,

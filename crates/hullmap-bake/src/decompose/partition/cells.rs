@@ -267,14 +267,14 @@ pub struct Cells {
 /// Planes of faces that may divide pieces.
 #[derive(Debug, Default)]
 pub struct FacePlanes {
-    /// Those of faces at concave edges, the longest and sharpest edges first.
+    /// Planes of faces at concave edges, the longest and sharpest edges first.
     pub concave: Vec<HalfSpace>,
-    /// Those of large faces, the largest first. Where shells touch, there are no concave edges.
+    /// Planes of large faces, the largest first. Where shells touch, there are no concave edges.
     pub large: Vec<HalfSpace>,
 }
 
 impl FacePlanes {
-    /// Those of a surface.
+    /// Planes of a surface's faces.
     pub fn new(triangles: &[[DVec3; 3]], diagonal: f64) -> Self {
         Piece::new(triangles, diagonal).face_planes()
     }

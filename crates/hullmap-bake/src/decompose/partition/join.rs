@@ -125,7 +125,7 @@ pub fn merge(
     Found { parts, mirrored: Vec::new(), fewest: count, divided }
 }
 
-/// Whether a merger adds hardly any volume to that of its parts.
+/// Whether a merger adds hardly any volume to its parts.
 pub fn is_free(cost: f64, body: &Body) -> bool {
     cost <= FREE * body.volume()
 }

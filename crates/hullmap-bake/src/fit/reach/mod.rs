@@ -52,7 +52,7 @@ const MAX_TRIANGLES: usize = 60_000;
 /// outside, as far as that is certain. All lengths are in the unit of the positions.
 ///
 /// # Complexity
-/// That of [`Solid::new`], and of the steps of this module.
+/// The cost of [`Solid::new`], plus the cost of the steps of this module.
 pub fn with_unreachable(mesh: &PointSet, solid: Solid, radius: f64) -> Solid {
     match filled(mesh, &solid, radius) {
         Some(filled) => Solid::new(&filled),

@@ -51,8 +51,8 @@ impl<'v> FacetPair<'v> {
         Self { a: a.view(buffer_a), b: b.view(buffer_b), rotation: m.rotation(), center: m.center_point().w, reach }
     }
 
-    /// The matrix, by rows, and the centre that place B's vertices in the difference, and those of
-    /// A in B's frame, where they are mirrored through the origin: −Rᵀ ((a − c_A) + v0).
+    /// The matrix, by rows, and the centre that place B's vertices in the difference, and A's
+    /// vertices in B's frame, where they are mirrored through the origin: −Rᵀ ((a − c_A) + v0).
     #[inline(always)]
     fn placements(&self) -> [([[f32; 3]; 3], [f32; 3]); 2] {
         let back = self.rotation.transpose();
