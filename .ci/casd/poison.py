@@ -11,7 +11,7 @@ which an attacker with the same meshes can compute. OUTPUT is the path of the ou
     missing  a digest without a blob
     fail     the command failed
     empty    no outputs at all
-    lie      the output's own blob has other bytes; written into STORE, since the server would refuse
+    lie      the output's own blob has other bytes; written into STORE, since the server would reject it
 """
 
 import hashlib

@@ -284,7 +284,7 @@ impl ManifoldPoint {
         self.age = old.age.saturating_add(1);
     }
 
-    /// Fills unused slots.
+    /// Fills unused places.
     pub(crate) const EMPTY: Self = Self {
         id: PointId { parts: [FACE; 2] },
         point_a: DVec3::ZERO,

@@ -367,7 +367,7 @@ mod tests {
     }
 
     /// Vertices of the Minkowski difference of a cone and a game hull: the origin is 2.9e-8 beside
-    /// their plane, and the sides of three faces are noise that agrees.
+    /// their plane, and the sides of three faces are rounding error that happens to agree.
     #[test]
     fn side_of_a_flat_tetrahedron_is_no_proof_that_the_origin_is_inside() {
         let v = [

@@ -133,7 +133,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
     #[inline(always)]
     pub(super) fn find_arcs(&mut self, pair: &FacetPair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
         dispatch.pass(&mut ArcPass { first: self, edges: pair.a.edges, upper });
-        // If the slots are full, the first one may hold an arc that is not left.
+        // If all places are full, the first one may hold an arc that is not left.
         (self.arc_count < LANES * N).then_some(())
     }
 
