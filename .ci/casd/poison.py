@@ -33,7 +33,7 @@ def put(store, data, digest=None):
 
 
 def results(cache, folder):
-    """The actions with results: small blobs of the store that the action cache knows."""
+    """The actions with results: small blobs of the store that are in the action cache."""
     for path in folder.glob("*/*"):
         if path.stat().st_size > 1000:
             continue

@@ -9,10 +9,10 @@ use hullmap::{Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Ov
 use crate::convex::{AnyShape, Convex};
 use crate::obstacle::ObstacleShape;
 
-/// Maximum number of parts of obstacles that a body's cache remembers.
+/// Maximum number of parts of obstacles that a body's cache keeps.
 const MAX_PARTS: usize = 16;
 
-/// Maximum number of bodies and obstacles with parts that are remembered.
+/// Maximum number of bodies and obstacles with parts that have a cache.
 const MAX_PAIRS: usize = 32;
 
 /// What a body may touch.
@@ -65,7 +65,7 @@ impl Caches {
     }
 }
 
-/// A pair of which B is a body at `b_in_a`.
+/// A pair whose B is a body at `b_in_a`.
 pub(crate) struct Pairing<'q> {
     pub(crate) index: usize,
     pub(crate) a: Other<'q>,

@@ -119,7 +119,7 @@ pub struct Task<'p> {
     /// Rows of a piece.
     pub piece: usize,
     coherent: bool,
-    /// What each of many pairs remembers, if they move.
+    /// The caches of many pairs, if they move.
     memory: Option<&'p [Mutex<Caches>]>,
     threads: Threads,
 }

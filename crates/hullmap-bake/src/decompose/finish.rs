@@ -103,7 +103,7 @@ impl Finish<'_, '_> {
         wrap::thick(&self.levels.field, tight, &self.thin)
     }
 
-    /// A part that stands for itself. It is its own image if there is a mirror.
+    /// The hull of a part without an image. It is its own image if there is a mirror.
     fn whole(&self, part: &Part) -> Unit {
         let tight = self.tight(part, 1.0);
         let symmetric = self.mirror().and_then(|mirror| {
@@ -114,7 +114,7 @@ impl Finish<'_, '_> {
         Unit { hull: self.vertices.built(symmetric.unwrap_or(tight)), image: None }
     }
 
-    /// A part that stands for its image, too.
+    /// The hulls of a part and of its image.
     fn mirrored(&self, part: &Part) -> Unit {
         let hull = self.tight(part, 1.0);
         let Some(mirror) = self.mirror() else { return Unit { hull: self.vertices.built(hull), image: None } };
@@ -122,7 +122,7 @@ impl Finish<'_, '_> {
         self.with_image(grown.unwrap_or(hull), mirror)
     }
 
-    /// A hull and its image, of which both have the same vertices after they are built.
+    /// A hull and its image. Both have the same vertices after they are built.
     fn with_image(&self, hull: Hull, mirror: &Mirror) -> Unit {
         let image_of = |hull: &Hull| symmetric::image(hull, mirror).map(|image| self.vertices.built(image));
         let mut hull = self.vertices.built(hull);
@@ -189,8 +189,8 @@ impl Finish<'_, '_> {
         }
     }
 
-    /// A unit of which the hull on one `side` has absorbed triangles; `None` if that is not proven
-    /// to be within the limit. If it `must` absorb them, a larger protrusion is accepted.
+    /// A unit whose hull on one `side` has absorbed triangles; `None` if the hull is not proven to
+    /// be within the limit. If it `must` absorb them, a larger protrusion is accepted.
     fn absorbed(&self, unit: &Unit, side: usize, triangles: &[Triangle], must: bool) -> Option<Unit> {
         let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
         let hull = unit.hulls().nth(side)?;

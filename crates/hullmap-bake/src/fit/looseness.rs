@@ -50,7 +50,7 @@ pub fn looseness(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> Looseness {
 }
 
 /// As [`looseness`], and the mean protrusion of each part's own visible surface; `None` for a part
-/// that is not a solid, or of which nothing is visible.
+/// that is not a solid, or has no visible surface.
 ///
 /// # Complexity
 /// The same as for [`looseness`].

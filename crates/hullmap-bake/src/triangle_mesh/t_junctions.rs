@@ -11,8 +11,8 @@
 //!
 //! # Complexity
 //! O(n log n) for n border edges: a vertex visits at most [`VISITS_A_LEVEL`] boxes for each level
-//! of a balanced tree. Only where hundreds of border edges cross in one place, vertices need more.
-//! Then the count is a lower bound, and the result states this.
+//! of a balanced tree. If hundreds of border edges cross in one place, vertices need more. Then the
+//! count is a lower bound, and the result states this.
 
 use std::cell::Cell;
 

@@ -15,7 +15,7 @@ from ._shapes import MAX_ITERATIONS, RAY_TOLERANCE, TOLERANCE, Poses, Shape, len
 
 
 class Pairs:
-    """Pairs of shapes, of which one call queries all: for instance those links of a robot that may
+    """Pairs of shapes that one call queries together: for instance the links of a robot that may
     meet.
 
     ``shapes`` are shapes of any kind and of any packs; of a `Pack` itself, they are its hulls. ``a``

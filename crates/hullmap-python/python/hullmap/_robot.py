@@ -83,8 +83,9 @@ class Robot:
 
     A configuration is a row of one number for each of `joint_names`: radians, or metres for sliders. Joints that
     follow others (``mimic``, ``equality``) have no number. Ball joints, floating and planar ones stay where the
-    description has them. With ``poses``, the links are where the caller says instead, who has Pinocchio, MuJoCo or
-    a simulator: one pose in the world for each of `link_names`, (..., L, 7) or (..., L, 4, 4).
+    description puts them. With ``poses``, the caller gives the poses of the links instead, for instance from
+    Pinocchio, MuJoCo or a simulator: one pose in the world for each of `link_names`, (..., L, 7) or
+    (..., L, 4, 4).
 
     A robot does not change: methods return new ones that share its hulls. Queries run on all processors.
 
@@ -313,9 +314,9 @@ class Robot:
     ) -> RobotEdges:
         """Whether edges are free: while each joint moves linearly from ``start`` to ``end``.
 
-        A free edge is free in each of its configurations, which is proven, and not sampled. Of a hit, the first
-        touch is between ``t_lower`` and ``t_upper``. An open edge is free up to ``t_lower``; then it grazes, or
-        ``max_queries`` was reached.
+        A free edge is free in each of its configurations, which is proven, and not sampled. For a hit, the
+        first touch is between ``t_lower`` and ``t_upper``. An open edge is free up to ``t_lower``; then it
+        grazes, or ``max_queries`` was reached.
 
         Pairs within ``margin`` count as a hit. The interval of a hit is at most ``resolution`` wide. The
         clearance of a free edge is at least ``share`` of the least distance that was computed; 0 is the fastest.

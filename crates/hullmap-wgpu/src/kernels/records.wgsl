@@ -62,7 +62,7 @@ struct Parameters {
     // Statuses that a compaction keeps: from, and up to.
     keep_from: u32,
     keep_to: u32,
-    // 3, which no compiler knows: see loops_end_early.
+    // Always 3, but no compiler can know that: see loops_end_early.
     three: u32,
     padding_x: u32,
     padding_y: u32,

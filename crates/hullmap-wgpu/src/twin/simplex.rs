@@ -20,7 +20,8 @@ impl Corner {
         Self { w: pair.rows.map(|row| row[3]), offset: [0.0; 3], ends: [StateRecord::CENTER; 2] }
     }
 
-    /// Of vertices relative to the centres of their hulls, and their words in `blocks`.
+    /// A corner from two vertices, relative to the centres of their hulls, and their words in
+    /// `blocks`.
     pub(super) fn new<const FUSED: bool>(pair: &PairRecord, from: [Vector; 2], at: [u32; 2]) -> Self {
         let r = pair.rows;
         let offset = scaled(from[0], pair.scale);

@@ -153,8 +153,8 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
     CompoundAnswer { answer, hulls, pairs, boxes }
 }
 
-/// Two compounds, B of which translates. The bound is the length that it moves until boxes meet;
-/// the distance of their centres at the start orders equal ones.
+/// Two compounds. B translates. The bound is the length that it moves until boxes meet; the
+/// distance of their centres at the start orders equal bounds.
 struct Swept<'q> {
     placement: Placement<'q>,
     /// Inverses of the components of the path's unit direction; `None` without motion.

@@ -422,8 +422,8 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         })
     }
 
-    /// Whether the face with this normal is exposed near a point, to the other body, of which
-    /// `body` is a point. All are in the shape's frame.
+    /// Whether the face with this normal is exposed near a point, to the other body. `body` is a
+    /// point of that body. All are in the shape's frame.
     fn is_exposed(&self, normal: DVec3, point: DVec3, body: DVec3, seam: f64) -> bool {
         let Some((union, part, place)) = self.union else { return true };
         let mut face = Feature::new();
@@ -436,9 +436,9 @@ impl<S: Shape + ?Sized> Side<'_, S> {
             && self.is_seen(union, part, above, body, seam)
     }
 
-    /// Whether no other triangle hides a point near the shape from the other body, of which `body`
-    /// is a point. Only a sheet hides what is behind it: it has no inside. All are in the frame of
-    /// the union.
+    /// Whether no other triangle hides a point near the shape from the other body. `body` is a
+    /// point of that body. Only a sheet hides what is behind it: it has no inside. All are in the
+    /// frame of the union.
     fn is_seen(&self, union: &dyn Union, part: usize, point: DVec3, body: DVec3, seam: f64) -> bool {
         let way = (body - point).clamp_length_max(SIGHT * seam);
         self.shape.triangle().is_none()

@@ -17,7 +17,8 @@ use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 /// as much, 3e-13, and this is three times the latter. See docs/intervals.md, section 9.
 const SUPPORT_ERROR: f64 = 1e-12;
 
-/// A vertex with more edges, such as the tip of a cone, does not tell which of them are level.
+/// Maximum number of edges of a vertex whose level edges are determined. The tip of a cone may have
+/// more.
 const MAX_LEVEL_EDGES: usize = 32;
 
 /// Answer of [`Hull::support`].

@@ -519,7 +519,7 @@ impl Likeness for Frames<'_> {
 
 /// Lengths of an update.
 struct Lengths {
-    /// Of the contact; negative for a gap.
+    /// Depth of the contact; negative for a gap.
     depth: f64,
     prediction: f64,
     /// The smaller outer radius.

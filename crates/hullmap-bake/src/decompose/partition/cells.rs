@@ -357,7 +357,7 @@ fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Patch> {
     piece.polygons().map(one).collect()
 }
 
-/// Maximum number of polygons in front of which a piece's hull is sampled.
+/// Maximum number of polygons of a piece in front of which its hull is sampled.
 const RAYS: usize = 64;
 
 /// Whether a sample of a piece's hull is farther than `limit` from the solid. Samples are in front

@@ -217,7 +217,7 @@ struct Candidate {
     /// Of planes with the same cost, the one with the lowest index is best.
     index: usize,
     plane: HalfSpace,
-    /// By how much its place and direction raise its cost.
+    /// Factor by which its place and direction raise its cost.
     factor: f64,
     /// The share of the conflicts that it leaves.
     left: f64,

@@ -125,7 +125,7 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
     }
 
     /// Whether a candidate is the support vertex in `direction`: on a convex hull, that is a vertex
-    /// of which no neighbour is better.
+    /// without a better neighbour.
     fn has_support(&self, candidates: &[u32], direction: DVec3) -> bool {
         // The dot products of two vertices may be equal although one of them is better.
         candidates.iter().any(|&candidate| {
