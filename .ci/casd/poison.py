@@ -11,7 +11,7 @@ which an attacker with the same meshes can compute. OUTPUT is the path of the ou
     missing  a digest without a blob
     fail     the command failed
     empty    no outputs at all
-    lie      the output's own blob has other bytes; written into STORE, since the server would refuse
+    lie      the output's own blob has other bytes; written into STORE, since the server would reject it
 """
 
 import hashlib
@@ -33,7 +33,7 @@ def put(store, data, digest=None):
 
 
 def results(cache, folder):
-    """The actions with results: small blobs of the store that the action cache knows."""
+    """The actions with results: small blobs of the store that are in the action cache."""
     for path in folder.glob("*/*"):
         if path.stat().st_size > 1000:
             continue

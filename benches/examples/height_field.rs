@@ -29,7 +29,7 @@ const PREDICTION: f32 = 0.02;
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Heights of a rough terrain: hills, and noise of each vertex.
+/// Heights of a rough terrain: hills, plus a random height for each vertex.
 fn terrain(size: usize) -> Vec<f32> {
     let mut rng = SplitMix64::new(SEED);
     let wave = |i: usize, length: f64| (i as f64 * std::f64::consts::TAU / length).sin();

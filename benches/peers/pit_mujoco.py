@@ -4,8 +4,8 @@
     python benches/peers/pit_mujoco.py FOLDER... [--bodies 200] [--steps 900]
 
 Each FOLDER holds OBJ files with one object for each part, for instance of `bake decompose` and of
-decompose.py. Only names that all folders have are used. The scene is that of `parts-table` in
-tests/scenes: bodies 1 m long, rotated at random, in layers above a pit; a step takes 1/120 s.
+decompose.py. Only names that all folders have are used. The scene is the same as in `parts-table`
+of tests/scenes: bodies 1 m long, rotated at random, in layers above a pit; a step takes 1/120 s.
 """
 
 import argparse

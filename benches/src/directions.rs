@@ -43,8 +43,8 @@ pub fn awkward(subject: &Subject, count: usize, seed: u64) -> Vec<Vec3> {
     while dirs.len() < count {
         let normal = normals[rng.below(normals.len())];
         dirs.push(normal.as_vec3());
-        let noise = DVec3::from_array(rng.direction()) * 10_f64.powi(-1 - rng.below(8) as i32);
-        dirs.push((normal + noise).as_vec3());
+        let offset = DVec3::from_array(rng.direction()) * 10_f64.powi(-1 - rng.below(8) as i32);
+        dirs.push((normal + offset).as_vec3());
     }
     dirs
 }

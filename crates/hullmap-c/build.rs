@@ -4,7 +4,7 @@
 
 fn main() {
     println!("cargo:rerun-if-changed=../hullmap-c/build.rs");
-    // That of hullmap-c is `hullmap`.
+    // The library of hullmap-c has the name `hullmap`.
     let name = variable("CARGO_PKG_NAME").replace('-', "_").trim_end_matches("_c").to_owned();
     // Before 1.0, minor versions may break the interface, so the name states both numbers.
     let version = format!("{}.{}", variable("CARGO_PKG_VERSION_MAJOR"), variable("CARGO_PKG_VERSION_MINOR"));

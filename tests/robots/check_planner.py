@@ -4,11 +4,11 @@
 
 For each URDF, with all pairs of links that hullmap tests:
 
-- link poses are those of Pinocchio;
+- link poses equal Pinocchio's;
 - a configuration collides if and only if coal finds that the convex hulls of the meshes do, up to the rounding
-  of both. Where they differ, coal is asked once more, without its memory of the last configuration;
+  of both. Where they differ, coal is queried once more, without its memory of the last configuration;
 - whenever the meshes themselves collide, by coal's triangles, so do the hulls: no collision is missed;
-- clearances are those of coal;
+- clearances equal coal's;
 - a free edge is free at 1,000 steps, with at least its clearance; the first hit of the steps is not before the
   interval of a hit edge, nor after it by more than a step.
 
@@ -147,7 +147,7 @@ def check(file, count, edges, random):
     line = (
         f"{file.name}: {len(low)} joints, {len(robot.pairs)} pairs; {found.mean():.1%} of {count} configurations collide; "
         f"{of_meshes.sum()} of {len(of_meshes)} by meshes, 0 missed; coal's first answer was another one in "
-        f"{len(different)} configurations, and hullmap's when it was asked afresh\n"
+        f"{len(different)} configurations, and hullmap's when it was queried afresh\n"
         f"  in_collision: {count / seconds:,.0f} a second and core; Pinocchio and coal {count / coal_seconds:,.0f}"
     )
     of_mujoco = mujoco_rate(file, robot, hulls, qs)

@@ -30,17 +30,17 @@ pub fn all(hull: &Hull, count: usize, seed: u64) -> Vec<Vec3> {
     while dirs.len() < count && !normals.is_empty() {
         let normal = normals[rng.below(normals.len())];
         let other = normals[rng.below(normals.len())];
-        let noise = DVec3::from_array(rng.direction());
+        let random = DVec3::from_array(rng.direction());
         dirs.push(narrow(normal));
         dirs.push(narrow(-normal));
-        dirs.push(narrow(normal + noise * 10_f64.powi(-(rng.below(9) as i32))));
+        dirs.push(narrow(normal + random * 10_f64.powi(-(rng.below(9) as i32))));
         dirs.push(narrow(normal * rng.unit() + other * rng.unit()));
         let edge = vertices[rng.below(vertices.len())] - vertices[rng.below(vertices.len())];
-        dirs.push(narrow(edge.cross(noise).normalize_or_zero()));
+        dirs.push(narrow(edge.cross(random).normalize_or_zero()));
         // Seams of the cube map: two coordinates of the same size.
-        dirs.push(narrow(DVec3::new(noise.x, noise.x.abs() * noise.y.signum(), noise.z)));
-        dirs.push(narrow(DVec3::new(noise.x, noise.y, noise.y)));
-        dirs.push(narrow(DVec3::new(noise.z, noise.y, -noise.z)));
+        dirs.push(narrow(DVec3::new(random.x, random.x.abs() * random.y.signum(), random.z)));
+        dirs.push(narrow(DVec3::new(random.x, random.y, random.y)));
+        dirs.push(narrow(DVec3::new(random.z, random.y, -random.z)));
     }
     for scale in [1e-44, 1e-38, 1e-20, 1e20, 1e37] {
         let dir = DVec3::from_array(rng.direction());

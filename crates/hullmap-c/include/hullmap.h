@@ -172,9 +172,9 @@ enum HullmapDifferentiability
     // A motion is parallel to the surface where it meets it.
     HULLMAP_DIFFERENTIABILITY_GRAZING = 4,
     // There is nothing to differentiate: no hit, an overlap at the start of a motion, or a
-    // separated pair of which the depth is wanted. The numbers are 0.
+    // separated pair whose depth is requested. The numbers are 0.
     HULLMAP_DIFFERENTIABILITY_MISSING = 5,
-    // The answer is less accurate than its settings ask for.
+    // The answer is less accurate than its settings require.
     HULLMAP_DIFFERENTIABILITY_INACCURATE = 6,
     // Only of normals and points: other vertices, edges or faces are nearest for poses nearby.
     HULLMAP_DIFFERENTIABILITY_FEATURE = 7,
@@ -1148,7 +1148,8 @@ HullmapResult hullmap_height_field_from_memory(const uint8_t *bytes,
 // Frees a height field; NULL is allowed. Shapes made from it stay valid, and keep its memory.
 void hullmap_height_field_free(HullmapHeightField *field);
 
-// Number of triangles of a height field, those of holes included: two for each cell; 0 for NULL.
+// Number of triangles of a height field, including the triangles of holes: two for each cell; 0
+// for NULL.
 size_t hullmap_height_field_triangle_count(const HullmapHeightField *field);
 
 // The grid of a height field.
@@ -1185,14 +1186,14 @@ HullmapResult hullmap_shape_compound(const HullmapPack *pack,
                                      HullmapShape **shape);
 
 // All triangles of a mesh together: a static level, which collides on both sides. Answers
-// have the index of the triangle in place of that of a hull. It has no support points and no
+// have the index of the triangle in place of the index of a hull. It has no support points and no
 // signed distance.
 HullmapResult hullmap_shape_triangle_mesh(const HullmapTriangleMesh *mesh,
                                           HullmapShape **shape);
 
 // All triangles of a height field together: a terrain, which collides on both sides. Answers have
-// the index of the triangle in place of that of a hull. It has no support points and no signed
-// distance.
+// the index of the triangle in place of the index of a hull. It has no support points and no
+// signed distance.
 HullmapResult hullmap_shape_height_field(const HullmapHeightField *field,
                                          HullmapShape **shape);
 
@@ -1331,8 +1332,8 @@ HullmapResult hullmap_signed_distance(const HullmapShape *shape,
 // When A and B, which move and turn, first come within a distance of each other. Motions are in a
 // common frame, as is the answer.
 //
-// derivatives may be NULL. If not, they are those of the time, by twists that displace the whole
-// motion of a shape, and turn it about where the origin of its frame is at the impact.
+// derivatives may be NULL. If not, it receives the derivatives of the time, by twists that
+// displace the whole motion of a shape, and turn it about the place of its origin at the impact.
 // settings and cache may be NULL.
 HullmapResult hullmap_cast_motion(const HullmapShape *a,
                                   const HullmapMotion *motion_a,
@@ -1418,7 +1419,7 @@ void hullmap_manifold_free(HullmapManifold *manifold);
 // hullmap_intersects() of `count` pairs, on all cores.
 //
 // Pair i uses `caches[i]` and writes `out[i]`. caches may be NULL; otherwise no cache may occur
-// twice. Answers have the same bits as those of single queries with the same caches. All pairs are
+// twice. Answers have the same bits as in single queries with the same caches. All pairs are
 // checked first: if one is wrong, the message has its index, and nothing is written.
 HullmapResult hullmap_batch_intersects(const HullmapPair *pairs,
                                        size_t count,

@@ -350,7 +350,7 @@ inline Clearance clear(const Shape &a, const Motion &motion_a, const Shape &b, c
     return found;
 }
 
-// The distance, and its derivatives in `derivatives`; those of its normal and points in `witness`.
+// The distance. `derivatives` receives its derivatives, and `witness` the derivatives of its normal and points.
 inline Distance distance(const Shape &a, const Shape &b, const Pose &b_in_a, Derivatives &derivatives,
                          Cache *cache = nullptr, const Settings *settings = nullptr,
                          WitnessDerivatives *witness = nullptr) {
@@ -360,7 +360,8 @@ inline Distance distance(const Shape &a, const Shape &b, const Pose &b_in_a, Der
     return found;
 }
 
-// The contact, and the derivatives of its depth in `derivatives`; those of its normal and points in `witness`.
+// The contact. `derivatives` receives the derivatives of its depth, and `witness` the derivatives of its
+// normal and points.
 inline Contact contact(const Shape &a, const Shape &b, const Pose &b_in_a, Derivatives &derivatives,
                        Cache *cache = nullptr, const Settings *settings = nullptr,
                        WitnessDerivatives *witness = nullptr) {

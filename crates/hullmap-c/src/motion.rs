@@ -106,8 +106,8 @@ pub(crate) fn clear(
     run(a, b, Clear(motions, settings, memory))
 }
 
-/// Distance of two convex shapes, its derivatives, and those of its normal and points if
-/// `is_witness`.
+/// Distance of two convex shapes, and its derivatives; if `is_witness`, also the derivatives of its
+/// normal and points.
 pub(crate) fn distance_derivatives(
     [a, b]: [&Shape; 2],
     b_in_a: Pose,
@@ -121,8 +121,8 @@ pub(crate) fn distance_derivatives(
     Ok((types::Distance::new(found, [0, 0]), found.derivatives(a, b, b_in_a).into(), witness))
 }
 
-/// Contact of two convex shapes, the derivatives of its depth, and those of its normal and points
-/// if `is_witness`.
+/// Contact of two convex shapes, and the derivatives of its depth; if `is_witness`, also the
+/// derivatives of its normal and points.
 pub(crate) fn contact_derivatives(
     [a, b]: [&Shape; 2],
     b_in_a: Pose,

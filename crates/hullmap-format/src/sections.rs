@@ -41,7 +41,7 @@ const EXTENDED_ROOT_LEN: usize = size_of::<ArchivedExtendedPack>();
 /// All sections of a pack, in the order of the file. See
 /// [`ExtendedPack`](crate::archive::ExtendedPack) for what each holds.
 #[derive(Clone, Copy, Debug)]
-#[expect(missing_docs, reason = "the fields are those of `archive::ExtendedPack`, where each is documented")]
+#[expect(missing_docs, reason = "each field is documented in `archive::ExtendedPack`")]
 pub struct Sections<'a> {
     pub blocks: &'a [ArchivedBlock],
     pub source_path: &'a [u8],

@@ -67,7 +67,7 @@ struct Outline<'a> {
 
 #[expect(
     clippy::indexing_slicing,
-    reason = "indices are those of corners, and all lists but `obstacles` have one entry a corner; a subtree that is \
+    reason = "indices are of corners, and all lists but `obstacles` have one entry per corner; a subtree that is \
               not empty has a middle; axes are 0 and 1"
 )]
 impl<'a> Outline<'a> {

@@ -9,11 +9,11 @@ use hullmap::{Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Ov
 use crate::convex::{AnyShape, Convex};
 use crate::obstacle::ObstacleShape;
 
-/// Number of parts of obstacles that a body's cache remembers.
-const PART_SLOTS: usize = 16;
+/// Maximum number of parts of obstacles that a body's cache keeps.
+const MAX_PARTS: usize = 16;
 
-/// Number of bodies and obstacles with parts that are remembered.
-const PAIR_SLOTS: usize = 32;
+/// Maximum number of bodies and obstacles with parts that have a cache.
+const MAX_PAIRS: usize = 32;
 
 /// What a body may touch.
 #[derive(Clone, Copy)]
@@ -52,11 +52,11 @@ impl Caches {
     }
 
     fn parts(&mut self, pair: usize) -> &mut CompoundCache {
-        let slot = pair % PAIR_SLOTS;
-        while self.parts.len() <= slot {
-            self.parts.push((usize::MAX, CompoundCache::new(PART_SLOTS)));
+        let place = pair % MAX_PAIRS;
+        while self.parts.len() <= place {
+            self.parts.push((usize::MAX, CompoundCache::new(MAX_PARTS)));
         }
-        let (own, cache) = &mut self.parts[slot];
+        let (own, cache) = &mut self.parts[place];
         if *own != pair {
             *own = pair;
             cache.clear();
@@ -65,7 +65,7 @@ impl Caches {
     }
 }
 
-/// A pair of which B is a body at `b_in_a`.
+/// A pair whose B is a body at `b_in_a`.
 pub(crate) struct Pairing<'q> {
     pub(crate) index: usize,
     pub(crate) a: Other<'q>,

@@ -373,8 +373,8 @@ pub fn derivatives<'py>(
     fill::<Slopes>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
 }
 
-/// Derivatives of the t of rays that meet a convex shape, by the pose of the shape and that of the
-/// ray.
+/// Derivatives of the t of rays that meet a convex shape, by the pose of the shape and by the pose
+/// of the ray.
 #[pyfunction]
 #[pyo3(signature = (shape, origins, directions, settings, threads))]
 pub fn ray_derivatives<'py>(

@@ -66,7 +66,7 @@ impl Rows {
 /// Poses as Python passes them.
 #[derive(FromPyObject)]
 pub enum PoseArrays<'py> {
-    /// Poses of B in A, or those of A and of B in the world; one for each answer.
+    /// Poses of B in A, or poses of A and of B in the world; one for each answer.
     OfPairs(PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray2<'py, f64>>),
     /// Poses in the world, one for each shape.
     #[pyo3(transparent)]

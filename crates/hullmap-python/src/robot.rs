@@ -373,7 +373,7 @@ impl Robot {
         columns.into_arrays(py)
     }
 
-    /// Edges from the rows of `start` to those of `end`. The settings are margin, resolution,
+    /// Edges from the rows of `start` to the rows of `end`. The settings are margin, resolution,
     /// share, and the limit of queries.
     #[pyo3(signature = (start, end, settings, threads, report))]
     fn clear<'py>(

@@ -3,7 +3,7 @@
 //! The pieces have a fixed size. For two shapes, each piece has a cache of its own, so the answers
 //! are the same for any number of threads. `hullmap::batch` has a cache for every pair instead: for
 //! a million poses of one pair that would be more than a gigabyte. Many pairs have a cache each if
-//! they move, and all rows of one moment are solved before those of the next.
+//! they move, and all rows of one moment are solved before the rows of the next.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -119,7 +119,7 @@ pub struct Task<'p> {
     /// Rows of a piece.
     pub piece: usize,
     coherent: bool,
-    /// What each of many pairs remembers, if they move.
+    /// The caches of many pairs, if they move.
     memory: Option<&'p [Mutex<Caches>]>,
     threads: Threads,
 }

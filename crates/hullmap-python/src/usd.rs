@@ -58,7 +58,7 @@ impl Group {
     }
 }
 
-/// The layer as text, and the meshes whose mass is that of their hulls.
+/// The layer as text, and the meshes whose mass comes from their hulls.
 #[pyfunction]
 pub fn usd_layer(stage: Stage, groups: Vec<Group>, off: Vec<String>) -> PyResult<(String, Vec<String>)> {
     let layer = UsdLayer {

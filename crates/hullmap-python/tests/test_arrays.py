@@ -40,9 +40,9 @@ def test_views_keep_the_pack_alive(tmp_path, mmap):
     del pack, hull
     gc.collect()
     # Memory that a freed pack would have left is taken by others.
-    noise = [np.full(5000, 7.0) for _ in range(200)]
+    filler = [np.full(5000, 7.0) for _ in range(200)]
     assert (vertices == expected).all() and all((face == copy).all() for face, copy in zip(faces, corners))
-    del noise
+    del filler
 
 
 def test_the_pack_is_freed_with_its_last_view():

@@ -107,8 +107,8 @@ def test_poses_may_be_those_of_the_shapes(pairs, shapes):
 
 @pytest.mark.parametrize("query", QUERIES)
 def test_a_motion_gives_the_same_answers_on_any_number_of_threads(shapes, query):
-    """The answers of a motion are those of its single poses within rounding error, and steps of one
-    call are those of one call for each step."""
+    """A motion has the same answers as its single poses within rounding error, and one call for all
+    steps has the same answers as one call for each step."""
     steps = np.linspace(0, 1, 40)[:, None]
     start, way = random_poses(len(shapes), 7, 2.0), np.random.default_rng(8).normal(size=(len(shapes), 3))
     path = np.tile(start, (len(steps), 1, 1))

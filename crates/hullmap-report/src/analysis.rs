@@ -272,8 +272,8 @@ fn draw(
     let (limit, resolution) = (triangle_limit(rows.len()), resolution(rows.len()));
     let paired = meshes.filter(|meshes| meshes.len() == pack.hull_count());
     let unpaired = meshes.filter(|_| paired.is_none()).unwrap_or_default();
-    let unpaired_cap = triangle_limit(unpaired.len());
-    let unpaired = unpaired.iter().take(MAX_HULLS).map(|mesh| mesh.with_at_most(unpaired_cap).encoded(mesh));
+    let unpaired_limit = triangle_limit(unpaired.len());
+    let unpaired = unpaired.iter().take(MAX_HULLS).map(|mesh| mesh.with_at_most(unpaired_limit).encoded(mesh));
     let meshes: Vec<EncodedMesh> = unpaired.collect();
     let mut room = PICTURE_BUDGET.saturating_sub(html::json(&meshes).len());
     let mut drawn = Vec::new();

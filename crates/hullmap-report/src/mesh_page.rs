@@ -74,7 +74,7 @@ fn verification(mesh: &MeshReport) -> String {
     let truth = if mesh.source.is_some() { "the source" } else { "the file itself" };
     format!(
         "<p>Every triangle, edge and vertex was compared with {truth}, and the answers for {} rays, of which {} hit, and \
-         {} points with those of all triangles, one by one, in 64-bit arithmetic (seed {}). Wrong entries and answers: \
+         {} points with a search of all triangles, one by one, in 64-bit arithmetic (seed {}). Wrong entries and answers: \
          {}.</p>\n",
         number(checks.rays),
         number(checks.ray_hits),

@@ -221,7 +221,7 @@ function openView(canvas) {
     },
     /**
      * Translucent triangles show their front sides only, and hide nothing. Opaque ones are moved back a
-     * little: the faces of a hull lie in those of its mesh, and would show through in patches.
+     * little: the faces of a hull lie in the faces of its mesh, and would show through in patches.
      */
     triangles(mesh, look) {
       if (!mesh.triangles.length) return;

@@ -54,7 +54,7 @@ impl Baked {
 /// Bakes a mesh file: OBJ, STL, PLY, COLLADA, MSH, GLB, or glTF with its buffers inside.
 ///
 /// `file` is the name of the file, whose extension selects the format. The pack has the same bytes
-/// as that of `bake build` with the same options, saved in the folder of the mesh.
+/// as the pack that `bake build` saves in the folder of the mesh, with the same options.
 ///
 /// # Errors
 /// An option is wrong, the file is faulty, or a hull cannot be built. The message names the fault

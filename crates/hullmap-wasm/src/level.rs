@@ -158,7 +158,7 @@ impl Level {
         }
     }
 
-    /// Number of triangles, those of holes of a field included.
+    /// Number of triangles, including the triangles of a field's holes.
     #[wasm_bindgen(getter, js_name = triangleCount)]
     pub fn triangle_count(&self) -> usize {
         self.sheet.triangle_count()

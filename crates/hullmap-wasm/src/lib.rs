@@ -7,7 +7,7 @@
 //! | module | concept |
 //! |---|---|
 //! | `bake` | a mesh file or arrays to a pack |
-//! | `options` | options of a bake, from a JavaScript object to those of the command |
+//! | `options` | options of a bake: a JavaScript object to the options of the command |
 //! | `pack` | packs and hulls |
 //! | `level` | triangle meshes and height fields |
 //! | `shape` | bodies of queries; rays |

@@ -8,7 +8,7 @@ use crate::object::error;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Options of `bake` and `bakeMesh`: those of the command. docs/COMMAND.md describes them. */
+/** Options of `bake` and `bakeMesh`: the options of the command. docs/COMMAND.md describes them. */
 export interface BakeOptions {
     /** Name of the hull; only of `bakeMesh`. Default "mesh". */
     name?: string;

@@ -75,7 +75,7 @@ export function testLevels({ Level, Pack, Pair, Shape }, native, meshes) {
     }
   }
   assert.ok(hits > 0.2 * queries && hits < 0.9 * queries, `${hits} of ${queries} bodies overlap a level`);
-  console.log(`${queries} contacts and distances on levels equal those of the command, or of all triangles (${hits} overlap)`);
+  console.log(`${queries} contacts and distances on levels equal the answers of the command, or of all triangles (${hits} overlap)`);
 
   // A square with a ridge: edges by class, a ray, a body that falls, and one on both sides.
   const roof = "v 0 0 0\nv 2 0 0\nv 2 1 1\nv 0 1 1\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\nf 4 3 5 6\n";

@@ -66,7 +66,7 @@ for (const name of ["gear.obj", "pawn.obj", "two_objects.obj", "cube.obj"]) {
   }
 }
 const extensions = new Set(files.map((name) => name.split(".").pop()));
-console.log(`${equal} packs have the same bytes as those of the command (${[...extensions].sort().join(", ")})`);
+console.log(`${equal} packs have the same bytes as the command's packs (${[...extensions].sort().join(", ")})`);
 
 // Answers are equal to the last bit: the same pose, the same pack.
 for (const name of files) native("build", join(meshes, name), "--out", meshes, "--force");
@@ -105,7 +105,7 @@ for (const [i, a] of solid.entries()) {
   }
 }
 assert.ok(hits > 0.2 * (queries / 2) && hits < 0.8 * (queries / 2), `${hits} of ${queries / 2} pairs overlap`);
-console.log(`${queries} contacts and distances have the same bits as those of the command (${hits} of ${queries / 2} pairs overlap)`);
+console.log(`${queries} contacts and distances have the same bits as in the command (${hits} of ${queries / 2} pairs overlap)`);
 
 testLevels({ Level, Pack, Pair, Shape }, native, meshes);
 

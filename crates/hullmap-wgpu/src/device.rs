@@ -480,7 +480,7 @@ impl PairBuffers {
 
     /// Solves all `pairs`, in chunks, and appends their answers to `out`.
     pub(crate) fn run(
-        slot: &mut Option<Self>,
+        kept: &mut Option<Self>,
         states: &mut Option<States>,
         pack: &DevicePack,
         plan: Plan<'_>,
@@ -490,8 +490,8 @@ impl PairBuffers {
         use wgpu::BufferUsages as Usage;
         let chunk = pack.chunk(plan.query);
         let needed = pairs.len().clamp(1, chunk);
-        if slot.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
-            *slot = Some(Self::new(pack, needed.next_power_of_two().max(COMPACTION_GROUP as usize)));
+        if kept.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
+            *kept = Some(Self::new(pack, needed.next_power_of_two().max(COMPACTION_GROUP as usize)));
         }
         if states.as_ref().is_none_or(|states| states.count < pairs.len()) {
             let count = pairs.len().max(1);
@@ -501,7 +501,7 @@ impl PairBuffers {
             }
             *states = Some(States { buffer: pack.buffer(bytes, Usage::STORAGE), count });
         }
-        let (Some(buffers), Some(states)) = (slot, states) else { return Ok(()) };
+        let (Some(buffers), Some(states)) = (kept, states) else { return Ok(()) };
         while buffers.parameters.len() < plan.rounds.len() {
             let usage = Usage::UNIFORM | Usage::COPY_DST;
             buffers.parameters.push(pack.buffer(size_of::<Parameters>(), usage));
@@ -662,16 +662,16 @@ impl DirectionBuffers {
 
     /// Finds the support vertices of all `directions`, in chunks, and appends them to `out`.
     pub(crate) fn run<I: Pod, O: Pod>(
-        slot: &mut Option<Self>,
+        kept: &mut Option<Self>,
         pack: &DevicePack,
         directions: &[I],
         out: &mut Vec<O>,
     ) -> Result<(), Error> {
         let needed = directions.len().min(CHUNK);
-        if slot.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
-            *slot = Some(Self::new::<I, O>(pack, needed.next_power_of_two()));
+        if kept.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
+            *kept = Some(Self::new::<I, O>(pack, needed.next_power_of_two()));
         }
-        let Some(buffers) = slot else { return Ok(()) };
+        let Some(buffers) = kept else { return Ok(()) };
         let Inner { device, queue, find_vertices, .. } = &*pack.device.0;
         for chunk in directions.chunks(CHUNK) {
             pack.device.check()?;

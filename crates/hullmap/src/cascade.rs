@@ -2,8 +2,8 @@
 //! hulls.
 //!
 //! Balls, boxes and outer hulls contain their hulls, so hulls that they separate are separated.
-//! Only the inner balls and the hulls themselves prove an overlap. So the answer always equals that
-//! of [`intersects`](crate::intersects()).
+//! Only the inner balls and the hulls themselves prove an overlap. So the answer is always the same
+//! as the answer of [`intersects`](crate::intersects()).
 //!
 //! # Reference
 //! Kenwright, section 5.0.0.1 ("a basic sphere-sphere check, followed by a cube-cube, then a

@@ -117,7 +117,7 @@
 //! let cube = pack.hull_named("cube").ok_or("no cube")?; // its centre of mass is the origin
 //! let body = cube.mass_properties(1.0);
 //!
-//! // The frame of the floor is that of the world. The cube starts tilted, above the floor.
+//! // The frame of the floor is the frame of the world. The cube starts tilted, above the floor.
 //! let (mut position, mut rotation) = (DVec3::new(0.0, 0.0, 4.0), DQuat::from_rotation_x(0.4));
 //! let (mut velocity, mut spin) = (DVec3::ZERO, DVec3::ZERO);
 //! let (mut manifold, mut cache) = (Manifold::new(), Cache::new());

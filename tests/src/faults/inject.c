@@ -258,8 +258,8 @@ int main(int count, char **words) {
         pid_t thread = waitpid(-1, &status, __WALL);
         if (thread < 0) return UNTRACEABLE;
         if (WIFEXITED(status) || WIFSIGNALED(status)) {
-            struct pending *slot = pending_of(thread);
-            if (slot && slot->thread == thread) slot->thread = 0;
+            struct pending *entry = pending_of(thread);
+            if (entry && entry->thread == thread) entry->thread = 0;
             if (thread != program) continue;
             fclose(log);
             return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -277,37 +277,37 @@ int main(int count, char **words) {
             kill(program, SIGKILL);
             return UNTRACEABLE;
         }
-        struct pending *slot = pending_of(thread);
-        if (info.op == PTRACE_SYSCALL_INFO_ENTRY && slot) {
-            const struct call *call = find(thread, &info, slot);
-            if (call && (strstr(slot->path, needle) || strstr(slot->second, needle))) {
-                slot->thread = thread;
-                slot->call = call;
-                slot->result = slot->ends = 0;
+        struct pending *entry = pending_of(thread);
+        if (info.op == PTRACE_SYSCALL_INFO_ENTRY && entry) {
+            const struct call *call = find(thread, &info, entry);
+            if (call && (strstr(entry->path, needle) || strstr(entry->second, needle))) {
+                entry->thread = thread;
+                entry->call = call;
+                entry->result = entry->ends = 0;
                 number++;
-                const int grows = call->grows || (!strcmp(call->name, "open") && slot->bytes);
+                const int grows = call->grows || (!strcmp(call->name, "open") && entry->bytes);
                 if (number == chosen || (lasts && number > chosen && grows)) {
-                    const uint64_t half = slot->bytes / 2;
+                    const uint64_t half = entry->bytes / 2;
                     if (error) {
-                        slot->result = -error;
+                        entry->result = -error;
                         replace(thread, 1, NULL, NULL);
                     } else if (!strcmp(fault, "kill")) {
                         replace(thread, 1, NULL, NULL);
                         kill(program, SIGKILL);
                     } else if (!strcmp(fault, "torn") || !strcmp(fault, "short")) {
-                        if (call->moves && slot->bytes > 1) replace(thread, 0, &half, NULL);
-                        slot->ends = !strcmp(fault, "torn");
+                        if (call->moves && entry->bytes > 1) replace(thread, 0, &half, NULL);
+                        entry->ends = !strcmp(fault, "torn");
                     }
                 }
             }
-        } else if (info.op == PTRACE_SYSCALL_INFO_EXIT && slot && slot->thread == thread) {
-            long result = slot->result ? slot->result : (long)info.exit.rval;
-            if (slot->result) replace(thread, 0, NULL, &result);
-            fprintf(log, "%s\t%s\t%s\t%llu\t%ld\n", slot->call->name, slot->path, slot->second,
-                    (unsigned long long)slot->bytes, result);
+        } else if (info.op == PTRACE_SYSCALL_INFO_EXIT && entry && entry->thread == thread) {
+            long result = entry->result ? entry->result : (long)info.exit.rval;
+            if (entry->result) replace(thread, 0, NULL, &result);
+            fprintf(log, "%s\t%s\t%s\t%llu\t%ld\n", entry->call->name, entry->path, entry->second,
+                    (unsigned long long)entry->bytes, result);
             fflush(log);
-            if (slot->ends) kill(program, SIGKILL);
-            slot->thread = 0;
+            if (entry->ends) kill(program, SIGKILL);
+            entry->thread = 0;
         }
         ptrace(PTRACE_SYSCALL, thread, 0, 0);
     }

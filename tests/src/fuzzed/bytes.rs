@@ -112,8 +112,8 @@ mod tests {
         assert_eq!((bytes.byte(), bytes.float(), bytes.axis()), (0, 0.0, DVec3::Z));
         assert_eq!(bytes.points(9, true), [[0.0; 3]]);
         for kind in 0..4 {
-            let noise: Vec<u8> = (0..200_u32).map(|i| (i * i * 37 + i) as u8).collect();
-            let mut bytes = Bytes::new(&noise);
+            let pattern: Vec<u8> = (0..200_u32).map(|i| (i * i * 37 + i) as u8).collect();
+            let mut bytes = Bytes::new(&pattern);
             for _ in 0..20 {
                 assert!(bytes.point(kind).iter().all(|c| c.is_finite()), "{kind}");
                 assert!((bytes.rotation().length() - 1.0).abs() < 1e-12);

@@ -21,8 +21,8 @@ use crate::soak::body::Any;
 
 const MAX_POINTS: usize = 32;
 
-/// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
-/// rounded shapes are solved twice.
+/// Maximum iterations and support calls of a query: the limits of all phases together, twice,
+/// because rounded shapes are solved twice.
 const MAX_STEPS: u32 = 2 * 1600;
 
 /// Rounding error of brute force, in units of the greatest length times the f64 epsilon. A rotated
@@ -47,7 +47,7 @@ struct Body {
 }
 
 /// Builds two shapes, runs all queries in a few poses, and judges the answers. Panics if an answer
-/// is NaN, exceeds a cap, or contradicts brute force.
+/// is NaN, exceeds a limit, or contradicts brute force.
 pub fn solver(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let (Some(a), Some(b)) = (Body::read(&mut bytes), Body::read(&mut bytes)) else { return };
@@ -82,7 +82,7 @@ fn ask(a: &Any<'_>, b: &Any<'_>, scene: &Scene<'_>, caches: &mut Caches) {
     let near = distance(a, b, b_in_a, &settings, &mut caches.near);
     let steps =
         [yes.iterations, yes.support_calls, deep.iterations, deep.support_calls, near.iterations, near.support_calls];
-    assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a cap is exceeded: {steps:?}");
+    assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a limit is exceeded: {steps:?}");
     // The nearest points up to rounding error: no lower bound may exceed their distance.
     let nearest = Settings { tolerance: 0.0, ..settings };
     let nearest = distance(a, b, b_in_a, &nearest, &mut Cache::default());

@@ -187,9 +187,9 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         Differentiability::Unique => {
             let scale = STEP * length.min(0.1 * sizes);
             // Rounding errors of the truth, divided by the step.
-            let noise = 8.0 * f64::EPSILON * greatest / scale;
+            let rounding = 8.0 * f64::EPSILON * greatest / scale;
             match differences(poses, [scale, scale / lever], 1, &|poses| [truth(poses)]) {
-                _ if noise > 0.1 * SMOOTH => "too near to judge",
+                _ if rounding > 0.1 * SMOOTH => "too near to judge",
                 None => "kink in the step",
                 Some(truth) => {
                     let own = row(&found.of_a.to_array(), &found.of_b.to_array(), lever);

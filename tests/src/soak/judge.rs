@@ -60,8 +60,8 @@ const TOUCHING_POINTS: f64 = 1e-4;
 /// each other in one plane. A false hit, never a missed one.
 const FALSE_TOUCH: f64 = 1e-8;
 
-/// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
-/// rounded shapes are solved twice.
+/// Maximum iterations and support calls of a query: the limits of all phases together, twice,
+/// because rounded shapes are solved twice.
 const MAX_STEPS: u32 = 2 * 1600;
 
 /// One pair out of this many is also checked against all face normals.
@@ -283,7 +283,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             [deep.iterations, deep.support_calls],
             [near.iterations, near.support_calls],
         ] {
-            at_most("a cap is exceeded", counts[0].max(counts[1]).into(), MAX_STEPS.into(), 0.0);
+            at_most("a limit is exceeded", counts[0].max(counts[1]).into(), MAX_STEPS.into(), 0.0);
         }
 
         // A claim proved by one answer must not be denied by another.

@@ -105,8 +105,8 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         judge_memory(&mut judge, &manifold, &known);
         judge.finish(pair, || format!("frame {frame}, {pose:?} {settings:?}\n  {contact:?}\n  {manifold:?}"));
         known.clear();
-        for (slot, point) in manifold.points_mut().iter_mut().enumerate() {
-            point.user_data = frame * MAX_POINTS as u64 + slot as u64 + 1;
+        for (place, point) in manifold.points_mut().iter_mut().enumerate() {
+            point.user_data = frame * MAX_POINTS as u64 + place as u64 + 1;
             known.insert(point.user_data, point.id);
         }
         pose = moved(rng, pose, [way, frame as usize], step, length, if contact.hit { contact.normal } else { axis });

@@ -63,7 +63,8 @@ impl Model {
             return Self::new(Core::Points { points, planes: Vec::new(), edges: Vec::new() });
         }
         let Polytope { points, normals, edges } = Polytope::new(hull);
-        // A sliver's normal may be noise, but a plane in front of all points still bounds the hull.
+        // A sliver's normal may be rounding error, but a plane in front of all points still bounds
+        // the hull.
         let planes = normals.into_iter().map(|n| (n, reach(&points, n))).collect();
         Self::new(Core::Points { points, planes, edges })
     }

@@ -11,8 +11,8 @@ pub fn distance_from_triangle([q, r, s]: [DVec3; 3], p: DVec3) -> f64 {
     [to_segment(p, q, r), to_segment(p, r, s), to_segment(p, s, q)].into_iter().fold(to_triangle(p, q, r, s), f64::min)
 }
 
-/// Number of times that a surface winds around a point: its solid angle divided by that of the
-/// sphere.
+/// Number of times that a surface winds around a point: its solid angle divided by the solid angle
+/// of the sphere.
 ///
 /// # Reference
 /// Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983.

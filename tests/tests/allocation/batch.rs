@@ -59,7 +59,7 @@ struct Answers {
     manifolds: Vec<Manifold>,
 }
 
-/// Slots for answers, filled with arbitrary values.
+/// Space for answers, filled with arbitrary values.
 fn result_slots(pairs: &[Pair<Any<'_>, Any<'_>>]) -> (Answers, [Vec<Cache>; 4]) {
     // As any shape, so that the solver is not compiled for spheres, too.
     let ball: &Any<'_> = &Sphere::new(1.0).unwrap();

@@ -49,7 +49,7 @@ fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
 }
 
-/// A warning states the error with too few parts, and that of a decomposition out of time.
+/// A warning states the error if there are too few parts, or if the decomposition runs out of time.
 #[test]
 fn decomposed_meshes_state_the_error_that_was_reached() {
     let folder = tempfile::tempdir().unwrap();

@@ -334,8 +334,8 @@ fn pairs_are_excluded_once() {
     assert!(pairs(&few.json()[0]).iter().all(|pair| !pair.ends_with("Never")));
     // An SRDF file of the user's own.
     fs::write(folder.path().join("out/crowd.srdf"), "<robot name='crowd'><group name='arm'/></robot>").unwrap();
-    let refused = run(folder.path(), line).expect(2);
-    assert!(refused.stderr.contains("crowd.srdf: exists, and was not written by bake"), "{}", refused.stderr);
+    let rejected = run(folder.path(), line).expect(2);
+    assert!(rejected.stderr.contains("crowd.srdf: exists, and was not written by bake"), "{}", rejected.stderr);
     run(folder.path(), "robot in/arm.sdf --out out --exclude-pairs").expect(2);
 }
 

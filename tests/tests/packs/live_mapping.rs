@@ -342,8 +342,8 @@ fn write_while_running(child: &mut Child, path: &Path, seed: u64) -> u64 {
             writes += 1;
         }
         if rng.below(4) == 0 {
-            let noise: Vec<u8> = (root..original.len()).map(|_| rng.next_u64() as u8).collect();
-            file.write_all_at(&noise, root as u64).unwrap();
+            let garbage: Vec<u8> = (root..original.len()).map(|_| rng.next_u64() as u8).collect();
+            file.write_all_at(&garbage, root as u64).unwrap();
             writes += 1;
         }
         if rng.below(4) == 0 {

@@ -64,10 +64,10 @@ fn thin_penetrating_cores_do_not_merely_touch() {
     }
 }
 
-/// The iteration cap was reached on a round Minkowski difference. The reported points were not
+/// The iteration limit was reached on a round Minkowski difference. The reported points were not
 /// along the normal, in whose direction the radii are added.
 #[test]
-fn contact_points_lie_along_the_normal_at_the_iteration_cap() {
+fn contact_points_lie_along_the_normal_at_the_iteration_limit() {
     let (disc, long) = (Cylinder::new(1e-9, 0.0008).unwrap(), Capsule::new(700.0, 0.001).unwrap());
     let turn =
         DQuat::from_xyzw(-2.821668210076401e-1, 3.716787100216282e-2, -7.059676274211393e-1, 6.485446349488803e-1);

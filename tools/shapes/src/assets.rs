@@ -1,7 +1,7 @@
 //! Files under `assets/`: generation, comparison and writing.
 //!
-//! The generator owns the folder: its OBJ files and its `README.md` are exactly those of
-//! [`generate`].
+//! The generator owns the folder: its OBJ files and its `README.md` are exactly the files that
+//! [`generate`] returns.
 
 use crate::models::{self, Model};
 use std::fmt::{self, Write as _};

@@ -2,8 +2,8 @@
 
 use crate::mesh::Mesh;
 
-/// A file of vertices and polygons. Each corner has the index of a normal before that of its
-/// vertex, which readers must skip. The frame is turned and scaled, and turned back by the node.
+/// A file of vertices and polygons. Each corner has the index of a normal, which readers must skip,
+/// before the index of its vertex. The frame is turned and scaled, and turned back by the node.
 pub fn file(mesh: &Mesh) -> String {
     let positions: Vec<String> = mesh.vertices.iter().map(|[x, y, z]| format!("{y} {z} {x}")).collect();
     let counts: Vec<String> = mesh.faces.iter().map(|face| face.len().to_string()).collect();

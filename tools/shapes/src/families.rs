@@ -380,8 +380,8 @@ fn rotated_generic(p: Vec3) -> Vec3 {
 
 /// `n` points drawn from `candidate`, rounded to `f32`; one that was drawn before is dropped.
 fn distinct(n: usize, candidate: impl FnMut() -> Vec3) -> Vec<[f32; 3]> {
-    let cap = n.saturating_mul(MAX_TRIES_PER_POINT);
-    distinct_from(n, core::iter::repeat_with(candidate).take(cap))
+    let limit = n.saturating_mul(MAX_TRIES_PER_POINT);
+    distinct_from(n, core::iter::repeat_with(candidate).take(limit))
 }
 
 /// The first `n` distinct points of `candidates`, rounded to `f32`.

@@ -16,8 +16,8 @@ const BUFFER_URI: &str = "BUFFER_URI";
 
 /// Document of named meshes, with faces triangulated as fans.
 ///
-/// `nodes` is the text of glTF's list of nodes, and `roots` that of the scene's list of root nodes.
-/// Mesh `i` has its positions in accessor `2 i` and its vertex indices in `2 i + 1`.
+/// `nodes` is the text of glTF's list of nodes, and `roots` is the text of the scene's list of root
+/// nodes. Mesh `i` has its positions in accessor `2 i` and its vertex indices in `2 i + 1`.
 pub fn parts(meshes: &[(&str, &Mesh)], nodes: &str, roots: &str) -> Parts {
     let mut buffer = Vec::new();
     let (mut views, mut accessors, mut records) = (Vec::new(), Vec::new(), Vec::new());

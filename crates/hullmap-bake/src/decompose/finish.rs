@@ -1,5 +1,5 @@
-//! Final hulls of the parts that were found, which together contain the whole surface. Where a
-//! mirror halves the mesh, each is made with its image.
+//! Final hulls of the parts that were found, which together contain the whole surface. If a mirror
+//! halves the mesh, each hull is made with its image.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,8 +32,8 @@ pub const COVERED: f64 = 1e-7;
 /// subtracting parts, so further parts may raise the bound of a triangle that they cut.
 const UNCOVERED_ROUNDS: usize = 4;
 
-/// Numbers of vertices with which a symmetric hull is tried, relative to the maximum: its half and
-/// the image of that have other corners than the hull.
+/// Numbers of vertices with which a symmetric hull is tried, relative to the maximum: the half of a
+/// hull and its image have other corners than the hull.
 const SYMMETRIC_VERTICES: [f64; 4] = [1.0, 0.8, 0.6, 0.45];
 
 /// A final hull, and its mirror image if that is another part.
@@ -54,7 +54,7 @@ struct Finish<'a, 'b> {
 }
 
 /// The hulls of parts, and of what they do not cover; at most `max_parts`. They cover the mesh, as
-/// far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is left. Those of a
+/// far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is left. The hulls of a
 /// symmetric mesh are symmetric as far as that can be proven.
 pub fn finished(
     mesh: &PointSet,
@@ -103,7 +103,7 @@ impl Finish<'_, '_> {
         wrap::thick(&self.levels.field, tight, &self.thin)
     }
 
-    /// A part that stands for itself. It is its own image if there is a mirror.
+    /// The hull of a part without an image. It is its own image if there is a mirror.
     fn whole(&self, part: &Part) -> Unit {
         let tight = self.tight(part, 1.0);
         let symmetric = self.mirror().and_then(|mirror| {
@@ -114,7 +114,7 @@ impl Finish<'_, '_> {
         Unit { hull: self.vertices.built(symmetric.unwrap_or(tight)), image: None }
     }
 
-    /// A part that stands for its image, too.
+    /// The hulls of a part and of its image.
     fn mirrored(&self, part: &Part) -> Unit {
         let hull = self.tight(part, 1.0);
         let Some(mirror) = self.mirror() else { return Unit { hull: self.vertices.built(hull), image: None } };
@@ -122,7 +122,7 @@ impl Finish<'_, '_> {
         self.with_image(grown.unwrap_or(hull), mirror)
     }
 
-    /// A hull and its image, of which both have the same vertices after they are built.
+    /// A hull and its image. Both have the same vertices after they are built.
     fn with_image(&self, hull: Hull, mirror: &Mirror) -> Unit {
         let image_of = |hull: &Hull| symmetric::image(hull, mirror).map(|image| self.vertices.built(image));
         let mut hull = self.vertices.built(hull);
@@ -189,8 +189,8 @@ impl Finish<'_, '_> {
         }
     }
 
-    /// A unit of which the hull on one `side` has absorbed triangles; `None` if that is not proven
-    /// to be within the limit. If it `must` absorb them, a larger protrusion is accepted.
+    /// A unit whose hull on one `side` has absorbed triangles; `None` if the hull is not proven to
+    /// be within the limit. If it `must` absorb them, a larger protrusion is accepted.
     fn absorbed(&self, unit: &Unit, side: usize, triangles: &[Triangle], must: bool) -> Option<Unit> {
         let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
         let hull = unit.hulls().nth(side)?;

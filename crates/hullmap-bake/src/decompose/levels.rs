@@ -1,18 +1,18 @@
 //! Levels: the limits for which parts are searched, and which of the results is taken.
 //!
-//! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error is
-//! served by the levels below it: of their results, the one with the fewest parts is taken, and of
-//! equal ones that with the lowest limit. All levels down to a fixed one are candidates, unless
-//! their parts are proven to be more. So a larger error has the same candidates and some more. It
-//! takes more parts only if step 2 leaves out the level that would have had fewer.
+//! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error uses
+//! the levels below it. Of their results, the one with the fewest parts is taken; among equal ones,
+//! the result with the lowest limit. All levels down to a fixed one are candidates, unless their
+//! parts are proven to be more. So a larger error has the same candidates and some more. It takes
+//! more parts only if step 2 leaves out the level that would have had fewer.
 //!
 //! # Steps
-//! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End where conflicts
+//! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End when conflicts
 //!    prove that all lower levels have more parts.
-//! 2. Give a level up when it has far more parts before mergers than the best one had. End where
-//!    lower levels are hopeless, which keeps meshes with many parts from taking minutes.
-//! 3. Where conflicts prove that no level has fewer parts than the best, lower ones only give
-//!    tighter parts. Then search those of whole octaves, and others only where these end.
+//! 2. Give up a level when it has far more parts before mergers than the best level had. End when
+//!    lower levels cannot be better, which keeps meshes with many parts from taking minutes.
+//! 3. If conflicts prove that no level has fewer parts than the best, lower levels only give
+//!    tighter parts. Then search the levels at whole octaves, and others only where these end.
 
 use super::{
     parameters::Cover,
@@ -168,8 +168,8 @@ impl Found {
     }
 }
 
-/// The better of two results, of which the second may be unproven: one that is within the error, or
-/// the one whose parts have the smaller volume.
+/// The better of two results: one that is within the error, or the one whose parts have the smaller
+/// volume. The second may be unproven.
 fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found> {
     // Infinity is no proof.
     let is_within = |found: &Found| found.reached() < f64::INFINITY && found.reached() <= error;
@@ -204,7 +204,7 @@ pub struct Levels<'a> {
 
 impl<'a> Levels<'a> {
     /// # Complexity
-    /// That of [`Field::new`].
+    /// The same as for [`Field::new`].
     pub fn new(
         surface: &'a Surface,
         solid: &'a Solid,
@@ -463,7 +463,7 @@ impl<'a> Levels<'a> {
         best.map(|(_, found)| self.refined(found, count))
     }
 
-    /// The same parts, of which some are divided, where there may be more.
+    /// The same parts, some of them divided if there may be more parts.
     fn refined(&mut self, found: Found, count: usize) -> Found {
         let (reached, mut found) = (found.reached(), found);
         for limit in FURTHER.map(|share| share * reached) {

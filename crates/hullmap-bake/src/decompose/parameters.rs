@@ -92,7 +92,7 @@ impl Cover {
     /// ball of the radius [`reachable`](Self::reachable) cannot reach.
     ///
     /// # Complexity
-    /// That of [`Solid::new`]; with a radius, that of [`with_unreachable`], too.
+    /// The cost of [`Solid::new`]; with a radius, plus the cost of [`with_unreachable`].
     pub fn solid(&self, mesh: &PointSet) -> Solid {
         let solid = Solid::new(mesh);
         match self.reachable.map(|radius| radius.of(solid.diagonal())) {

@@ -59,7 +59,7 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
 /// bounds are not improved any more, but they still hold.
 ///
 /// # Complexity
-/// That of [`fits`], without the solid.
+/// The cost of [`fits`], without the solid.
 pub fn fits_around(
     solid: &Solid,
     mesh: &PointSet,

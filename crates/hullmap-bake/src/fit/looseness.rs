@@ -21,7 +21,7 @@ use crate::{hull::Hull, mass::mass, simplify::nearest::Nearest, spread::spread};
 pub struct Looseness {
     /// Sum of the parts' volumes less the volume of their union, relative to the latter.
     pub overlap: f64,
-    /// Twice the standard deviation that `overlap` has at most, if the points are random. Those of
+    /// Twice the maximum standard deviation of `overlap`, if the points are random. The points of
     /// the fixed sequence are spread more evenly.
     pub overlap_error: f64,
     /// Mean distance of the visible surface from the solid. A part's surface is visible where no
@@ -50,10 +50,10 @@ pub fn looseness(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> Looseness {
 }
 
 /// As [`looseness`], and the mean protrusion of each part's own visible surface; `None` for a part
-/// that is not a solid, or of which nothing is visible.
+/// that is not a solid, or has no visible surface.
 ///
 /// # Complexity
-/// That of [`looseness`].
+/// The same as for [`looseness`].
 pub fn looseness_of_parts(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> (Looseness, Vec<Option<f64>>) {
     let count = parts.len();
     let is_solid = |index: &usize| parts[*index].rank == 3;

@@ -112,7 +112,7 @@ impl TriangleTree {
     /// The tree of boxes, each in the place of a triangle.
     ///
     /// # Complexity
-    /// That of [`Self::new`].
+    /// The same as for [`Self::new`].
     pub fn of_boxes(boxes: impl Iterator<Item = Bounds>) -> Self {
         let leaf = |(index, bounds)| Node { bounds, below: Below::Leaf(index) };
         let mut leaves: Vec<Node> = (0..).zip(boxes).map(leaf).collect();
@@ -123,7 +123,7 @@ impl TriangleTree {
         tree
     }
 
-    /// The node above `leaves`, of which there must be one or more.
+    /// The node above `leaves`, which must not be empty.
     fn built(&mut self, leaves: &mut [Node]) -> Node {
         if let [leaf] = leaves {
             return *leaf;
@@ -275,7 +275,7 @@ fn split(leaves: &mut [Node]) -> usize {
         let left = bins[..=last].iter().copied().fold(Bin::EMPTY, Bin::with);
         let right = bins[last + 1..].iter().copied().fold(Bin::EMPTY, Bin::with);
         let cost = left.cost() + right.cost();
-        // Not where a side is empty: NaN is not lower.
+        // Never with an empty side: its cost is NaN, which is not lower.
         if cost < best.0 {
             best = (cost, last, left.count);
         }

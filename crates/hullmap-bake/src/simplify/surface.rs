@@ -156,8 +156,8 @@ impl Surface {
         })
     }
 
-    /// Normals of the triangles at a vertex, in the order of [`around`](Self::around): those of
-    /// [`normal`](Self::normal) with the vertex first.
+    /// Normals of the triangles at a vertex, in the order of [`around`](Self::around), as
+    /// [`normal`](Self::normal) computes them with the vertex first.
     pub fn normals_around(&self, vertex: u32) -> impl Iterator<Item = DVec3> + '_ {
         self.fan(vertex).map(move |(index, [b, c])| {
             let normal = self.normals[index as usize];

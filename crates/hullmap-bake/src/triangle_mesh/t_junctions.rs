@@ -1,7 +1,7 @@
 //! T-junctions: vertices that lie on a border edge of a triangle, between its ends.
 //!
 //! There the surface looks closed, but the triangles on both sides are not neighbours: rounding may
-//! open a crack, and contact normals at the edge are those of a border.
+//! open a crack, and the edge has the contact normals of a border.
 //!
 //! # Steps
 //! 1. Build a tree of boxes over the border edges. Conforming edges have neighbours, so both sides
@@ -11,8 +11,8 @@
 //!
 //! # Complexity
 //! O(n log n) for n border edges: a vertex visits at most [`VISITS_A_LEVEL`] boxes for each level
-//! of a balanced tree. Only where hundreds of border edges cross in one place, vertices need more.
-//! Then the count is a lower bound, and the result states this.
+//! of a balanced tree. If hundreds of border edges cross in one place, vertices need more. Then the
+//! count is a lower bound, and the result states this.
 
 use std::cell::Cell;
 

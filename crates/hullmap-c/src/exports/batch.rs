@@ -73,7 +73,7 @@ unsafe fn optional_caches<'h>(caches: *const *mut Cache, count: usize) -> Fallib
 /// hullmap_intersects() of `count` pairs, on all cores.
 ///
 /// Pair i uses `caches[i]` and writes `out[i]`. caches may be NULL; otherwise no cache may occur
-/// twice. Answers have the same bits as those of single queries with the same caches. All pairs are
+/// twice. Answers have the same bits as in single queries with the same caches. All pairs are
 /// checked first: if one is wrong, the message has its index, and nothing is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_batch_intersects(

@@ -38,7 +38,8 @@ pub unsafe extern "C" fn hullmap_height_field_free(field: *mut HeightField) {
     unsafe { border::free(field) }
 }
 
-/// Number of triangles of a height field, those of holes included: two for each cell; 0 for NULL.
+/// Number of triangles of a height field, including the triangles of holes: two for each cell; 0
+/// for NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_height_field_triangle_count(field: *const HeightField) -> usize {
     // SAFETY: the caller keeps the rules at the head of the header.

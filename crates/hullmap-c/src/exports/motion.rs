@@ -57,8 +57,8 @@ unsafe fn optional_out<T>(name: &'static str, out: *mut T) -> Fallible<Option<Ou
 /// When A and B, which move and turn, first come within a distance of each other. Motions are in a
 /// common frame, as is the answer.
 ///
-/// derivatives may be NULL. If not, they are those of the time, by twists that displace the whole
-/// motion of a shape, and turn it about where the origin of its frame is at the impact.
+/// derivatives may be NULL. If not, it receives the derivatives of the time, by twists that
+/// displace the whole motion of a shape, and turn it about the place of its origin at the impact.
 /// settings and cache may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_cast_motion(

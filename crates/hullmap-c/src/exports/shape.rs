@@ -51,7 +51,7 @@ pub unsafe extern "C" fn hullmap_shape_compound(pack: *const Pack, shape: *mut *
 }
 
 /// All triangles of a mesh together: a static level, which collides on both sides. Answers
-/// have the index of the triangle in place of that of a hull. It has no support points and no
+/// have the index of the triangle in place of the index of a hull. It has no support points and no
 /// signed distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_triangle_mesh(mesh: *const TriangleMesh, shape: *mut *mut Shape) -> Result {
@@ -60,8 +60,8 @@ pub unsafe extern "C" fn hullmap_shape_triangle_mesh(mesh: *const TriangleMesh, 
 }
 
 /// All triangles of a height field together: a terrain, which collides on both sides. Answers have
-/// the index of the triangle in place of that of a hull. It has no support points and no signed
-/// distance.
+/// the index of the triangle in place of the index of a hull. It has no support points and no
+/// signed distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_height_field(field: *const HeightField, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.

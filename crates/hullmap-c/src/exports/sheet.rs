@@ -11,7 +11,7 @@ use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::types::{MeshTriangle, Result};
 
-/// Opens a file. `name` is that of the argument `handle`.
+/// Opens a file. `name` is the name of the argument `handle`.
 ///
 /// # Safety
 /// The caller keeps the rules at the head of the header.
@@ -29,7 +29,7 @@ pub(super) unsafe fn open<F, H: From<F>>(
     })
 }
 
-/// Opens the bytes of a file. `name` is that of the argument `handle`.
+/// Opens the bytes of a file. `name` is the name of the argument `handle`.
 ///
 /// # Safety
 /// The caller keeps the rules at the head of the header.
@@ -49,7 +49,7 @@ pub(super) unsafe fn from_memory<F, H: From<F>>(
     })
 }
 
-/// A number of a handle; 0 for NULL. `name` is that of the argument.
+/// A number of a handle; 0 for NULL. `name` is the name of the argument.
 ///
 /// # Safety
 /// The caller keeps the rules at the head of the header.
@@ -63,8 +63,8 @@ pub(super) unsafe fn count<H>(name: &str, handle: *const H, count: impl FnOnce(&
     found
 }
 
-/// Writes a triangle of a handle. `name` is that of the argument; `find` returns the triangle, or
-/// why there is none.
+/// Writes a triangle of a handle. `name` is the name of the argument; `find` returns the triangle,
+/// or why there is none.
 ///
 /// # Safety
 /// The caller keeps the rules at the head of the header.

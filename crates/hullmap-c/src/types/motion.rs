@@ -200,9 +200,9 @@ pub enum Differentiability {
     /// A motion is parallel to the surface where it meets it.
     Grazing = 4,
     /// There is nothing to differentiate: no hit, an overlap at the start of a motion, or a
-    /// separated pair of which the depth is wanted. The numbers are 0.
+    /// separated pair whose depth is requested. The numbers are 0.
     Missing = 5,
-    /// The answer is less accurate than its settings ask for.
+    /// The answer is less accurate than its settings require.
     Inaccurate = 6,
     /// Only of normals and points: other vertices, edges or faces are nearest for poses nearby.
     Feature = 7,

@@ -119,7 +119,7 @@ fn answer<A: Side, B: Side>(
     Ok(Exit::Done)
 }
 
-/// The poses of `--pose` in their order, then those of `--poses`; without both, the identity.
+/// The poses of `--pose` in their order, then the poses of `--poses`; without both, the identity.
 fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     let mut poses = Vec::new();
     for text in &args.poses {

@@ -18,8 +18,8 @@ use crate::budget::{Budget, budget};
 const THINNEST: f64 = 1e-5;
 
 /// The options of a bake. An option that has no value, or does not apply, has its default from the
-/// [`table`](super::table). With `decompose`, `max_error` and `max_vertices` without a value have
-/// those of [`Cover::default`].
+/// [`table`](super::table). With `decompose`, the defaults of `max_error` and `max_vertices` come
+/// from [`Cover::default`].
 ///
 /// # Panics
 /// The methods panic if the [`table`](super::table) gives an option another kind of value than they

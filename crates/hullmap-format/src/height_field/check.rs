@@ -71,8 +71,8 @@ pub enum FieldError {
         /// Number of cells.
         cells: usize,
     },
-    /// The bounds are not the bounds of the heights.
-    #[error("the bounds of the height field are not those of its heights; bake the source again")]
+    /// The bounds do not match the heights.
+    #[error("the bounds of the height field do not match its heights; bake the source again")]
     Bounds,
     /// A range is not the tightest one around the heights below its node.
     #[error("the range of node {node} is not the tightest one around its heights; bake the source again")]

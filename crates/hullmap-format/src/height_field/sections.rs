@@ -19,7 +19,7 @@ const _: () = assert!(ROOT_LEN == 7 * 8, "the root is 7 offsets and counts witho
 /// All sections, in the order of the file. See [`HeightField`](super::archive::HeightField) for
 /// what each holds.
 #[derive(Clone, Copy, Debug)]
-#[expect(missing_docs, reason = "the fields are those of `archive::HeightField`, where each is documented")]
+#[expect(missing_docs, reason = "each field is documented in `archive::HeightField`")]
 pub struct Sections<'a> {
     pub records: &'a [ArchivedRecord],
     pub source_path: &'a [u8],

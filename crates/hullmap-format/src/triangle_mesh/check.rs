@@ -42,8 +42,8 @@ pub enum MeshError {
         /// Number of vertices.
         vertex_count: usize,
     },
-    /// The bounds are not the bounds of the vertices.
-    #[error("the bounds of the mesh are not those of its vertices; bake the source again")]
+    /// The bounds do not match the vertices.
+    #[error("the bounds of the mesh do not match its vertices; bake the source again")]
     Bounds,
     /// A box is not the tightest one around its triangles.
     #[error("the box of node {node} is not the tightest one around its triangles; bake the source again")]

@@ -15,7 +15,7 @@ const _: () = assert!(ROOT_LEN == 11 * 8, "the root is 11 offsets and counts wit
 /// All sections, in the order of the file. See
 /// [`TriangleMesh`](super::archive::TriangleMesh) for what each holds.
 #[derive(Clone, Copy, Debug)]
-#[expect(missing_docs, reason = "the fields are those of `archive::TriangleMesh`, where each is documented")]
+#[expect(missing_docs, reason = "each field is documented in `archive::TriangleMesh`")]
 pub struct Sections<'a> {
     pub records: &'a [ArchivedRecord],
     pub source_path: &'a [u8],

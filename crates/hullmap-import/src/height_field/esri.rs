@@ -84,7 +84,7 @@ fn head(tokens: &mut Tokens) -> Result<Head, LineFault> {
         let value = number(value).map_err(|fault| fault.at_line(tokens.line()))?;
         let [x, y] = &mut head.low;
         let [mid_x, mid_y] = &mut head.is_middle;
-        let slot = match key.as_str() {
+        let field = match key.as_str() {
             "ncols" => &mut head.columns,
             "nrows" => &mut head.rows,
             "cellsize" => &mut head.size,
@@ -106,7 +106,7 @@ fn head(tokens: &mut Tokens) -> Result<Head, LineFault> {
                 return Err(Fault::format(text).at_line(tokens.line()));
             }
         };
-        *slot = Some(value);
+        *field = Some(value);
     }
 }
 

@@ -440,7 +440,7 @@ fn no_import_grows_quadratically() {
     let mut failed = Vec::new();
     for case in cases() {
         let [small, large] = [1, FACTOR].map(|factor| (case.source)(factor * case.count));
-        // The shortest of several times is the one with the least noise.
+        // The shortest of several times was disturbed least by other programs.
         let mut times = [Duration::MAX; 2];
         let mut ratio = f64::MAX;
         for _ in 0..ATTEMPTS {

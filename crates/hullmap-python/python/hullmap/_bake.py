@@ -158,8 +158,9 @@ def bake_file(
 ) -> Pack:
     """Bakes a mesh file: OBJ, glTF, GLB, STL, PLY, COLLADA or MSH.
 
-    The options are those of `bake`, and ``split="object"`` for a hull for each object. Saved in the
-    folder of the mesh, the pack has the same bytes as that of the command.
+    The options are the same as for `bake`, and also ``split``: with ``"object"``, each object gets
+    a hull. A pack that is saved in the folder of the mesh has the same bytes as the pack of the
+    command.
 
     Raises `BakeError` for a faulty mesh, and an `OSError` for a file that cannot be read.
     """

@@ -58,7 +58,7 @@ def from_trimesh(
     **options: Unpack[BakeOptions],
 ) -> Pack:
     """Bakes a ``trimesh.Trimesh``, ``PointCloud`` or ``Scene``; each geometry of a scene becomes a
-    hull. The options are those of `bake`."""
+    hull. The options are the same as for `bake`."""
     module = _import_trimesh()
     if isinstance(mesh, module.Scene):
         parts, names = [], []
@@ -94,8 +94,8 @@ def to_mjcf(shape: Union[Hull, Pack], name: str = "hull", *, density: float = 10
     ``mujoco.MjModel.from_xml_string`` loads it, and MuJoCo's ``MjSpec`` attaches it to other models.
     MuJoCo builds the hull of the vertices again.
 
-    The inertial element is that of the mesh at uniform ``density``, if the pack records it, and
-    otherwise that of the hulls: see `Pack.mass_properties`.
+    The inertial element describes the mesh at uniform ``density`` if the pack records its mass
+    properties, and otherwise the hulls: see `Pack.mass_properties`.
 
     >>> import hullmap
     >>> corner = hullmap.bake([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], name="corner")
@@ -144,8 +144,9 @@ def to_urdf(
     ``prefix="package://robot/meshes/"`` for ROS. A hull that a primitive may replace (see `Hull.primitive`) is
     that primitive, except for capsules, which URDF does not have.
 
-    The inertial element is that of the mesh at uniform ``density``, if the pack records it: see
-    `Pack.mass_properties`. Otherwise it is that of the hulls, which counts overlaps twice.
+    The inertial element describes the mesh at uniform ``density`` if the pack records its mass
+    properties: see `Pack.mass_properties`. Otherwise it describes the hulls, and overlaps count
+    twice.
     """
     place = Path(folder)
     hulls = _hulls(shape)

@@ -14,7 +14,7 @@ _Columns = Dict[str, npt.NDArray[Any]]
 _Vector = Tuple[float, float, float]
 _Pairs = Union[Pairs, Tuple[Shape, Shape]]
 
-# Those of B in A; those of A and of B in the world; those of all shapes of `Pairs` in the world.
+# Poses of B in A; poses of A and of B in the world; poses of all shapes of `Pairs` in the world.
 Poses = Union[Tuple[_Floats, Optional[_Floats]], _Floats]
 
 class Error(ValueError):

@@ -299,7 +299,7 @@ def ray_derivatives(
     """Derivatives of the t at which rays enter a convex shape: ``by_a`` with respect to the pose of the shape, and
     ``by_b`` to the pose of the ray, a frame with its origin at the ray's, which turns with the direction.
 
-    Twists are those of `derivatives`, in the frame of the shape. A ray that meets an edge has no derivative.
+    Twists are as for `derivatives`, in the frame of the shape. A ray that meets an edge has no derivative.
 
     >>> import hullmap
     >>> found = hullmap.ray_derivatives(hullmap.Box([1, 1, 1]), [0.2, 0.3, 5], [0, 0, -2])
@@ -324,7 +324,7 @@ def witness_derivatives(
 ) -> WitnessDerivatives:
     """Derivatives of the normals and the points of distances or contacts of convex shapes, by both poses.
 
-    Twists are those of `derivatives`. There are derivatives where the distance or the depth has one, and the same
+    Twists are as for `derivatives`. There are derivatives where the distance or the depth has one, and the same
     vertices, edges or faces are nearest for all poses nearby. Curved places of cylinders and cones have none.
 
     >>> import hullmap

@@ -6,8 +6,8 @@ from typing import Literal, Optional, TypedDict, Union
 
 
 class BakeOptions(TypedDict, total=False):
-    """Options of `bake`, `bake_parts`, `bake_file` and `from_trimesh`, as keywords: those of the
-    command, with underscores (``docs/COMMAND.md``). ``None`` stands for the default.
+    """Options of `bake`, `bake_parts`, `bake_file` and `from_trimesh`, as keywords: the options
+    of the command, with underscores (``docs/COMMAND.md``). ``None`` stands for the default.
 
     >>> import hullmap
     >>> options: hullmap.BakeOptions = {"index": "compact", "recentre": True}

@@ -15,13 +15,13 @@ from ._shapes import MAX_ITERATIONS, RAY_TOLERANCE, TOLERANCE, Poses, Shape, len
 
 
 class Pairs:
-    """Pairs of shapes, of which one call queries all: for instance those links of a robot that may
+    """Pairs of shapes that one call queries together: for instance the links of a robot that may
     meet.
 
     ``shapes`` are shapes of any kind and of any packs; of a `Pack` itself, they are its hulls. ``a``
     and ``b`` are indices of shapes, one of each for each pair.
 
-    Poses are those of `Shape`, with one row for each pair in the last axis: ``b_in_a``, or
+    Poses are as for `Shape`, with one row for each pair in the last axis: ``b_in_a``, or
     ``a_in_world`` and ``b_in_world``. Or pass ``in_world``: one pose for each shape, (..., S, 7) or
     (..., S, 4, 4). Axes before that are moments. Answers have the shape (..., P).
 
@@ -123,8 +123,8 @@ class Pairs:
         coherent: bool = False,
         threads: Optional[int] = None,
     ) -> Impact:
-        """As `Shape.cast`, for each pair. ``velocity`` is that of B in A's frame: one vector for all
-        pairs, or one for each."""
+        """As `Shape.cast`, for each pair. ``velocity`` is the velocity of B in A's frame: one vector
+        for all pairs, or one for each."""
         poses, lead = self._poses(b_in_a, a_in_world, b_in_world, in_world)
         velocities, own = vectors("velocity", velocity)
         if own:

@@ -83,8 +83,9 @@ class Robot:
 
     A configuration is a row of one number for each of `joint_names`: radians, or metres for sliders. Joints that
     follow others (``mimic``, ``equality``) have no number. Ball joints, floating and planar ones stay where the
-    description has them. With ``poses``, the links are where the caller says instead, who has Pinocchio, MuJoCo or
-    a simulator: one pose in the world for each of `link_names`, (..., L, 7) or (..., L, 4, 4).
+    description puts them. With ``poses``, the caller gives the poses of the links instead, for instance from
+    Pinocchio, MuJoCo or a simulator: one pose in the world for each of `link_names`, (..., L, 7) or
+    (..., L, 4, 4).
 
     A robot does not change: methods return new ones that share its hulls. Queries run on all processors.
 
@@ -124,10 +125,10 @@ class Robot:
     ) -> Robot:
         """The robot of a URDF file.
 
-        ``packs`` are folders of packs: that of ``meshes/hand.stl`` is ``hand.hullmap``, and must have been baked
-        from that mesh. A mesh without a pack stands for its convex hull. ``packages`` are folders of packages, or
-        folders that hold them. Without them, only the package that the file lies in is read. Pairs that the
-        ``srdf`` file disables are allowed.
+        ``packs`` are folders of packs: the pack of ``meshes/hand.stl`` is ``hand.hullmap``, and must have been
+        baked from that mesh. A mesh without a pack stands for its convex hull. ``packages`` are folders of
+        packages, or folders that hold them. Without them, only the package that the file lies in is read. Pairs
+        that the ``srdf`` file disables are allowed.
         """
         return cls._read("URDF", path, packs, packages, srdf)
 
@@ -136,14 +137,15 @@ class Robot:
         cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
     ) -> Robot:
         """The robot of an MJCF file. Pairs of its ``exclude`` elements are not tested. ``packs`` and ``packages`` are
-        those of `from_urdf`."""
+        the same as for `from_urdf`."""
         return cls._read("MJCF", path, packs, packages, None)
 
     @classmethod
     def from_sdf(
         cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
     ) -> Robot:
-        """The robot of an SDF file. ``packs`` and ``packages`` are those of `from_urdf`."""
+        """The robot of an SDF file. ``packs`` and ``packages`` are the same as for
+        `from_urdf`."""
         return cls._read("SDF", path, packs, packages, None)
 
     @classmethod
@@ -312,9 +314,9 @@ class Robot:
     ) -> RobotEdges:
         """Whether edges are free: while each joint moves linearly from ``start`` to ``end``.
 
-        A free edge is free in each of its configurations, which is proven, and not sampled. Of a hit, the first
-        touch is between ``t_lower`` and ``t_upper``. An open edge is free up to ``t_lower``; then it grazes, or
-        ``max_queries`` was reached.
+        A free edge is free in each of its configurations, which is proven, and not sampled. For a hit, the
+        first touch is between ``t_lower`` and ``t_upper``. An open edge is free up to ``t_lower``; then it
+        grazes, or ``max_queries`` was reached.
 
         Pairs within ``margin`` count as a hit. The interval of a hit is at most ``resolution`` wide. The
         clearance of a free edge is at least ``share`` of the least distance that was computed; 0 is the fastest.

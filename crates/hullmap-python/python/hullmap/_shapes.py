@@ -91,7 +91,7 @@ class Shape:
     ``a_in_world`` and ``b_in_world``; either may be one pose for all. The answer has the shape of the
     poses: a single pose gives single numbers.
 
-    ``tolerance`` is the width of intervals relative to their upper bound; 0 asks for the last digit.
+    ``tolerance`` is the width of intervals relative to their upper bound; 0 requests full accuracy.
     With ``coherent=True``, the poses are successive ones of a motion, and each search starts from
     the answer of the pose before: that is faster, and changes answers by rounding error at most.
     ``threads`` is the number of threads; all processors by default.
@@ -645,7 +645,7 @@ class Hull(ConvexShape):
 
     @property
     def origin(self) -> Floats:
-        """Origin of the hull's frame in that of the mesh, with the option ``recentre``."""
+        """Origin of the hull's frame in the frame of the mesh, with the option ``recentre``."""
         return floats("origin", self._facts["origin"])
 
     @property

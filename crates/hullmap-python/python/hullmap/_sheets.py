@@ -110,9 +110,9 @@ class _Sheet(Shape):
 class TriangleMesh(_Sheet):
     """A static mesh that keeps its triangles, such as a level. They collide on both sides.
 
-    ``parts`` of an answer has the index of the triangle. The depth of a contact is that of the deepest
-    triangle: the shorter way out, on either side. Arrays are copies; lengths are in the frame and unit
-    of the mesh. The mesh has no support points and no signed distance.
+    ``parts`` of an answer has the index of the triangle. The depth of a contact is the depth of the
+    deepest triangle: the shorter way out, on either side. Arrays are copies; lengths are in the frame
+    and unit of the mesh. The mesh has no support points and no signed distance.
 
     >>> import numpy as np, hullmap
     >>> corners = [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]

@@ -11,8 +11,8 @@ Poses are arrays of the shape (..., 7). Queries run on the processor, as callbac
 ``vmap`` makes one call of all poses. The rotation of a pose is its quaternion divided by its length, so the numbers
 of a pose are free variables of an optimiser. The gradient by a quaternion is perpendicular to it.
 
-Where there is no derivative (`hullmap.Differentiability`), the gradient is that of one of several normals or pairs
-of points: it is a direction, as the gradient of ``abs`` at 0. With ``strict=True`` it is NaN there. Only first
+Where there is no derivative (`hullmap.Differentiability`), the gradient belongs to one of several normals or pairs
+of points: it is a direction, like the gradient of ``abs`` at 0. With ``strict=True`` it is NaN there. Only first
 derivatives are computed. It requires JAX: ``pip install hullmap[jax]``.
 """
 

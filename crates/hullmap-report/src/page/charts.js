@@ -43,19 +43,19 @@ function chart(title, unit, pairs) {
   const sentence = `mean ${short(mean)}, median ${grouped(median)}, 99 % take at most ${grouped(most)}, all at most ${grouped(max)} ${unit}`;
   const picture = svg("svg", { viewBox: "0 0 440 190", class: "chart", role: "img", "aria-label": `${title}: ${sentence}` });
   const top = Math.max(...list.map(({ count }) => count));
-  const slot = 430 / Math.max(list.length, 6);
+  const step = 430 / Math.max(list.length, 6);
   const every = Math.ceil(list.length / Math.floor(430 / 44));
   picture.append(svg("line", { x1: 5, y1: 165, x2: 435, y2: 165 }));
   list.forEach((bar, place) => {
     const height = (140 * bar.count) / top;
-    const x = 5 + place * slot;
-    const box = svg("rect", { x: x + slot * 0.08, y: 165 - height, width: slot * 0.84, height, rx: 1.5 });
+    const x = 5 + place * step;
+    const box = svg("rect", { x: x + step * 0.08, y: 165 - height, width: step * 0.84, height, rx: 1.5 });
     box.append(svg("title", {}, `${range(bar)} ${unit}: ${percent(bar.count)}`));
     picture.append(box);
-    if (slot >= 38 && bar.count) {
-      picture.append(svg("text", { x: x + slot / 2, y: 160 - height, "text-anchor": "middle" }, percent(bar.count)));
+    if (step >= 38 && bar.count) {
+      picture.append(svg("text", { x: x + step / 2, y: 160 - height, "text-anchor": "middle" }, percent(bar.count)));
     }
-    if (place % every === 0) picture.append(svg("text", { x: x + slot / 2, y: 180, "text-anchor": "middle" }, range(bar)));
+    if (place % every === 0) picture.append(svg("text", { x: x + step / 2, y: 180, "text-anchor": "middle" }, range(bar)));
   });
   figure.append(picture, element("figcaption", sentence));
   const details = element("details");

@@ -126,7 +126,7 @@ impl<'a> Reader<'a, '_> {
             Some(name) => match self.frames.named_in_model(model, name) {
                 Some(frame) => model_in_link.rotation * frame.rotation,
                 None => {
-                    self.note(node, "the frame of its axis cannot be determined; that of the joint is taken here");
+                    self.note(node, "the frame of its axis cannot be determined; the frame of the joint is used here");
                     joint_in_link.rotation
                 }
             },

@@ -62,7 +62,7 @@ fn gjk(index: u32) {
     var outward = false;
     var depth_upper = -lower;
     var depth_lower = 0.0;
-    // Whether the simplex is that of the last batch, and its closest point comes first.
+    // Whether the simplex comes from the last batch. Its closest point is then computed first.
     var restored = false;
     if (parameters.flags & FIRST) != 0u {
         out.normal = dir;

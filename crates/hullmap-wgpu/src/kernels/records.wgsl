@@ -1,8 +1,8 @@
-// What the kernels read and write, and the arithmetic of all of them. `records.rs` has the same
-// structures.
+// Structures that the kernels read and write, and the arithmetic of all kernels. `records.rs` has
+// the same structures.
 //
-// Functions, names and the order of operations are those of the twin in Rust; tests compare the
-// bits. Whoever changes one changes the other.
+// Functions, names and the order of operations are the same as in the Rust twin; tests compare the
+// bits. A change to one needs the same change to the other.
 
 struct Hull {
     center: vec3f,
@@ -62,7 +62,7 @@ struct Parameters {
     // Statuses that a compaction keeps: from, and up to.
     keep_from: u32,
     keep_to: u32,
-    // 3, which no compiler knows: see loops_end_early.
+    // Always 3, but no compiler can know that: see loops_end_early.
     three: u32,
     padding_x: u32,
     padding_y: u32,

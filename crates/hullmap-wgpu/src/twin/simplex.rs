@@ -20,7 +20,8 @@ impl Corner {
         Self { w: pair.rows.map(|row| row[3]), offset: [0.0; 3], ends: [StateRecord::CENTER; 2] }
     }
 
-    /// Of vertices relative to the centres of their hulls, and their words in `blocks`.
+    /// A corner from two vertices, relative to the centres of their hulls, and their words in
+    /// `blocks`.
     pub(super) fn new<const FUSED: bool>(pair: &PairRecord, from: [Vector; 2], at: [u32; 2]) -> Self {
         let r = pair.rows;
         let offset = scaled(from[0], pair.scale);
@@ -86,7 +87,7 @@ pub(super) fn on_triangle<const FUSED: bool>(simplex: &[Corner; 4], i: usize, j:
     let (a, b, c) = (simplex[i].w, simplex[j].w, simplex[k].w);
     let (ab, ac, bc) = (sub(b, a), sub(c, a), sub(c, b));
     let normal = cross::<FUSED>(ab, ac);
-    // Areas from differences of corners, so that those of slivers keep their digits.
+    // Areas from differences of corners, so that the areas of slivers keep their digits.
     let of_a = dot::<FUSED>(cross::<FUSED>(b, bc), normal);
     let of_b = -dot::<FUSED>(cross::<FUSED>(c, ac), normal);
     let of_c = dot::<FUSED>(cross::<FUSED>(a, ab), normal);

@@ -17,8 +17,8 @@ use crate::solver::Cache;
 /// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
 /// # Complexity
-/// That of [`compound::cast_motion`](super::cast_motion()), and for a free motion once more if
-/// [`share`](ClearSettings::share) is not 0. No allocation.
+/// The same as for [`compound::cast_motion`](super::cast_motion()); twice as much for a free motion
+/// if [`share`](ClearSettings::share) is not 0. No allocation.
 ///
 /// # Examples
 /// ```

@@ -301,8 +301,8 @@ pub fn cast_motion<B: Parts + ?Sized>(
 /// that meets the half-space first.
 ///
 /// # Complexity
-/// That of [`cast_motion`], and for a free motion once more if [`share`](ClearSettings::share) is
-/// not 0. No allocation.
+/// The same as for [`cast_motion`]; twice as much for a free motion if
+/// [`share`](ClearSettings::share) is not 0. No allocation.
 ///
 /// # Examples
 /// ```

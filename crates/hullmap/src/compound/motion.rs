@@ -153,8 +153,8 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
     CompoundAnswer { answer, hulls, pairs, boxes }
 }
 
-/// Two compounds, B of which translates. The bound is the length that it moves until boxes meet;
-/// the distance of their centres at the start orders equal ones.
+/// Two compounds. B translates. The bound is the length that it moves until boxes meet; the
+/// distance of their centres at the start orders equal bounds.
 struct Swept<'q> {
     placement: Placement<'q>,
     /// Inverses of the components of the path's unit direction; `None` without motion.
@@ -274,7 +274,7 @@ impl First {
             self.lower = (found.t_lower, found.status);
         }
         let is_certain = found.status != Status::Touching && found.t_upper < f64::INFINITY;
-        let slot = if !is_certain {
+        let first = if !is_certain {
             self.grazing_upper = self.grazing_upper.max(found.t_upper);
             &mut self.grazing
         } else {
@@ -282,8 +282,8 @@ impl First {
             &mut self.certain
         };
         // Ties go to the lowest index, so that the answer does not depend on the order of visits.
-        if slot.is_none_or(|(best, of)| found.t < best.t || found.t == best.t && pair < of) {
-            *slot = Some((*found, pair));
+        if first.is_none_or(|(best, of)| found.t < best.t || found.t == best.t && pair < of) {
+            *first = Some((*found, pair));
         }
     }
 
@@ -340,7 +340,7 @@ mod tests {
         let mut of = |columns: usize, rows: usize, spacing: [f64; 2], origin: [f64; 2], height: f64, holes: f64| {
             let diagonal = Diagonal::ALL[columns % 2];
             let layout = Layout { columns, rows, origin, spacing, diagonal };
-            // Waves, and noise.
+            // Waves, plus random heights.
             let wave = |i: usize| (i as f64 * 0.1).sin();
             let at = |i: usize| wave(i % columns) + wave(i / columns);
             let heights: Vec<f32> = (0..columns * rows).map(|i| (height * (at(i) + 0.3 * rng.unit())) as f32).collect();

@@ -3,8 +3,8 @@
 //! Each part of a compound is a convex shape of its own, with edges and faces where it meets its
 //! neighbours. They are not on the surface of the union, but a query of the part alone finds them:
 //! a box that slides over a floor of tiles hits the side of the next tile, because that is the
-//! shortest way out of the tile. [`weld`] finds such normals and replaces them by those of exposed
-//! faces.
+//! shortest way out of the tile. [`weld`] finds such normals and replaces them by normals of
+//! exposed faces.
 //!
 //! # What is a normal of the union
 //! Let x be a contact point on part i, and n the normal there, outward. The normal is kept if, for
@@ -422,8 +422,8 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         })
     }
 
-    /// Whether the face with this normal is exposed near a point, to the other body, of which
-    /// `body` is a point. All are in the shape's frame.
+    /// Whether the face with this normal is exposed near a point, to the other body. `body` is a
+    /// point of that body. All are in the shape's frame.
     fn is_exposed(&self, normal: DVec3, point: DVec3, body: DVec3, seam: f64) -> bool {
         let Some((union, part, place)) = self.union else { return true };
         let mut face = Feature::new();
@@ -436,9 +436,9 @@ impl<S: Shape + ?Sized> Side<'_, S> {
             && self.is_seen(union, part, above, body, seam)
     }
 
-    /// Whether no other triangle hides a point near the shape from the other body, of which `body`
-    /// is a point. Only a sheet hides what is behind it: it has no inside. All are in the frame of
-    /// the union.
+    /// Whether no other triangle hides a point near the shape from the other body. `body` is a
+    /// point of that body. Only a sheet hides what is behind it: it has no inside. All are in the
+    /// frame of the union.
     fn is_seen(&self, union: &dyn Union, part: usize, point: DVec3, body: DVec3, seam: f64) -> bool {
         let way = (body - point).clamp_length_max(SIGHT * seam);
         self.shape.triangle().is_none()
@@ -462,7 +462,7 @@ impl<S: Shape + ?Sized> Side<'_, S> {
 /// The corners of a part in the frame of the union, if it is a triangle.
 fn corners(near: &Neighbour<'_>) -> Option<[DVec3; 3]> {
     let corners = near.shape.triangle()?;
-    // That of every mesh which is not a tile of others.
+    // Every mesh that is not one of several tiles is in place.
     let is_in_place = near.place == Pose::IDENTITY;
     Some(if is_in_place { corners } else { corners.map(|corner| near.place.transform_point(corner)) })
 }

@@ -51,7 +51,7 @@ impl SharedSheet {
         }
     }
 
-    /// Number of triangles, those of holes of a field included.
+    /// Number of triangles, including the triangles of a field's holes.
     pub fn triangle_count(&self) -> usize {
         self.part_count()
     }

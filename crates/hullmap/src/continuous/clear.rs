@@ -119,7 +119,7 @@ impl Default for Clearance {
 /// query reads and updates it.
 ///
 /// # Complexity
-/// That of [`cast_motion`](crate::cast_motion()), and for a free motion once more if
+/// The same as for [`cast_motion`](crate::cast_motion()); twice as much for a free motion if
 /// [`share`](ClearSettings::share) is not 0. No allocation.
 ///
 /// # Reference

@@ -62,7 +62,7 @@ impl HalfSpace {
     /// As [`clear`](crate::clear()).
     ///
     /// # Complexity
-    /// That of [`cast_motion`](Self::cast_motion), and for a free motion once more if
+    /// The same as for [`cast_motion`](Self::cast_motion); twice as much for a free motion if
     /// [`share`](ClearSettings::share) is not 0. No allocation.
     ///
     /// # Examples

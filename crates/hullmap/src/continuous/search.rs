@@ -192,8 +192,7 @@ where
         (a.motion.velocity_at(t, point_a) - b.motion.velocity_at(t, point_b)).dot(normal)
     }
 
-    /// The distance of the bodies where they are now. Its direction and points become those of the
-    /// answer.
+    /// The distance of the bodies where they are now. The answer takes its direction and points.
     fn distance(&mut self) -> Distance {
         let poses = self.here.poses();
         let gap = self.queries.distance(relative(poses));

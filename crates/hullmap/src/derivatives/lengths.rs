@@ -34,10 +34,10 @@ impl Distance {
     /// shapes of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
     ///
     /// They are as accurate as normal and points. With a tolerance of 0 that is rounding error;
-    /// with a tolerance of ε, the normal is off by up to √(2 ε), mostly by much less.
+    /// with a tolerance of ε, the normal is off by up to √(2 ε), usually by much less.
     ///
     /// # Complexity
-    /// None to 10 support queries. No allocation.
+    /// At most 10 support queries. No allocation.
     ///
     /// # Examples
     /// ```
@@ -81,13 +81,13 @@ impl Contact {
     /// Derivatives of the depth by the poses of `a` and of `b`, which is at `b_in_a`: of the shapes
     /// of this answer. In A's frame; [`in_world`](Derivatives::in_world) turns them.
     ///
-    /// The answer mostly knows whether other normals have the same depth. If not, as for curved
-    /// shapes, a second contact query decides, with B deeper by 1e-6 of the outer radii, and
+    /// Usually the answer determines whether other normals have the same depth. If not, as for
+    /// curved shapes, a second contact query decides, with B deeper by 1e-6 of the outer radii, and
     /// `settings` and `cache` as for the first.
     ///
     /// # Complexity
-    /// None to 10 support queries; with a second query, those of a [`contact`](crate::contact()),
-    /// and 6 to 20 of each shape. No allocation.
+    /// At most 10 support queries; with a second query, the support queries of a
+    /// [`contact`](crate::contact()), and 6 to 20 of each shape. No allocation.
     ///
     /// # Examples
     /// ```
@@ -163,7 +163,7 @@ impl Contact {
             cache.clear();
         }
         let found = contact(a, b, b_in_a.moved(-self.normal * deeper), settings, cache);
-        // Of smooth shapes, the normal is as accurate as the tolerance.
+        // For smooth shapes, the normal is as accurate as the tolerance.
         let is_same = found.normal.distance(self.normal) <= SAME_NORMAL
             || found.depth_upper >= self.depth_lower + deeper * (1.0 - SAME_NORMAL);
         !is_same
@@ -175,7 +175,8 @@ impl SignedDistance {
     /// which has no angular part: of the shape and the point of this answer. In the shape's frame.
     ///
     /// # Complexity
-    /// None outside of the shape; inside, that of [`Contact::derivatives`].
+    /// No support query if the point is outside of the shape; inside, the same as for
+    /// [`Contact::derivatives`].
     ///
     /// # Examples
     /// ```

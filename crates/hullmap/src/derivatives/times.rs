@@ -44,9 +44,9 @@ fn of_time(
 }
 
 impl RayHit {
-    /// Derivatives of t by the pose of `shape`, and by that of `ray`, whose frame has its origin at
-    /// the ray's and turns with its direction: of the shape and the ray of this answer. In the
-    /// shape's frame.
+    /// Derivatives of t by the pose of `shape`, and by the pose of `ray`: of the shape and the ray
+    /// of this answer. The frame of the ray has its origin at the ray's origin, and turns with its
+    /// direction. Derivatives are in the shape's frame.
     ///
     /// A ray that meets an edge or a vertex of a polytope has no derivative.
     ///

@@ -201,7 +201,7 @@ impl Distance {
     /// change, and [`Curved`](Differentiability::Curved) where there are none.
     ///
     /// # Complexity
-    /// That of [`derivatives`](Self::derivatives), and up to 22 support queries. No allocation.
+    /// The cost of [`derivatives`](Self::derivatives), and up to 22 support queries. No allocation.
     ///
     /// # Examples
     /// ```
@@ -239,7 +239,7 @@ impl Contact {
     /// [`derivatives`](Self::derivatives).
     ///
     /// # Complexity
-    /// That of [`derivatives`](Self::derivatives), and up to 22 support queries. No allocation.
+    /// The cost of [`derivatives`](Self::derivatives), and up to 22 support queries. No allocation.
     pub fn witness_derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &self,
         a: &A,
@@ -260,7 +260,7 @@ impl SignedDistance {
     /// `point_b` is `point` itself. As for [`Distance::witness_derivatives`].
     ///
     /// # Complexity
-    /// That of [`derivatives`](Self::derivatives), and up to 15 support queries. No allocation.
+    /// The cost of [`derivatives`](Self::derivatives), and up to 15 support queries. No allocation.
     pub fn witness_derivatives<S: SupportMap + ?Sized>(
         &self,
         shape: &S,

@@ -11,13 +11,14 @@ use crate::support::hint::{Edges, LevelOrRising};
 use crate::support::simd::{Dispatch, Instructions, fetch};
 use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 
-/// Maximum difference between the maximum dot product and that of the support point, divided by the
-/// outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal cone
-/// reaches less than 4e-15 beyond the cut. The worst hulls that were constructed lost
-/// 80 times as much, 3e-13, and this is three times the latter. See docs/intervals.md, section 9.
+/// Maximum amount by which the dot product of the support point falls short of the maximum, divided
+/// by the outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal
+/// cone reaches less than 4e-15 beyond the cut. The worst hulls that were constructed lost 80 times
+/// as much, 3e-13, and this is three times the latter. See docs/intervals.md, section 9.
 const SUPPORT_ERROR: f64 = 1e-12;
 
-/// A vertex with more edges, such as the tip of a cone, does not tell which of them are level.
+/// Maximum number of edges of a vertex whose level edges are determined. The tip of a cone may have
+/// more.
 const MAX_LEVEL_EDGES: usize = 32;
 
 /// Answer of [`Hull::support`].
@@ -70,9 +71,9 @@ impl Hull<'_> {
     /// from the direction by more than the rounding error. On a convex hull, its dot product is
     /// then the maximum. Otherwise, and if `hint` is not a vertex, this is an ordinary query.
     ///
-    /// So the dot product equals that of [`support`](Self::support) for every hint, and in practice
-    /// the vertex is the same too. It may differ only if vertices are so close that f64 cannot
-    /// order them along `dir`: 1e-30 apart on a hull of size 1.
+    /// So the dot product is the same as for [`support`](Self::support) with every hint, and in
+    /// practice the vertex is the same too. It may differ only if vertices are so close that f64
+    /// cannot order them along `dir`: 1e-30 apart on a hull of size 1.
     ///
     /// # Complexity
     /// One dot product for each neighbour of the hint, eight at a time, then at most the cost of a

@@ -284,7 +284,7 @@ impl ManifoldPoint {
         self.age = old.age.saturating_add(1);
     }
 
-    /// Fills unused slots.
+    /// Fills unused places.
     pub(crate) const EMPTY: Self = Self {
         id: PointId { parts: [FACE; 2] },
         point_a: DVec3::ZERO,
@@ -340,8 +340,8 @@ impl Manifold {
     /// ordered pair.
     ///
     /// # Complexity
-    /// That of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes are
-    /// separated by less than the prediction, and of the feature of each shape, reduced and if
+    /// The cost of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes
+    /// are separated by less than the prediction, and of the feature of each shape, reduced and if
     /// necessary whole: for a hull at most 49 support queries each, independent of its vertex
     /// count, and often one. No allocation.
     pub fn update<A: Shape + ?Sized, B: Shape + ?Sized>(
@@ -519,7 +519,7 @@ impl Likeness for Frames<'_> {
 
 /// Lengths of an update.
 struct Lengths {
-    /// Of the contact; negative for a gap.
+    /// Depth of the contact; negative for a gap.
     depth: f64,
     prediction: f64,
     /// The smaller outer radius.

@@ -102,7 +102,7 @@ impl Choice {
             return self.push(index);
         }
         let all = *self;
-        let candidates = (0..4).map(|slot| all.with(slot, index));
+        let candidates = (0..4).map(|place| all.with(place, index));
         *self = candidates.max_by(|p, q| p.area(spots).total_cmp(&q.area(spots))).unwrap_or(all);
     }
 
@@ -130,7 +130,7 @@ impl Choice {
             let [below_p, below_q] = [p, q].map(|choice| left_out(choice).max(allowed));
             below_p.total_cmp(&below_q).then(q.area(spots).total_cmp(&p.area(spots)))
         };
-        let exchanged = (0..4).map(|slot| self.with(slot, deep)).min_by(order).unwrap_or(self);
+        let exchanged = (0..4).map(|place| self.with(place, deep)).min_by(order).unwrap_or(self);
         if left_out(&exchanged) <= left_out(&self).max(allowed) {
             return exchanged;
         }
@@ -147,8 +147,8 @@ impl Choice {
     }
 
     /// With `index` in place of one of the four.
-    fn with(mut self, slot: usize, index: usize) -> Self {
-        self.indices[slot] = index;
+    fn with(mut self, place: usize, index: usize) -> Self {
+        self.indices[place] = index;
         self
     }
 
@@ -169,8 +169,8 @@ impl Choice {
             3 => &[[0, 1, 2]],
             _ => &[],
         };
-        for slots in triangles {
-            let corners = slots.map(|slot| self.indices[slot]);
+        for places in triangles {
+            let corners = places.map(|place| self.indices[place]);
             let Some(plane) = Plane::of_triangle(corners.map(|i| spots[i]), center) else { continue };
             // The body comes to rest on the lowest of the planes below its centre.
             if rest.is_none_or(|deepest| plane.depth(center) > deepest.plane.depth(center)) {
@@ -264,7 +264,8 @@ impl Rest {
             if self.corners.contains(&worst) {
                 break;
             }
-            let exchanged = (0..3).map(|slot| std::array::from_fn(|i| if i == slot { worst } else { self.corners[i] }));
+            let exchanged =
+                (0..3).map(|place| std::array::from_fn(|i| if i == place { worst } else { self.corners[i] }));
             let next = exchanged
                 .filter_map(|corners: [usize; 3]| {
                     Some(Self { corners, plane: Plane::of_triangle(corners.map(&spot), center)? })
@@ -367,7 +368,7 @@ fn supporting(spots: &[Spot], mut choice: Choice, center: DVec2, allowed: f64) -
         };
         let exchanged = candidates
             .filter(|index| !choice.indices().contains(index))
-            .flat_map(|index| (0..choice.count).map(move |slot| choice.with(slot, index)))
+            .flat_map(|index| (0..choice.count).map(move |place| choice.with(place, index)))
             .filter_map(|choice| Some((choice.left_out(spots, center)?.0, choice)));
         let best = exchanged.min_by(|(below_p, p), (below_q, q)| {
             below_p.total_cmp(below_q).then(q.area(spots).total_cmp(&p.area(spots)))

@@ -194,8 +194,8 @@ impl Feature {
 ///
 /// # Complexity
 /// 8 support queries for a vertex, at most 12 for an edge, and at most [`MAX_CORNERS`] for a face.
-/// If two directions have the same support point, so has every direction between them, and none is
-/// queried.
+/// If two directions have the same support point, every direction between them has it too, and none
+/// of these is queried.
 ///
 /// # Examples
 /// ```
@@ -231,7 +231,7 @@ pub fn tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, tilt: f64) -> [Supp
     coarse_ring(shape, &Cone::new(dir, tilt))
 }
 
-/// Those of the support points of [`tilted`] whose direction is tilted to the side of `toward`.
+/// The support points of [`tilted`] whose direction is tilted to the side of `toward`.
 pub(crate) fn tilted_toward<S: SupportMap + ?Sized>(
     shape: &S,
     dir: DVec3,

@@ -75,9 +75,10 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
 }
 
 /// The closest point of the simplex of the first `count` points of `v`, and the clearance of the
-/// origin: 0 unless the origin is inside a tetrahedron, else the minimum over the faces of its
-/// distance from the face, or that of the fourth corner, times the sine of an angle of the face. If
-/// that exceeds the rounding error `rounding`, the origin is certainly inside.
+/// origin. The clearance is 0 unless the origin is inside a tetrahedron. Then it is the minimum
+/// over the faces of a distance times the sine of an angle of the face: the distance of the origin
+/// or of the fourth corner from the face. If the clearance exceeds the rounding error `rounding`,
+/// the origin is certainly inside.
 pub(crate) fn on_simplex(v: [DVec3; 4], count: usize, rounding: f64) -> (Nearest<4>, f64) {
     let [p, q, r, _] = v;
     match count {
@@ -366,7 +367,7 @@ mod tests {
     }
 
     /// Vertices of the Minkowski difference of a cone and a game hull: the origin is 2.9e-8 beside
-    /// their plane, and the sides of three faces are noise that agrees.
+    /// their plane, and the sides of three faces are rounding error that happens to agree.
     #[test]
     fn side_of_a_flat_tetrahedron_is_no_proof_that_the_origin_is_inside() {
         let v = [

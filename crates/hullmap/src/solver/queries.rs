@@ -19,7 +19,7 @@
 //!
 //! # Deviations
 //! - The depth follows from the distance for all pairs whose cores are separated, not only for
-//!   shallow contacts. So the normal is that of the closest points and not of a nearest facet.
+//!   shallow contacts. So the normal comes from the closest points and not from a nearest facet.
 
 #![forbid(unsafe_code)]
 
@@ -130,8 +130,8 @@ pub(super) fn outward(gap: &Distance, touching_length: f64) -> DVec3 {
         .unwrap_or(gap.normal)
 }
 
-/// Witness points of rounded shapes from those of their cores: moved outward by the radii. If the
-/// shapes overlap, they move by less and meet in a common point.
+/// Witness points of rounded shapes: the witness points of their cores, moved outward by the radii.
+/// If the shapes overlap, they move by less and meet in a common point.
 pub(super) fn rounded_points(gap: &Distance, radii: [f64; 2]) -> [DVec3; 2] {
     let radius = radii[0] + radii[1];
     let overlap = (radius - gap.point_a.distance(gap.point_b)).clamp(0.0, radius);
@@ -226,7 +226,7 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             found.status = Status::Stalled;
         }
         (found.point_a, found.point_b) = (gap.point_a + out * radii[0], gap.point_b - out * radii[1]);
-        // The depth falls from the other normals to that of the closest points.
+        // The depth falls from the other normals to the normal of the closest points.
         found.with_others(upper + gap.lower, a.outer_radius() + b.outer_radius())
     } else {
         let core = overlapping_cores((&a, &b, b_in_a), settings, cache);

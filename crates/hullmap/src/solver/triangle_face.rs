@@ -103,7 +103,8 @@ mod tests {
     use crate::solver::{Settings, queries};
 
     /// Boxes near triangles of many sizes, also thin boxes, and some parallel to the triangle: the
-    /// interval of a depth shares a point with that of the general path, and a gap is the distance.
+    /// interval of a depth shares a point with the interval of the general path, and a gap is the
+    /// distance.
     #[test]
     fn depths_and_gaps_agree_with_those_of_the_general_path() {
         let (mut rng, mut hits, mut gaps, mut undecided, rounds) = (SplitMix64::new(18), 0, 0, 0, 20_000);

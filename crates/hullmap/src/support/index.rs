@@ -18,7 +18,7 @@
 //! B. Kenwright, "Generic Convex Collision Detection using Support Mapping", for the cube map and
 //! the binary tree.
 //!
-//! Every index from the file is followed with a bounds check and under a step cap, although
+//! Every index from the file is followed with a bounds check and a limit of steps, although
 //! `hullmap_format::check` has already proved that they cannot fail in an opened pack. The checks
 //! cost nothing measurable, and keep this file free of unsafe code and of endless loops for packs
 //! that were opened unchecked.

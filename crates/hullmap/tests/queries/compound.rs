@@ -445,7 +445,7 @@ fn manifolds_agree_with_those_of_all_pairs() {
     assert!(points > 1_000 && kept * 50 > points * 49 && most > 10, "{kept} of {points}, {most}");
 }
 
-/// With a single shape, a half-space, and more pairs than slots.
+/// With a single shape, a half-space, and more pairs than manifolds.
 #[test]
 fn manifolds_of_shapes_and_half_spaces() {
     let many = pack(12, 1.0, 5);
@@ -476,7 +476,7 @@ fn manifolds_of_shapes_and_half_spaces() {
         let seen = few.update(slab, &whole, pose, &settings);
         assert_eq!(seen.touching + seen.dropped, counts.touching, "{step}");
         assert_eq!(few.len(), 2.min(counts.touching as usize), "{step}");
-        // A pair that has a slot keeps it.
+        // A pair that has a manifold keeps it.
         for (_, manifold) in few.iter_mut() {
             for point in manifold.points_mut() {
                 assert_eq!(point.impulse[0] as u32, point.age, "{step}");

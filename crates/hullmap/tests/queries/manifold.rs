@@ -307,8 +307,8 @@ fn a_prediction_is_a_length() {
     }
 }
 
-/// The caller's data stays with its point, whatever slot the point moves to, and a new point has
-/// none.
+/// The caller's data stays with its point, whatever place the point moves to. A new point has no
+/// data.
 #[test]
 fn user_data_stays_with_its_point() {
     let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap(), Cuboid::new(DVec3::ONE).unwrap());

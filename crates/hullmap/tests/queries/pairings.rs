@@ -294,8 +294,8 @@ fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shap
     all
 }
 
-/// Minimum support value of A − B over many directions, including those of the answers, followed by
-/// a descent from the best one. It is an upper bound of the depth.
+/// Minimum support value of A − B over many directions, including the normals of the answers,
+/// followed by a descent from the best one. It is an upper bound of the depth.
 fn sampled_depth(
     a: &(dyn Shape + Sync),
     b: &(dyn Shape + Sync),

@@ -1,5 +1,5 @@
-//! Manifolds of a convex body that is cut into parts, compared with those of the whole body, which
-//! is the truth: the same contacts, and no normal that the whole does not have.
+//! Manifolds of a convex body that is cut into parts, compared with the manifolds of the whole
+//! body, which are the truth: the same contacts, and no normal that the whole does not have.
 
 use glam::{DQuat, DVec3};
 use hullmap::compound::CompoundManifolds;

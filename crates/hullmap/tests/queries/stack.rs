@@ -120,7 +120,7 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
                 manifolds.set_scratch(scratch);
             }
             let manifold_settings = ManifoldSettings { contact: settings, ..Default::default() };
-            // The second update has slots for the pairs.
+            // The second update has manifolds for the pairs.
             for _ in 0..2 {
                 black_box(manifolds.update(&whole, &whole, pose, &manifold_settings));
             }

@@ -68,7 +68,7 @@ pub fn body(rng: &mut SplitMix64) -> (Pack, Pose) {
 }
 
 /// Slides a box with these half edges over a surface that is level from x = -4.5 on, a little below
-/// it, in steps of this length along x: all normals are those of its level faces. Returns the
+/// it, in steps of this length along x: all normals are normals of its level faces. Returns the
 /// number of poses with another normal where the manifolds are not welded.
 pub fn slide_box<S: Parts + ?Sized>(surface: &S, half: DVec3, steps: u32, length: f64) -> usize {
     let (die, sunk, settings) = (Cuboid::new(half).unwrap(), 1e-3 * half.z, ManifoldSettings::default());

@@ -77,31 +77,31 @@ impl Maker {
     /// Direction `index` of a list in which the kinds take turns.
     pub fn make(&mut self, index: usize) -> (Kind, DVec3) {
         let kind = KINDS[index % KINDS.len()];
-        let noise = DVec3::from_array(self.rng.direction());
+        let random = DVec3::from_array(self.rng.direction());
         let (kind, d) = match kind {
             Kind::Normal if !self.normals.is_empty() => (kind, self.normal()),
             Kind::NearNormal if !self.normals.is_empty() => {
-                (kind, self.normal() + noise * 10_f64.powi(-(self.rng.below(9) as i32)))
+                (kind, self.normal() + random * 10_f64.powi(-(self.rng.below(9) as i32)))
             }
             Kind::Edge if !self.sides.is_empty() => {
                 let [a, b] = self.sides[self.rng.below(self.sides.len())].map(|face| self.normals[face]);
                 let t = self.rng.unit();
-                (kind, a * t + b * (1.0 - t) + noise * self.slight())
+                (kind, a * t + b * (1.0 - t) + random * self.slight())
             }
             Kind::Vertex if !self.normals.is_empty() => {
                 let around = &self.faces_at[self.rng.below(self.faces_at.len())];
                 (kind, around.iter().map(|face| self.normals[*face] * (0.5 + self.rng.unit())).sum())
             }
-            Kind::Seam => (kind, self.seam(noise)),
-            Kind::FanAxis if !self.fans.is_empty() => (kind, self.fan_axis(noise)),
+            Kind::Seam => (kind, self.seam(random)),
+            Kind::FanAxis if !self.fans.is_empty() => (kind, self.fan_axis(random)),
             Kind::FanStep if !self.fans.is_empty() => (kind, self.fan_step()),
             Kind::Extreme => {
                 let size = [1e-44, 3e-39, 1e-35, 1e-31, 1e-30, 1e-20, 1e20, 1e30, 1e31, 1e38][self.rng.below(10)];
-                (kind, noise * size)
+                (kind, random * size)
             }
-            _ => (Kind::Random, noise),
+            _ => (Kind::Random, random),
         };
-        if d.length_squared() > 0.0 || kind == Kind::Extreme { (kind, d) } else { (Kind::Random, noise) }
+        if d.length_squared() > 0.0 || kind == Kind::Extreme { (kind, d) } else { (Kind::Random, random) }
     }
 
     fn normal(&mut self) -> DVec3 {
@@ -123,13 +123,13 @@ impl Maker {
         if self.rng.below(2) == 0 { axis } else { -axis }
     }
 
-    fn fan_axis(&mut self, noise: DVec3) -> DVec3 {
+    fn fan_axis(&mut self, random: DVec3) -> DVec3 {
         let axis = self.axis();
         let distance = if self.rng.below(8) == 0 { 0.0 } else { 10_f64.powf(-6.0 - 11.0 * self.rng.unit()) };
         // If a facet has this normal, use its exact normal instead of the fan's axis.
         let near = |n: &&DVec3| n.distance(axis) < 1e-9;
         let base = if self.rng.below(2) == 0 { self.normals.iter().find(near).copied() } else { None };
-        base.unwrap_or(axis) + noise * distance
+        base.unwrap_or(axis) + random * distance
     }
 
     /// A direction in a fan's cell, turned to the border of a step, and a last digit beside it.
@@ -153,15 +153,15 @@ impl Maker {
         [d, d, d.map(f64::next_up), d.map(f64::next_down)][self.rng.below(4)]
     }
 
-    fn seam(&mut self, noise: DVec3) -> DVec3 {
+    fn seam(&mut self, random: DVec3) -> DVec3 {
         let exact = match self.rng.below(4) {
             0 => {
                 let corner = (self.rng.below(26) + 14) % 27;
                 DVec3::new((corner % 3) as f64, (corner / 3 % 3) as f64, (corner / 9) as f64) - 1.0
             }
-            1 => DVec3::new(noise.x, noise.x.abs() * noise.y.signum(), noise.z),
-            2 => DVec3::new(noise.x, noise.y, noise.y),
-            _ => DVec3::new(noise.z, noise.y, -noise.z),
+            1 => DVec3::new(random.x, random.x.abs() * random.y.signum(), random.z),
+            2 => DVec3::new(random.x, random.y, random.y),
+            _ => DVec3::new(random.z, random.y, -random.z),
         };
         // Exact in f32 as well.
         exact.as_vec3().as_dvec3() + DVec3::from_array(self.rng.direction()) * self.slight()

@@ -726,7 +726,7 @@ impl Hull<'_> {
     }
 
     /// 6.3: the candidates are in ascending order. Copies of the last one fill the remaining lanes,
-    /// which are fewer than those of a plain leaf or of a block.
+    /// which are fewer than the lanes of a plain leaf or of a block.
     fn check_leaf(&self, range: Range<usize>) {
         assert!(!range.is_empty());
         let blocks = &self.blocks[range];

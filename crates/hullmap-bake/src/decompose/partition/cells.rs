@@ -267,14 +267,14 @@ pub struct Cells {
 /// Planes of faces that may divide pieces.
 #[derive(Debug, Default)]
 pub struct FacePlanes {
-    /// Those of faces at concave edges, the longest and sharpest edges first.
+    /// Planes of faces at concave edges, the longest and sharpest edges first.
     pub concave: Vec<HalfSpace>,
-    /// Those of large faces, the largest first. Where shells touch, there are no concave edges.
+    /// Planes of large faces, the largest first. Where shells touch, there are no concave edges.
     pub large: Vec<HalfSpace>,
 }
 
 impl FacePlanes {
-    /// Those of a surface.
+    /// Planes of a surface's faces.
     pub fn new(triangles: &[[DVec3; 3]], diagonal: f64) -> Self {
         Piece::new(triangles, diagonal).face_planes()
     }
@@ -357,7 +357,7 @@ fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Patch> {
     piece.polygons().map(one).collect()
 }
 
-/// Maximum number of polygons in front of which a piece's hull is sampled.
+/// Maximum number of polygons of a piece in front of which its hull is sampled.
 const RAYS: usize = 64;
 
 /// Whether a sample of a piece's hull is farther than `limit` from the solid. Samples are in front

@@ -21,7 +21,7 @@ const FACES: usize = 12;
 /// Number of forbidden points by which planes are compared.
 const COMPARED: usize = 600;
 
-/// Weight of the protrusion of both sides beside that of conflicts.
+/// Weight of the protrusion of both sides, relative to the weight of conflicts.
 const PROTRUSION: f64 = 2.0;
 
 /// Extra cost of a plane across a direction at the border of a piece, as a share, so that symmetric
@@ -32,7 +32,7 @@ const OFF_MIDDLE: f64 = 0.3;
 /// are the easiest to read.
 const SLANTED: f64 = 0.1;
 
-/// Weight of the volume beside that of forbidden points.
+/// Weight of the volume, relative to the weight of forbidden points.
 const VOLUME: f64 = 0.1;
 
 /// Extra cost of a plane if all concavities lead through the piece along its normal, as a share.
@@ -217,7 +217,7 @@ struct Candidate {
     /// Of planes with the same cost, the one with the lowest index is best.
     index: usize,
     plane: HalfSpace,
-    /// By how much its place and direction raise its cost.
+    /// Factor by which its place and direction raise its cost.
     factor: f64,
     /// The share of the conflicts that it leaves.
     left: f64,

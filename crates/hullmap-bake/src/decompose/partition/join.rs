@@ -35,8 +35,8 @@ const FREE: f64 = 1e-4;
 /// Merged parts.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The parts. They are no fewer than wanted, unless they are fewer without mergers or by free
-    /// ones.
+    /// The parts. There are at least as many as wanted, unless there are fewer without mergers or
+    /// after free mergers.
     pub parts: Vec<Part>,
     /// Further parts, each of which stands for its mirror image, too.
     pub mirrored: Vec<Part>,
@@ -125,13 +125,13 @@ pub fn merge(
     Found { parts, mirrored: Vec::new(), fewest: count, divided }
 }
 
-/// Whether a merger adds hardly any volume to that of its parts.
+/// Whether a merger adds hardly any volume to its parts.
 pub fn is_free(cost: f64, body: &Body) -> bool {
     cost <= FREE * body.volume()
 }
 
 /// A number of parts that are left after any mergers; with a `mirror`, of parts and their images.
-/// It is the size of a clique of parts of which no two can be merged, because a point beyond the
+/// It is the size of a clique of parts no two of which can be merged, because a point beyond the
 /// limit lies in the hull of both, and so in every hull that contains both. 0 if no more than this
 /// are useful anyway, or if the time is over.
 fn needed(
@@ -206,7 +206,7 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// The overlap of bodies, of which this share of the union's volume is allowed.
+    /// The overlap of bodies. The allowed overlap is the share `allowed` of the union's volume.
     pub fn new<'a>(bodies: impl Iterator<Item = &'a Body>, allowed: f64) -> Self {
         let bodies: Vec<&Body> = bodies.collect();
         let with_earlier = |j: usize| bodies[..j].iter().map(|a| common_volume(a, bodies[j])).sum::<f64>();

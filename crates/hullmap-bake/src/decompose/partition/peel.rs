@@ -198,7 +198,7 @@ impl<'a> Caps<'a> {
         line.most = self.most(line);
     }
 
-    /// The largest of the caps that are left; of equal ones, that of the first line.
+    /// The largest of the remaining caps; of equally large ones, the cap of the first line.
     fn next(&mut self) -> Option<HalfSpace> {
         loop {
             let largest = self.lines.iter().map(Line::area).fold(0.0, f64::max);

@@ -1,5 +1,6 @@
-//! The space around a mesh that no ball of a given radius can reach from outside. Filled with it,
-//! the inner walls of an assembly, and what lies behind a narrow opening, cost no parts.
+//! The space around a mesh that no ball of a given radius can reach from outside. If that space
+//! counts as solid, the inner walls of an assembly, and everything behind a narrow opening, need no
+//! parts.
 //!
 //! | file | concept |
 //! |---|---|
@@ -9,7 +10,7 @@
 //! | this one | the mesh with the surfaces around its unreachable space |
 //!
 //! # Steps
-//! 1. The centre of a ball that touches the solid at most is at least the radius away from it. A
+//! 1. The centre of a ball that does not penetrate the solid is at least the radius away from it. A
 //!    cell of a grid is *passable* unless all of its points are certainly closer.
 //! 2. Flood the passable cells from the border of the grid, which lies outside. The centre of a
 //!    ball that comes from outside stays in flooded cells.
@@ -18,11 +19,11 @@
 //! 4. The surface around the unreachable cells that are not deep inside the solid is added to the
 //!    mesh. The solid of the result is the solid of the mesh plus these cells.
 //!
-//! # Why unreachable space certainly is
-//! Each step errs towards reachable space: by the diagonal of a cell at most in step 1, and by two
-//! in step 3. So a strip up to four cells wide, next to a wall that separates the inside from the
-//! outside, stays reachable. Whoever measures protrusion from the mesh with these surfaces measures
-//! from a solid that contains the mesh's, and otherwise only unreachable points.
+//! # Why unreachable space is certainly unreachable
+//! Each step errs towards reachable space: by at most one diagonal of a cell in step 1, and by at
+//! most two in step 3. So a strip up to four cells wide, next to a wall that separates the inside
+//! from the outside, stays reachable. The mesh with these surfaces has a solid that contains the
+//! mesh's solid, and otherwise only unreachable points. Protrusion is measured from that solid.
 //!
 //! # Complexity
 //! At most 2²² cells and about 100 bytes for each; one search of the nearest triangle for each cell
@@ -52,7 +53,7 @@ const MAX_TRIANGLES: usize = 60_000;
 /// outside, as far as that is certain. All lengths are in the unit of the positions.
 ///
 /// # Complexity
-/// That of [`Solid::new`], and of the steps of this module.
+/// The cost of [`Solid::new`], plus the cost of the steps of this module.
 pub fn with_unreachable(mesh: &PointSet, solid: Solid, radius: f64) -> Solid {
     match filled(mesh, &solid, radius) {
         Some(filled) => Solid::new(&filled),

@@ -9,7 +9,7 @@ fn set(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
     PointSet { source_vertices: (0..positions.len() as u32).collect(), positions, triangles, ..PointSet::default() }
 }
 
-/// Closed boxes; those of negative sign face inward.
+/// Closed boxes. Boxes of negative sign face inward.
 fn boxes(boxes: &[([f32; 3], [f32; 3], f32)]) -> PointSet {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for (low, high, sign) in boxes {

@@ -125,7 +125,7 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
     }
 
     /// Whether a candidate is the support vertex in `direction`: on a convex hull, that is a vertex
-    /// of which no neighbour is better.
+    /// without a better neighbour.
     fn has_support(&self, candidates: &[u32], direction: DVec3) -> bool {
         // The dot products of two vertices may be equal although one of them is better.
         candidates.iter().any(|&candidate| {
@@ -162,9 +162,9 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
     /// Bound on the regret of these candidates in a thin region, relative to the diameter.
     ///
     /// Every point of the region is near the segment between its two farthest corners. Along the
-    /// segment, the height of the support vertex is a convex function, and that of a candidate is
-    /// linear. So a candidate's regret between two points is at most the greater of its regrets
-    /// there. Where no candidate's is small at both ends, the segment is halved.
+    /// segment, the height of the support vertex is a convex function, and the height of a
+    /// candidate is linear. So a candidate's regret between two points is at most the greater of
+    /// its regrets there. If no candidate has a small regret at both ends, the segment is halved.
     fn sliver(&self, candidates: &[u32], cell: &Cell, reach: &[[f64; 2]]) -> f64 {
         let (ends, width) = region::axis(reach);
         let ends = ends.map(|end| cell.direction(end));

@@ -15,7 +15,7 @@ use crate::terminal::Output;
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord, _: Stage) -> Result<BakedPack, String> {
-    if source.path.ends_with("refused.obj") {
+    if source.path.ends_with("rejected.obj") {
         return Err("hull x: lost a point".to_owned());
     }
     assert!(!source.path.ends_with("panics.obj"), "on purpose");
@@ -53,7 +53,7 @@ fn one_bad_file_does_not_stop_the_others() {
         ("a.obj", TRIANGLE),
         ("b.obj", "v 0 0 0\nv 0 nan 0\n"),
         ("panics.obj", TRIANGLE),
-        ("refused.obj", TRIANGLE),
+        ("rejected.obj", TRIANGLE),
         ("sub/z.obj", TRIANGLE),
     ];
     let (result, text) = build(folder.path(), &files, &["--json"]);
@@ -63,7 +63,7 @@ fn one_bad_file_does_not_stop_the_others() {
     assert_eq!(statuses, ["baked", "failed", "failed", "failed", "baked"]);
     assert!(rows[1]["error"].as_str().unwrap().contains("b.obj:2: coordinate `nan`"), "{}", rows[1]);
     assert!(rows[2]["error"].as_str().unwrap().contains("internal error (on purpose)"), "{}", rows[2]);
-    assert!(rows[3]["error"].as_str().unwrap().contains("refused.obj: hull x: lost a point"), "{}", rows[3]);
+    assert!(rows[3]["error"].as_str().unwrap().contains("rejected.obj: hull x: lost a point"), "{}", rows[3]);
     assert!(rows[0]["error"].is_null());
     for key in ["source", "output", "status", "hulls", "vertices_in", "vertices_hull", "bytes", "millis", "error"] {
         assert!(rows.iter().all(|row| row.get(key).is_some()), "{key}");

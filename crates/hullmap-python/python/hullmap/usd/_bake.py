@@ -62,15 +62,15 @@ def bake(
     - ``from_visual="always"``: always; colliders of their body, primitives too, are switched off
     - ``from_visual="never"``: never
 
-    The other options are those of `hullmap.bake`. Where they are not given, the collider of the mesh decides:
-    ``convexDecomposition`` means ``decompose=True``, with its ``maxConvexHulls``, and limits on hull vertices
-    of PhysX, Newton and MuJoCo mean ``max_vertices``. Colliders that are primitives stay, and so do
+    The other options are the same as for `hullmap.bake`. Where they are not given, the collider of the mesh
+    decides: ``convexDecomposition`` means ``decompose=True``, with its ``maxConvexHulls``, and limits on hull
+    vertices of PhysX, Newton and MuJoCo mean ``max_vertices``. Colliders that are primitives stay, and so do
     triangles that do not move, unless ``decompose`` is given. Lengths are in the unit of the mesh, in front
     of all scales, or as ``"2mm"`` in the world.
 
-    The mass of the hulls is that of the mesh: the mass of its collider, if one is stated, or else its volume
-    times the density of the collider, the body, the physics material, or ``density``, in kilograms per cubic
-    metre. A body whose own mass is stated keeps it.
+    The mass of the hulls is the mass of the mesh: the mass of its collider, if one is stated, or else its
+    volume times the density of the collider, the body, the physics material, or ``density``, in kilograms
+    per cubic metre. A body whose own mass is stated keeps it.
 
     Each distinct mesh is baked once. The same stage and options give the same text on every machine.
 
@@ -281,7 +281,7 @@ class _Maker:
         return list(self.packs).index(key), self.packs[key], self.warnings.get(key, [])
 
     def _options(self, source: Source, scale: float) -> Dict[str, Any]:
-        """The options of a bake: those that are given, or else those of the collider."""
+        """The options of a bake: the given ones, or else the options of the collider."""
         options = {key: value for key, value in self.options.items() if value is not None}
         options.setdefault("index", "none")
         if source.approximation == "convexDecomposition" and "decompose" not in options:
@@ -320,7 +320,7 @@ class _Maker:
         lengths = np.linalg.norm(frame, axis=1)
         notes = []
         if any(not np.allclose(np.linalg.norm(other, axis=1), lengths, rtol=1e-6) for other in source.frames):
-            notes.append("its instances have different scales: mass and bounds are those of the first")
+            notes.append("its instances have different scales: mass and bounds are computed for the first")
         dots = np.abs(frame @ frame.T - np.diag(lengths**2))
         # NaN takes the failing branch.
         if not (dots <= _SHEAR * np.outer(lengths, lengths)).all() or not (lengths > 0).all():

@@ -41,7 +41,7 @@ class Source:
     counts: npt.NDArray[np.int64]
     corners: npt.NDArray[np.int64]
     approximation: Optional[str]
-    """That of its own collider, if it has one."""
+    """The approximation of its own collider, if it has one."""
     body: Optional[Any]
     """The rigid body that it belongs to."""
     frames: List[npt.NDArray[np.float64]] = field(default_factory=list)

@@ -73,7 +73,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
             return Err(normal);
         }
         let tetrahedron = [p, q, *r, if rise >= fall { above } else { below }];
-        // Otherwise its height is noise in the normal of a thin triangle.
+        // Otherwise its height comes from rounding error in the normal of a thin triangle.
         let is_solid = polytope.start(tetrahedron, 0.0);
         if is_solid { Ok(()) } else { Err(widest_normal(tetrahedron.map(|v| v.w))) }
     }

@@ -52,7 +52,7 @@ use crate::support::SupportMap;
 pub(in crate::solver) const MAX_BIG_EXPANSIONS: u32 = (SIZES[2] - KEEP) as u32;
 
 /// A portal is not a start if the height of its tetrahedron is at most this many rounding errors:
-/// its planes would be noise.
+/// its planes would be rounding error.
 const THIN_ROUNDINGS: f64 = 64.0;
 
 /// Expansions from a kept polytope after which it is stale and dropped.

@@ -18,8 +18,8 @@
 //! - The surface is closed: each edge belongs to two faces that traverse it in opposite directions.
 //!   Step 2 ensures it.
 //! - Every point of a face is at or beyond the face's offset along its normal, up to the rounding
-//!   error of a dot product. The offset is the minimum over the three corners and not that of an
-//!   ideal plane.
+//!   error of a dot product. The offset is the minimum over the three corners, and not the offset
+//!   of an ideal plane.
 //! - [`Polytope::encloses`] proves that the surface winds around the origin. Inserting a vertex
 //!   keeps that property if, along the normal of each removed face, the face and the new vertex are
 //!   beyond the origin. Then the minimum offset is the radius of a ball inside the

@@ -51,8 +51,8 @@ impl<'v> FacetPair<'v> {
         Self { a: a.view(buffer_a), b: b.view(buffer_b), rotation: m.rotation(), center: m.center_point().w, reach }
     }
 
-    /// The matrix, by rows, and the centre that place B's vertices in the difference, and those of
-    /// A in B's frame, where they are mirrored through the origin: −Rᵀ ((a − c_A) + v0).
+    /// The matrix, by rows, and the centre that place B's vertices in the difference, and A's
+    /// vertices in B's frame, where they are mirrored through the origin: −Rᵀ ((a − c_A) + v0).
     #[inline(always)]
     fn placements(&self) -> [([[f32; 3]; 3], [f32; 3]); 2] {
         let back = self.rotation.transpose();
@@ -133,7 +133,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> {
     #[inline(always)]
     pub(super) fn find_arcs(&mut self, pair: &FacetPair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
         dispatch.pass(&mut ArcPass { first: self, edges: pair.a.edges, upper });
-        // If the slots are full, the first one may hold an arc that is not left.
+        // If all places are full, the first one may hold an arc that is not left.
         (self.arc_count < LANES * N).then_some(())
     }
 

@@ -102,7 +102,7 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// [`contact`] with arrays of `P` blocks of points and `N` blocks of faces.
 ///
-/// Not inlined, so that the arrays are on the stack only here, and only those of one size.
+/// Not inlined, so that the arrays are on the stack only here, and only the arrays of one size.
 #[inline(never)]
 fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const N: usize>(
     m: &mut Minkowski<'_, A, B>,
@@ -159,7 +159,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {
         Some(points) => [best.point_a, best.point_b] = points,
-        // The facets beside that of the foot have to be considered, too.
+        // The facets beside the facet of the foot have to be considered, too.
         None => _ = best.search(m, &[], enough),
     }
     // NaN takes the failing branch.

@@ -309,8 +309,8 @@ mod tests {
             for round in 0..200 {
                 let mut values = vec![[f64::INFINITY; LANES]; chunks];
                 for value in values.as_flattened_mut() {
-                    // Few distinct values, so that there are ties, and infinity, which marks empty
-                    // slots.
+                    // Few distinct values, so that there are ties, and infinity, which marks unused
+                    // lanes.
                     *value = (rng.between(0.0, 20.0) as i32 - 4 + round % 3).into();
                     *value = if *value > 10.0 { f64::INFINITY } else { *value };
                 }
