@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::decompose::Length;
+use crate::decompose::{Cover, Length};
 use crate::fit::Looseness;
 use crate::number::{percent, short};
 use crate::{BakedHull, Fit, SolidKind, mass};
@@ -232,6 +232,28 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
          average{left}"
     );
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
+}
+
+/// Distance of a part from its mesh's convex hull, relative to the diagonal, from which a note says
+/// so: a body of 1 m that rests on that part floats 1 cm above what is seen.
+const BULGE: f64 = 0.01;
+
+/// Note on parts that extend beyond the convex hull of their mesh, by at most the length `outside`;
+/// `None` if it is short. Planes of the mesh's hull bound the parts as far as the number of vertices
+/// allows, so the hull is round there.
+pub fn bulge(name: &str, outside: f64, diagonal: f64, cover: &Cover) -> Option<Remark> {
+    let share = outside / diagonal;
+    // Written so that NaN is no remark.
+    (share > BULGE).then(|| {
+        let text = format!(
+            "{name}: parts extend up to {} ({} of the diagonal) beyond the convex hull of the mesh, because {} vertices \
+             cannot follow its round faces; for bodies that rest on them, increase --max-vertices",
+            short(outside),
+            percent(share),
+            cover.max_vertices,
+        );
+        Remark { weight: share, ..Remark::note("beyond the hull", name, text) }
+    })
 }
 
 /// Note on the number of parts that primitives may replace; `is_late` if the time ended the search.
@@ -513,6 +535,16 @@ mod tests {
         assert!(too_few.is_warning && too_few.text.contains("12.5%"), "{too_few:?}");
         let late = beyond("a", None, true, [0.25, 0.1, 2.0]);
         assert!(late.is_warning && late.text.contains("--decompose-seconds; increase it"), "{late:?}");
+    }
+
+    #[test]
+    fn parts_beyond_the_hull_of_the_mesh_are_noted() {
+        let cover = Cover::default();
+        let note = bulge("a", 0.039, 2.0, &cover).unwrap();
+        let words =
+            "a: parts extend up to 0.039 (1.95% of the diagonal) beyond the convex hull of the mesh, because 64";
+        assert!(!note.is_warning && note.text.starts_with(words) && note.text.contains("--max-vertices"), "{note:?}");
+        assert!([0.02, 0.0, f64::NAN].into_iter().all(|outside| bulge("a", outside, 2.0, &cover).is_none()));
     }
 
     #[test]

@@ -209,7 +209,6 @@ fn judge(
         uncovered: fit.map_or(0.0, |fit| fit.uncovered),
         overlap: estimates.and_then(|estimates| estimates.overlap),
         overlap_error: estimates.and_then(|estimates| estimates.overlap_error).unwrap_or(0.0),
-        outside_hull: estimates.and_then(|estimates| estimates.outside_hull),
         parts: &parts,
         is_cut: estimates.is_some(),
         cover,
@@ -223,6 +222,8 @@ fn judge(
     if let Some(estimates) = estimates {
         let found = estimates.looseness();
         measured.remarks.extend(found.map(|found| advice::estimates(name, &found, estimates.voids)));
+        let outside = cover.zip(estimates.outside_hull);
+        measured.remarks.extend(outside.and_then(|(cover, outside)| advice::bulge(name, outside, diagonal, cover)));
         let is_filled = cover.filter(|cover| cover.fill).map(|_| estimates.filled);
         measured.remarks.extend(is_filled.map(|filled| advice::filled(name, filled)));
         measured.remarks.extend(estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words())));

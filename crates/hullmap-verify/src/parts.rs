@@ -58,7 +58,6 @@ pub fn findings(
         uncovered: first.uncovered().unwrap_or(0.0),
         overlap: estimates.overlap,
         overlap_error: estimates.overlap_error.unwrap_or(0.0),
-        outside_hull: estimates.outside_hull,
         parts: &parts,
         is_cut: true,
         cover,

@@ -164,11 +164,29 @@ fn large_openings_that_were_closed_are_warnings() {
     // One side of five.
     let words = "warning: in: its holes were closed by triangles with 20% of its area";
     assert!(run.stderr.contains(words), "{run:?}");
-    // A capsule without one of its hundreds of triangles.
+    fs::write(folder.path().join("torn.obj"), torn_capsule()).unwrap();
+    let run = bake(&folder, "decompose torn.obj torn.glb").expect(0);
+    assert!(!run.stderr.contains("warning"), "{run:?}");
+}
+
+/// A capsule without one of its hundreds of triangles, so that it is not convex.
+fn torn_capsule() -> String {
     let capsule = fs::read_to_string(workspace().join("assets/capsule.obj")).unwrap();
     let lines: Vec<&str> = capsule.lines().collect();
     let last = lines.iter().rposition(|line| line.starts_with("f ")).unwrap();
-    fs::write(folder.path().join("torn.obj"), lines[..last].join("\n") + "\n").unwrap();
-    let run = bake(&folder, "decompose torn.obj torn.glb").expect(0);
-    assert!(!run.stderr.contains("warning"), "{run:?}");
+    lines[..last].join("\n") + "\n"
+}
+
+#[test]
+fn parts_beyond_the_hull_of_a_round_mesh_are_noted() {
+    let folder = folder(&torn_capsule());
+    let outside = |line: &str| {
+        let row = bake(&folder, line).expect(0).json()[0].clone();
+        (row["objects"][0]["outside_hull"].as_f64().unwrap(), row["notes"].to_string())
+    };
+    let few = outside("build in.obj --out few --decompose --json");
+    let words = "beyond the convex hull of the mesh, because 64 vertices cannot follow its round faces";
+    assert!(few.1.contains(words) && few.1.contains("increase --max-vertices"), "{few:?}");
+    let many = outside("build in.obj --out many --decompose --max-vertices 256 --json");
+    assert!(!many.1.contains("beyond the convex hull") && many.0 < 0.2 * few.0, "{many:?} {few:?}");
 }

@@ -15,10 +15,6 @@ use crate::{
 /// by 20 mm. Bodies pass through a part that is not thicker.
 pub const THIN: f64 = 1e-3;
 
-/// Distance of a part from its mesh's convex hull that is too far, relative to the diagonal: a body
-/// that rests on its outside, of 1 m, floats 1 cm above what is seen, or rocks.
-pub const BULGE: f64 = 0.01;
-
 /// Ratio of a protrusion to the requested one up to which rounding may explain the difference.
 const ROOM: f64 = 1.0 + 1e-6;
 
@@ -55,8 +51,6 @@ pub struct ObjectMeasures<'a> {
     pub overlap: Option<f64>,
     /// Its error: see [`Looseness`](crate::fit::Looseness).
     pub overlap_error: f64,
-    /// Maximum distance of a part from the mesh's convex hull; `None` if it was not measured.
-    pub outside_hull: Option<f64>,
     /// The parts.
     pub parts: &'a [PartMeasures<'a>],
     /// Whether the object was cut into these parts. Otherwise the only part is its own hull.
@@ -74,8 +68,6 @@ pub enum Flaw {
     Protruding,
     /// Parts overlap more than requested.
     Overlapping,
-    /// A part extends beyond the mesh's convex hull.
-    Bulging,
     /// The parts do not cover the whole surface.
     Uncovered,
 }
@@ -87,7 +79,6 @@ impl Flaw {
             Self::Thin => "thin",
             Self::Protruding => "protruding",
             Self::Overlapping => "overlapping",
-            Self::Bulging => "bulging",
             Self::Uncovered => "uncovered",
         }
     }
@@ -106,7 +97,7 @@ pub struct Doubt {
 
 /// All flaws of the parts of an object; empty if an engine can use them.
 pub fn doubts(object: &ObjectMeasures) -> Vec<Doubt> {
-    [thin, protruding, overlapping, bulging, uncovered].into_iter().filter_map(|find| find(object)).collect()
+    [thin, protruding, overlapping, uncovered].into_iter().filter_map(|find| find(object)).collect()
 }
 
 fn thin(object: &ObjectMeasures) -> Option<Doubt> {
@@ -179,25 +170,6 @@ fn overlapping(object: &ObjectMeasures) -> Option<Doubt> {
     Some(Doubt { flaw: Flaw::Overlapping, remark, parts: (0..object.parts.len()).collect() })
 }
 
-/// Planes of the mesh's hull bound the parts, as far as the number of vertices allows. Where that is
-/// not far enough, the mesh's hull is round.
-fn bulging(object: &ObjectMeasures) -> Option<Doubt> {
-    let ObjectMeasures { name, diagonal, .. } = *object;
-    let (cover, found) = (object.cover?, object.outside_hull?);
-    if found <= BULGE * diagonal {
-        return None;
-    }
-    let text = format!(
-        "{name}: parts extend up to {} ({} of the diagonal) beyond the convex hull of the mesh, because {} vertices \
-         cannot follow its round faces, so bodies rest above what is seen; increase --max-vertices",
-        short(found),
-        percent(found / diagonal),
-        cover.max_vertices,
-    );
-    let remark = Remark { weight: found / diagonal, ..Remark::warning("bulging parts", name, text) };
-    Some(Doubt { flaw: Flaw::Bulging, remark, parts: (0..object.parts.len()).collect() })
-}
-
 fn uncovered(object: &ObjectMeasures) -> Option<Doubt> {
     let ObjectMeasures { name, diagonal, uncovered, .. } = *object;
     // NaN is not covered.
@@ -226,7 +198,6 @@ mod tests {
         uncovered: 1e-8,
         overlap: Some(0.0505),
         overlap_error: 0.001,
-        outside_hull: Some(0.019),
         parts: &[PART, PartMeasures { name: "a_part_1", ..PART }],
         is_cut: true,
         cover: Some(&COVER),
@@ -254,7 +225,7 @@ mod tests {
     #[test]
     fn sound_parts_raise_no_doubt() {
         assert_eq!(flaws(&SOUND), []);
-        let elsewhere = ObjectMeasures { cover: None, overlap: Some(3.0), outside_hull: Some(1.0), ..SOUND };
+        let elsewhere = ObjectMeasures { cover: None, overlap: Some(3.0), ..SOUND };
         assert_eq!(flaws(&elsewhere), [], "nothing was requested of parts from elsewhere");
         let any = Cover { overlap: f64::INFINITY, ..COVER };
         assert_eq!(flaws(&ObjectMeasures { cover: Some(&any), overlap: Some(3.0), ..SOUND }), []);
@@ -304,9 +275,6 @@ mod tests {
         assert!(!words(&loose).contains("--fill"));
         let filled = Cover { fill: true, ..COVER };
         assert!(words(&ObjectMeasures { cover: Some(&filled), ..loose }).contains("twice; leave out --fill, increase"));
-        let round = ObjectMeasures { outside_hull: Some(0.039), ..SOUND };
-        assert_eq!(flaws(&round), [(Flaw::Bulging, vec![0, 1])]);
-        assert!(words(&round).contains("0.039 (1.95% of the diagonal) beyond the convex hull of the mesh, because 64"));
         for uncovered in [1e-6, f64::NAN] {
             let open = ObjectMeasures { uncovered, ..SOUND };
             assert_eq!(flaws(&open), [(Flaw::Uncovered, vec![0, 1])]);
