@@ -89,7 +89,7 @@ pub fn decompose(
         return Err(Failure::new(Code::Cancelled, "the decomposition was cancelled; start it again"));
     }
     // With a maximum number of parts, the limit is not proven.
-    let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(&mesh.positions)));
+    let limit = cover.max_parts.is_none().then(|| cover.max_error.resolve(diagonal(&mesh.positions)));
     let fits = if mesh.triangles.is_empty() {
         None
     } else {

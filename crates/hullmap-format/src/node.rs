@@ -136,7 +136,7 @@ impl Node {
 
     /// Index of its first word.
     #[inline]
-    pub fn at(self) -> usize {
+    pub fn first_word(self) -> usize {
         match self {
             Self::Halves { at }
             | Self::Squares { at, .. }

@@ -74,7 +74,7 @@ pub fn pose_between(
     #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] end: &[f64],
     t: f64,
 ) -> Result<Float64Array, JsError> {
-    let pose = motion_between(start, end)?.at(t);
+    let pose = motion_between(start, end)?.pose_at(t);
     let (place, turn) = (pose.translation().to_array(), pose.rotation().to_array());
     Ok(Float64Array::from([place.as_slice(), turn.as_slice()].concat().as_slice()))
 }

@@ -205,7 +205,7 @@ impl<'p> Batch<'p> {
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn of_packs(device: &Device, packs: &[&'p Pack]) -> Result<Self, Error> {
-        let tables = Tables::of_packs(packs)?;
+        let tables = Tables::from_packs(packs)?;
         let pack = DevicePack::upload_tables(device, &tables)?;
         Ok(Self::with(packs, tables.hulls, Some(Gpu { pack, pairs: None, states: None, directions: None })))
     }

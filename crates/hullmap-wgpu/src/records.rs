@@ -102,11 +102,11 @@ impl<'a> Tables<'a> {
     /// # Examples
     /// ```
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let tables = hullmap_wgpu::Tables::of(&pack)?;
+    /// let tables = hullmap_wgpu::Tables::from_pack(&pack)?;
     /// assert_eq!((tables.hulls.len(), tables.blocks.len() % 32), (1, 0));
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn of(pack: &'a Pack) -> Result<Self, Error> {
+    pub fn from_pack(pack: &'a Pack) -> Result<Self, Error> {
         if cfg!(target_endian = "big") {
             return Err(Error::Pack);
         }
@@ -126,7 +126,8 @@ impl<'a> Tables<'a> {
     /// The tables of several packs. Hulls are counted through the packs.
     ///
     /// # Errors
-    /// The errors of [`Tables::of`]. [`Error::TooLarge`] if the sections have 2³² words or more.
+    /// The errors of [`Tables::from_pack`]. [`Error::TooLarge`] if the sections have 2³² words or
+    /// more.
     ///
     /// # Complexity
     /// O(number of hulls), and a copy of the sections of two or more packs.
@@ -136,14 +137,14 @@ impl<'a> Tables<'a> {
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// use hullmap_wgpu::Tables;
     ///
-    /// let (one, two) = (Tables::of(&pack)?, Tables::of_packs(&[&pack, &pack])?);
+    /// let (one, two) = (Tables::from_pack(&pack)?, Tables::from_packs(&[&pack, &pack])?);
     /// assert_eq!((two.hulls.len(), two.blocks.len()), (2, 2 * one.blocks.len()));
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn of_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
+    pub fn from_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
         let mut joined = Self { hulls: Vec::new(), blocks: Cow::Borrowed(&[]), slots: Cow::Borrowed(&[]) };
         for pack in packs {
-            let tables = Self::of(pack)?;
+            let tables = Self::from_pack(pack)?;
             let start = |section: &'static str, words: &[u32], more: &[u32]| {
                 let found = 4 * (words.len() as u64 + more.len() as u64);
                 let fits = u32::try_from(found / 4).is_ok();

@@ -38,7 +38,7 @@ pub const MAX_READS: u32 = 1 << 11;
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
 /// let pair = Pair { a: 0, b: 0, b_in_a: Pose::from_translation(DVec3::X * 9.0).expect("finite") };
-/// let record = twin::prepare(&Tables::of(&pack)?, &pair);
+/// let record = twin::prepare(&Tables::from_pack(&pack)?, &pair);
 /// // The reach is about 11, and lengths are multiplied by a power of two that makes it about 1.
 /// assert_eq!(record.scale, 1.0 / 16.0);
 /// # Ok::<(), hullmap_wgpu::Error>(())
@@ -60,7 +60,7 @@ pub fn prepare(tables: &Tables<'_>, pair: &Pair) -> PairRecord {
 /// use hullmap_wgpu::{MAX_STEPS, Pair, Query, Status, Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-/// let tables = Tables::of(&pack)?;
+/// let tables = Tables::from_pack(&pack)?;
 /// let pair = Pair { a: 0, b: 0, b_in_a: Pose::from_translation(DVec3::X * 9.0).expect("finite") };
 /// let record = twin::prepare(&tables, &pair);
 /// let answer = twin::solve::<false>(&tables, &record, Query::Intersects, 1e-5, MAX_STEPS);
@@ -88,7 +88,7 @@ pub fn solve<const FUSED: bool>(
 /// use hullmap_wgpu::{MAX_STEPS, Pair, Query, StateRecord, Status, Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-/// let tables = Tables::of(&pack)?;
+/// let tables = Tables::from_pack(&pack)?;
 /// let pair = Pair { a: 0, b: 0, b_in_a: Pose::from_translation(DVec3::X * 1.2).expect("finite") };
 /// let record = twin::prepare(&tables, &pair);
 /// let mut state = StateRecord::default();
@@ -131,7 +131,7 @@ pub fn solve_from<const FUSED: bool>(
 /// use hullmap_wgpu::{Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(200, 1));
-/// let found = twin::support::<false>(&Tables::of(&pack)?, 0, [0.0, 0.0, 1.0]);
+/// let found = twin::support::<false>(&Tables::from_pack(&pack)?, 0, [0.0, 0.0, 1.0]);
 /// let hull = pack.hull(0).expect("the pack has a hull");
 /// assert_eq!(found.vertex, hull.support(hullmap::glam::Vec3::Z).index);
 /// # Ok::<(), hullmap_wgpu::Error>(())

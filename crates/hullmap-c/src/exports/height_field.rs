@@ -51,7 +51,7 @@ pub unsafe extern "C" fn hullmap_height_field_layout(field: *const HeightField, 
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
         let (field, out) = unsafe { (border::handle("field", field)?, Out::new("layout", layout)?) };
-        out.write(FieldLayout::of(&field.0));
+        out.write(FieldLayout::from_field(&field.0));
         Ok(())
     })
 }
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn hullmap_height_field_triangle(
     triangle: *mut MeshTriangle,
 ) -> Result {
     let find = |field: &HeightField| {
-        let found = MeshTriangle::of_field(&field.0, index);
+        let found = MeshTriangle::from_field(&field.0, index);
         found.ok_or_else(|| sheet::no_triangle(index, "field", field.0.triangle_count()))
     };
     // SAFETY: the caller keeps the rules at the head of the header.

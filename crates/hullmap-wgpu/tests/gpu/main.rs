@@ -25,7 +25,7 @@ use shapes::rng::SplitMix64;
 const TOLERANCE: f32 = 1e-5;
 
 fn twin_answers<const FUSED: bool>(pack: &Pack, batch: &Batch<'_>, query: Query) -> Vec<AnswerRecord> {
-    let tables = Tables::of(pack).expect("little-endian");
+    let tables = Tables::from_pack(pack).expect("little-endian");
     let solve = |record| twin::solve::<FUSED>(&tables, record, query, TOLERANCE, MAX_STEPS);
     batch.records().0.iter().map(solve).collect()
 }
@@ -111,7 +111,7 @@ fn schedules_change_no_bit() {
 fn warm_answers_mean_the_same_and_take_fewer_steps() {
     let Some(device) = scene::device() else { return };
     let pack = scene::pack(IndexKind::Tree);
-    let tables = Tables::of(&pack).unwrap();
+    let tables = Tables::from_pack(&pack).unwrap();
     for query in QUERIES {
         let mut pairs = scene::pairs(&pack, 2_000, 15);
         pairs[5].b = 1_000;
@@ -155,7 +155,7 @@ fn warm_answers_mean_the_same_and_take_fewer_steps() {
 fn pairs_that_read_too_much_leave_the_others_alone() {
     let Some(device) = scene::device() else { return };
     let pack = scene::large_pack();
-    let tables = Tables::of(&pack).unwrap();
+    let tables = Tables::from_pack(&pack).unwrap();
     let pairs = scene::pairs(&pack, 10_000, 22);
     let (mut batch, mut processor) = (Batch::on(&device, &pack).unwrap(), Batch::new(&pack, Backend::Cpu).unwrap());
     for query in QUERIES {
@@ -331,7 +331,7 @@ fn permuted_pairs_have_permuted_answers() {
 fn fused_operations_never_contradict_unfused_ones() {
     for index in [IndexKind::Tree, IndexKind::CubeMap { resolution: 24 }] {
         let pack = scene::pack(index);
-        let tables = Tables::of(&pack).unwrap();
+        let tables = Tables::from_pack(&pack).unwrap();
         let mut pairs = scene::pairs(&pack, 4_000, 6);
         pairs.extend(scene::touching_pairs(&pack, 1_000, 17));
         let mut other = 0;
@@ -358,7 +358,7 @@ fn support_vertices_fall_short_by_rounding_error_only() {
     let Some(device) = scene::device() else { return };
     for index in ALL_INDICES {
         let pack = scene::pack(index);
-        let tables = Tables::of(&pack).unwrap();
+        let tables = Tables::from_pack(&pack).unwrap();
         let mut batch = Batch::on(&device, &pack).unwrap();
         let mut rng = SplitMix64::new(7);
         let mut queries = Vec::new();

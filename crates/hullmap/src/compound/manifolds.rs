@@ -96,7 +96,7 @@ pub(super) struct SmallerBody {
 
 impl SmallerBody {
     /// Of the balls around two bodies, both in A's frame, the smaller one.
-    fn of(balls: [(DVec3, f64); 2], settings: &ManifoldSettings) -> Self {
+    fn choose(balls: [(DVec3, f64); 2], settings: &ManifoldSettings) -> Self {
         let [(center_a, radius_a), (center_b, radius_b)] = balls;
         let (center, reach) = if radius_a < radius_b { (center_a, radius_a) } else { (center_b, radius_b) };
         Self { center, reach, prediction: settings.prediction.length(reach) }
@@ -211,13 +211,13 @@ impl CompoundManifolds {
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
         let mut frame = self.start();
-        let union_b = seams::of(b);
+        let union_b = seams::union_of(b);
         let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
         let bodies = BodyPair { b_in_a, in_a, in_b, settings };
         if let Some(part) = b.part(0).filter(|_| b.part_count() == 1) {
             let radius = part.outer_radius();
             let ball = (b_in_a.transform_point(part.interior_point()), radius);
-            self.body = SmallerBody::of([a.nodes().ball(), ball], settings);
+            self.body = SmallerBody::choose([a.nodes().ball(), ball], settings);
             let beside = BesideSheet::new(&part, b_in_a);
             let prediction = settings.prediction.length(radius);
             let mut visit = |index: usize, corners: [DVec3; 3]| {
@@ -235,7 +235,7 @@ impl CompoundManifolds {
         }
         let nodes = [a.nodes(), b.nodes()];
         let [ball_a, (center_b, radius_b)] = nodes.map(|nodes| nodes.ball());
-        self.body = SmallerBody::of([ball_a, (b_in_a.transform_point(center_b), radius_b)], settings);
+        self.body = SmallerBody::choose([ball_a, (b_in_a.transform_point(center_b), radius_b)], settings);
         let placement = Placement::new(nodes[0], nodes[1], b_in_a);
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
@@ -311,7 +311,8 @@ impl CompoundManifolds {
         let mut frame = self.start();
         let nodes = b.nodes();
         let (center, radius) = nodes.ball();
-        self.body = SmallerBody::of([(DVec3::ZERO, f64::INFINITY), (b_in_a.transform_point(center), radius)], settings);
+        self.body =
+            SmallerBody::choose([(DVec3::ZERO, f64::INFINITY), (b_in_a.transform_point(center), radius)], settings);
         let reach = settings.prediction.length(nodes.diagonal());
         let mut descent = Descent::new(a, nodes, b_in_a);
         while let Some(index) = descent.next(-reach) {

@@ -130,7 +130,7 @@ where
     ) -> TimeOfImpact {
         let enough = tolerance.max(0.0) * (pair.a.shape.outer_radius() + pair.b.shape.outer_radius());
         let found = TimeOfImpact { t_lower: window[0], ..TimeOfImpact::default() };
-        let (noise, here) = (pair.noise(), pair.at(window[0]));
+        let (noise, here) = (pair.noise(), pair.moment_at(window[0]));
         let mut search = Self { noise, pair, queries, enough, goal, here, frame: Frame::default(), found };
         search.advance(window);
         search.found
@@ -241,7 +241,7 @@ where
     }
 
     fn certainly_meet_at(&mut self, t: f64) -> bool {
-        let b_in_a = relative(self.pair.at(t).poses());
+        let b_in_a = relative(self.pair.moment_at(t).poses());
         if self.goal.margin == 0.0 {
             // The poses have rounding errors, too.
             if self.queries.overlap_near(b_in_a, self.noise) {
