@@ -7,7 +7,7 @@ use super::sheet;
 use crate::border::{self, Out, call};
 use crate::failure::Failure;
 use crate::handles::HeightField;
-use crate::types::{FieldLayout, Ground, MeshTriangle, Result};
+use crate::types::{FieldGround, FieldLayout, MeshTriangle, Result};
 
 /// Opens the file of a height field, which `bake build --height-field` writes. The file is copied
 /// into memory and checked completely, so that no file can harm a later query.
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn hullmap_height_field_height_at(
     field: *const HeightField,
     x: f64,
     y: f64,
-    ground: *mut Ground,
+    ground: *mut FieldGround,
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.

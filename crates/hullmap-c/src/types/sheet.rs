@@ -121,7 +121,7 @@ impl FieldLayout {
 /// The ground of a height field at a point of the plane.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground {
+pub struct FieldGround {
     /// z of the surface.
     pub height: f64,
     /// Upward unit normal of the triangle.
@@ -130,7 +130,7 @@ pub struct Ground {
     pub triangle: usize,
 }
 
-impl From<hullmap::height_field::Ground> for Ground {
+impl From<hullmap::height_field::Ground> for FieldGround {
     fn from(found: hullmap::height_field::Ground) -> Self {
         Self { height: found.height, normal: found.normal.into(), triangle: found.triangle }
     }

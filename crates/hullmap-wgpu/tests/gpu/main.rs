@@ -17,8 +17,8 @@ use hullmap_testkit::{
     random::RandomPoses,
 };
 use hullmap_wgpu::{
-    AnswerRecord, Backend, Batch, Error, MAX_STEPS, Order, Pair, Query, SUPPORT_SHORTFALL, Schedule, StateRecord,
-    Status, SupportQuery, Tables, twin,
+    AnswerRecord, Backend, Batch, Error, IndexedPair, MAX_STEPS, Order, Query, SUPPORT_SHORTFALL, Schedule,
+    StateRecord, Status, SupportQuery, Tables, twin,
 };
 use shapes::rng::SplitMix64;
 
@@ -30,7 +30,7 @@ fn twin_answers<const FUSED: bool>(pack: &Pack, batch: &Batch<'_>, query: Query)
     batch.records().0.iter().map(solve).collect()
 }
 
-fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[Pair]) -> &'b [hullmap_wgpu::Answer] {
+fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[IndexedPair]) -> &'b [hullmap_wgpu::Answer] {
     let settings = Settings { tolerance: f64::from(TOLERANCE), ..Settings::default() };
     match query {
         Query::Intersects => batch.intersects(pairs),
@@ -439,7 +439,8 @@ fn hulls_of_several_packs_answer_as_in_one_pack() {
     let mut batch = Batch::of_packs(&device, &[&first, &second]).unwrap();
     let mut alone = Batch::on(&device, &second).unwrap();
     let pairs = scene::pairs(&second, 500, 23);
-    let moved: Vec<Pair> = pairs.iter().map(|pair| Pair { a: pair.a + count, b: pair.b + count, ..*pair }).collect();
+    let moved: Vec<IndexedPair> =
+        pairs.iter().map(|pair| IndexedPair { a: pair.a + count, b: pair.b + count, ..*pair }).collect();
     for query in QUERIES {
         let expected = solve(&mut alone, query, &pairs).to_vec();
         assert_eq!(solve(&mut batch, query, &moved), expected);
@@ -454,7 +455,8 @@ fn hulls_of_several_packs_answer_as_in_one_pack() {
     }
     assert!(!batch.support(&[ask(count + 99)]).unwrap()[0].is_certain);
     // Across packs, against the processor.
-    let across: Vec<Pair> = pairs.iter().map(|pair| Pair { a: pair.a, b: pair.b + count, ..*pair }).collect();
+    let across: Vec<IndexedPair> =
+        pairs.iter().map(|pair| IndexedPair { a: pair.a, b: pair.b + count, ..*pair }).collect();
     for (pair, found) in across.iter().zip(solve(&mut batch, Query::Distance, &across)) {
         let (a, b) = (first.hull(pair.a as usize).unwrap(), second.hull((pair.b - count) as usize).unwrap());
         let own = hullmap::distance(&a, &b, pair.b_in_a, &Settings::default(), &mut Cache::new());

@@ -18,7 +18,7 @@ use super::joined::Joined;
 use super::near::{NearParts, NearTriangles};
 use super::parts::Parts;
 use super::seams::{self, Side, Union};
-use super::sheet::{BesideSheet, Pair};
+use super::sheet::{BesideSheet, CandidatePair};
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
@@ -222,7 +222,7 @@ impl CompoundManifolds {
             let prediction = settings.prediction.length(radius);
             let mut visit = |index: usize, corners: [DVec3; 3]| {
                 if !beside.is_apart(corners, prediction)
-                    && let Some(parts) = Pair::new(a, b, [index, 0], b_in_a)
+                    && let Some(parts) = CandidatePair::new(a, b, [index, 0], b_in_a)
                     && !parts.is_behind()
                 {
                     self.meet(&mut frame, &bodies, [index, 0], &parts);
@@ -242,7 +242,7 @@ impl CompoundManifolds {
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
         let mut traversal = Traversal::new(placement);
         while let Some(pair) = traversal.next_within(reach) {
-            let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
+            let Some(parts) = CandidatePair::new(a, b, pair, b_in_a) else { continue };
             let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
             // NaN takes the branch that queries.
             if !(traversal.lower_bound() > prediction || parts.is_behind() || parts.is_apart(prediction)) {
@@ -259,7 +259,7 @@ impl CompoundManifolds {
         frame: &mut Frame,
         bodies: &BodyPair<'_>,
         pair: [usize; 2],
-        parts: &Pair<'_, A, B>,
+        parts: &CandidatePair<'_, A, B>,
     ) {
         let BodyPair { b_in_a, in_a, in_b, settings } = *bodies;
         if in_a.is_none() && in_b.is_none() {

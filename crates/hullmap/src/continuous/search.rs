@@ -98,7 +98,7 @@ pub(crate) trait Queries {
 }
 
 /// A search in a window of time.
-pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
+pub(super) struct ImpactSearch<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     pair: Approach<'s, A, B>,
     queries: Q,
     noise: f64,
@@ -113,7 +113,7 @@ pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     found: TimeOfImpact,
 }
 
-impl<'s, 'g, A, B, Q> Search<'s, 'g, A, B, Q>
+impl<'s, 'g, A, B, Q> ImpactSearch<'s, 'g, A, B, Q>
 where
     A: SupportMap + ?Sized,
     B: SupportMap + ?Sized,
