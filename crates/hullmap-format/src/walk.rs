@@ -235,7 +235,7 @@ impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
     }
 
     fn check_numbers(&self, node: Node) -> Result<(), IndexError> {
-        let number = |i: usize| self.words.number(node.first_word() + 2 * i);
+        let number = |i: usize| self.words.node_number(node.first_word(), i);
         match (0..node.number_count()).find(|&i| !number(i).is_finite()) {
             Some(i) => Err(IndexError::NotFinite { at: node.first_word(), number: i, found: number(i) }),
             None => Ok(()),
