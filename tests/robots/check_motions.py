@@ -79,7 +79,7 @@ class Motions:
         self.first = quaternions(unit(), rng.uniform(0, 6.28, size=count))
         self.axes, self.angle = unit(), np.radians(angle)
 
-    def at(self, t, which=slice(None)):
+    def pose_at(self, t, which=slice(None)):
         t = np.asarray(t, float)
         turn = quaternions(self.axes[which], np.broadcast_to(self.angle * t, self.axes[which].shape[:-1]))
         place = self.start[which] + t[..., None] * (self.end[which] - self.start[which])
@@ -112,18 +112,18 @@ class Truth:
         place = coal.Transform3s(frames(pose), pose[:3])
         return coal.distance(self.a, self.identity, self.b, place, request, result)
 
-    def of(self, which):
+    def judge(self, which):
         """Whether the motion certainly hits, or certainly does not, and the time of the first penetration."""
-        at = lambda t: self.gap(self.motions.at(t, which))
+        gap_at = lambda t: self.gap(self.motions.pose_at(t, which))
         # Steps as long as the distance allows, but at most a thousandth.
         t, is_free, before = 0.0, True, 0.0
         while True:
-            found = at(t)
+            found = gap_at(t)
             if found < -ROUNDING:
                 late, early = t, before
                 for _ in range(30):
                     middle = 0.5 * (early + late)
-                    early, late = (early, middle) if at(middle) < -ROUNDING else (middle, late)
+                    early, late = (early, middle) if gap_at(middle) < -ROUNDING else (middle, late)
                 return True, False, late
             if t >= 1.0:
                 return False, is_free, np.inf
@@ -218,9 +218,9 @@ def main():
     rng = np.random.default_rng(SEED)
     a, b = rock(vertices, rng), rock(vertices, rng)
     motions = Motions(count, angle, rng)
-    poses = [motions.at(np.full(count, t)) for t in (0.0, 1.0)]
+    poses = [motions.pose_at(np.full(count, t)) for t in (0.0, 1.0)]
     truth = Truth(a, b, motions)
-    hits, free, times = (np.array(own) for own in zip(*(truth.of(which) for which in range(count))))
+    hits, free, times = (np.array(own) for own in zip(*(truth.judge(which) for which in range(count))))
     share = hits.mean()
     assert 0.25 < share < 0.75, f"seed {SEED}: {share:.0%} of the motions hit"
     print(f"{count} motions, seed {SEED}: two hulls of {vertices} vertices, {angle:g} degrees; by coal, {hits.sum()} hit, {free.sum()} are free")

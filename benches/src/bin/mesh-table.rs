@@ -76,7 +76,7 @@ const MANY_CELLS: usize = 708;
 /// Prediction of manifolds, in metres.
 const PREDICTION: f64 = 0.02;
 
-struct Ground {
+struct GroundMeshes {
     /// Squares along each side.
     cells: usize,
     mesh: TriangleMesh,
@@ -86,7 +86,7 @@ struct Ground {
     heights: Vec<f64>,
 }
 
-impl Ground {
+impl GroundMeshes {
     fn new(cells: usize) -> Self {
         let mut rng = SplitMix64::new(28);
         let heights: Vec<f64> = (0..(cells + 1) * (cells + 1)).map(|_| 0.2 * rng.unit()).collect();
@@ -142,7 +142,7 @@ impl Body {
     }
 
     /// Poses in which the body lies on the ground, and poses a step later.
-    fn poses(&self, ground: &Ground, count: usize) -> [Vec<Pose>; 2] {
+    fn poses(&self, ground: &GroundMeshes, count: usize) -> [Vec<Pose>; 2] {
         let mut rng = SplitMix64::new(29);
         let lowest = |turn: DQuat| {
             let hull = self.pack.hull(0).expect("one hull");
@@ -185,7 +185,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let ground = Ground::new(CELLS);
+    let ground = GroundMeshes::new(CELLS);
     if let Some(vertices) = profile {
         let found = manifolds(&ground, vertices, bodies, rounds, &Engines::default());
         println!("{found:?}");
@@ -221,7 +221,7 @@ fn main() -> ExitCode {
         );
     }
     rays(&ground, 20 * bodies, rounds);
-    let large = Ground::new(MANY_CELLS);
+    let large = GroundMeshes::new(MANY_CELLS);
     rays(&large, 20 * bodies, rounds);
     casts(&large, bodies, rounds);
     ExitCode::SUCCESS
@@ -242,7 +242,7 @@ struct Times {
     touching: f64,
 }
 
-fn manifolds(ground: &Ground, vertices: usize, count: usize, rounds: usize, engines: &Engines) -> Times {
+fn manifolds(ground: &GroundMeshes, vertices: usize, count: usize, rounds: usize, engines: &Engines) -> Times {
     let body = Body::new(vertices);
     let hull = body.pack.hull(0).expect("one hull");
     let poses = body.poses(ground, count);
@@ -301,7 +301,7 @@ fn manifolds(ground: &Ground, vertices: usize, count: usize, rounds: usize, engi
 }
 
 /// Paths from 10 m above the ground, down and slanting: origins and unit directions.
-fn paths(ground: &Ground, count: usize) -> Vec<(DVec3, DVec3)> {
+fn paths(ground: &GroundMeshes, count: usize) -> Vec<(DVec3, DVec3)> {
     let mut rng = SplitMix64::new(30);
     let reach = 0.45 * ground.cells as f64;
     let mut place = |z: f64| DVec3::new(rng.between(-reach, reach), rng.between(-reach, reach), z);
@@ -309,7 +309,7 @@ fn paths(ground: &Ground, count: usize) -> Vec<(DVec3, DVec3)> {
     (0..count).map(|_| (place(10.0), (DVec3::NEG_Z + slant * place(0.0).with_z(0.0)).normalize())).collect()
 }
 
-fn rays(ground: &Ground, count: usize, rounds: usize) {
+fn rays(ground: &GroundMeshes, count: usize, rounds: usize) {
     let lines = paths(ground, count);
     let rays: Vec<Ray> = lines.iter().map(|(from, dir)| Ray::new(*from, *dir).expect("finite")).collect();
     let theirs: Vec<parry3d::query::Ray> =
@@ -342,7 +342,7 @@ fn rays(ground: &Ground, count: usize, rounds: usize) {
 }
 
 /// Casts of a body of 32 vertices along the paths of rays.
-fn casts(ground: &Ground, count: usize, rounds: usize) {
+fn casts(ground: &GroundMeshes, count: usize, rounds: usize) {
     let body = Body::new(32);
     let hull = body.pack.hull(0).expect("one hull");
     let lines = paths(ground, count);

@@ -53,7 +53,7 @@ const HOLLOW: f64 = 0.1;
 /// Warnings and notes about baked hulls, simplified hulls first. `is_cut` returns, for the index of
 /// a hull, whether the bake made the hull as a part of a mesh.
 pub fn of_hulls(hulls: &[BakedHull], is_cut: impl Fn(usize) -> bool) -> Vec<Remark> {
-    let of = |(index, baked)| HullMeasures { is_cut: is_cut(index), ..HullMeasures::of(baked) };
+    let of = |(index, baked)| HullMeasures { is_cut: is_cut(index), ..HullMeasures::from_baked(baked) };
     let measures = || hulls.iter().enumerate().map(of);
     let about_shapes = measures().filter_map(|hull| simplified(&hull)).chain(hulls.iter().filter_map(concave));
     about_shapes.chain(measures().flat_map(|hull| of_hull(&hull))).collect()
@@ -146,7 +146,7 @@ pub struct HullMeasures<'a> {
 
 impl<'a> HullMeasures<'a> {
     /// The measures of a baked hull.
-    pub fn of(baked: &'a BakedHull) -> Self {
+    pub fn from_baked(baked: &'a BakedHull) -> Self {
         let coordinates = baked.hull.vertices.iter().flatten();
         Self {
             name: &baked.name,
@@ -210,7 +210,7 @@ impl PartsFit {
     ///
     /// # Panics
     /// If there are no parts.
-    pub fn of(parts: &[Fit]) -> Self {
+    pub fn from_fits(parts: &[Fit]) -> Self {
         let protrusion = parts.iter().map(|part| part.protrusion).fold(0.0, f64::max);
         Self { solid: parts[0].solid, uncovered: parts[0].uncovered, protrusion }
     }

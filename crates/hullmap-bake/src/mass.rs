@@ -75,7 +75,7 @@ impl Simplices {
     pub(crate) const ZERO: Self = Self { measure: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
 
     /// The integrals over a simplex of this measure, negative where it counts against the others.
-    pub(crate) fn of(measure: f64, corners: &[DVec3]) -> Self {
+    pub(crate) fn from_simplex(measure: f64, corners: &[DVec3]) -> Self {
         let k = corners.len() as f64;
         let total: DVec3 = corners.iter().sum();
         let mut squares = outer(total);
@@ -86,7 +86,7 @@ impl Simplices {
     }
 
     fn add(&mut self, measure: f64, corners: &[DVec3]) {
-        let simplex = Self::of(measure, corners);
+        let simplex = Self::from_simplex(measure, corners);
         self.measure += simplex.measure;
         self.first += simplex.first;
         self.second += simplex.second;

@@ -36,7 +36,7 @@ enum Detail {
 /// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(hulls)?;
-    write(Meshes::of(hulls), hulls.iter().cloned(), source, Detail::Full)
+    write(Meshes::from_hulls(hulls), hulls.iter().cloned(), source, Detail::Full)
 }
 
 /// Like [`write_pack`], but takes the hulls, and frees the memory of each as soon as it is written.
@@ -46,7 +46,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
 /// The errors of [`write_pack`].
 pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(Meshes::of(&hulls), hulls.into_iter(), source, Detail::Full)
+    write(Meshes::from_hulls(&hulls), hulls.into_iter(), source, Detail::Full)
 }
 
 /// Like [`write_owned_pack`], but writes a *lean* pack: without the data that only manifolds, hints
@@ -71,7 +71,7 @@ pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<
 /// ```
 pub fn write_lean_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(Meshes::of(&hulls), hulls.into_iter(), source, Detail::Lean)
+    write(Meshes::from_hulls(&hulls), hulls.into_iter(), source, Detail::Lean)
 }
 
 fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
@@ -152,7 +152,7 @@ struct Meshes {
 }
 
 impl Meshes {
-    fn of(hulls: &[BakedHull]) -> Self {
+    fn from_hulls(hulls: &[BakedHull]) -> Self {
         let masses = mesh_masses(hulls);
         let of_object = |(hull, (baked, mass)): (u32, (&BakedHull, &Option<MassRecord>))| {
             mass.filter(|_| baked.part_count > 0 && baked.part == 0)?;

@@ -8,7 +8,7 @@ use std::{
     process::{Command, Output},
 };
 
-use hullmap_c::exports::batch::Pair;
+use hullmap_c::exports::batch::ShapePair;
 use hullmap_c::types;
 use hullmap_testkit::packs;
 
@@ -128,7 +128,6 @@ fn structs_have_one_layout() {
         }
         MeshTriangle { corners vertices neighbours edge_classes source_triangle material }
         FieldLayout { columns rows origin spacing diagonal holes }
-        Ground { height normal triangle }
         Settings { struct_size tolerance max_iterations }
         CastSettings { struct_size max_t tolerance max_iterations }
         ManifoldSettings { struct_size tolerance max_iterations prediction_kind prediction }
@@ -149,7 +148,8 @@ fn structs_have_one_layout() {
         }
         ManifoldPoints { points count touching dropped pairs iterations support_calls }
     }
-    layout!(Pair, Pair { a b b_in_a });
+    layout!(ShapePair, Pair { a b b_in_a });
+    layout!(types::FieldGround, Ground { height normal triangle });
     layout!(types::Motion, Motion { kind start end linear angular center });
     layout!(types::MotionSettings, MotionSettings { struct_size target_distance tolerance max_iterations });
     layout!(types::ClearSettings, ClearSettings { struct_size margin tolerance share max_iterations });

@@ -71,7 +71,7 @@ pub fn open_baked(path: &Path) -> Result<BakedFile, Failure> {
         }
         _ => {}
     }
-    let opened = match FileKind::of(&start).or_else(|| kind_by_name(path)) {
+    let opened = match FileKind::from_start(&start).or_else(|| kind_by_name(path)) {
         Some(FileKind::TriangleMesh) => TriangleMesh::open(path).map(BakedFile::TriangleMesh),
         Some(FileKind::HeightField) => {
             return Err(Failure::rejected(format!(

@@ -94,7 +94,7 @@ pub fn decompose(
 fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Deadline>) -> (Vec<OwnedPart>, Facts) {
     let all: Vec<&Hull> = hulls.iter().collect();
     // With a maximum number of parts, the limit is not proven.
-    let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(&mesh.positions)));
+    let limit = cover.max_parts.is_none().then(|| cover.max_error.resolve(diagonal(&mesh.positions)));
     let solid = (!mesh.triangles.is_empty()).then(|| cover.solid(mesh));
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &all, limit, deadline));
     let protrusion = |index: usize| fits.as_ref().and_then(|fits| fits.get(index)).map_or(f64::NAN, |f| f.protrusion);

@@ -16,7 +16,9 @@ use crate::{
     fan,
     index_kind::IndexKind,
     node::{Node, Word, Words},
-    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, decode_f64},
+    slot::{
+        BUNDLE_HEAD_WORDS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_HEAD_WORDS, PLANE_WORDS, decode_f64, normal_index,
+    },
 };
 
 /// The remaining bits of a direction's cell, u and v, below the branches already passed; the next
@@ -61,7 +63,7 @@ pub fn half(at: u32, [path, other]: Path) -> (usize, Path) {
 #[inline]
 pub fn plane<W: Words + ?Sized>(words: &W, at: usize, dir: [f64; 3]) -> usize {
     let Some(node) = words.chunk::<{ PLANE_WORDS as usize }>(at) else { return NOWHERE };
-    at + 6 + usize::from(is_in_front(node, 1, 0, dir))
+    at + PLANE_HEAD_WORDS as usize + usize::from(is_in_front(node, 1, 0, dir))
 }
 
 /// Word of the slot for the part of the plane bundle at `at` in which a direction lies.
@@ -77,15 +79,16 @@ pub fn bundle<W: Words + ?Sized>(words: &W, at: usize, dir: [f64; 3]) -> usize {
     let first = front[0];
     let second = front[1 + first];
     let third = front[3 + 2 * first + second];
-    at + 6 * BUNDLE_PLANES + 4 * first + 2 * second + third
+    at + BUNDLE_HEAD_WORDS as usize + 4 * first + 2 * second + third
 }
 
 /// Word of the slot for the step of the fan at `at` in which a direction lies.
 #[inline]
 pub fn step<W: Words + ?Sized>(words: &W, at: usize, dir: [f64; 3]) -> usize {
     const HEAD: usize = fan::HEAD_WORDS as usize;
+    const BITS: usize = fan::BITS_WORD as usize;
     let Some(head) = words.chunk::<HEAD>(at) else { return NOWHERE };
-    at + HEAD + fan::slot(|i| number(head, i), head[HEAD - 1].value(), dir) as usize
+    at + HEAD + fan::slot(|i| number(head, i), head[BITS].value(), dir) as usize
 }
 
 /// Word of the slot to which a node leads, and the rest of the path; `None` for a list.
@@ -104,7 +107,7 @@ pub fn child<W: Words + ?Sized>(words: &W, node: Node, path: Path, dir: [f64; 3]
 /// Whether a direction is in front of a node's plane `plane`, of `count`: n·d > 0. NaN is behind.
 #[inline(always)]
 fn is_in_front<T: Word, const N: usize>(node: &[T; N], count: usize, plane: usize, dir: [f64; 3]) -> bool {
-    let n = |axis: usize| number(node, axis * count + plane);
+    let n = |axis: usize| number(node, normal_index(count, plane, axis));
     n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2] > 0.0
 }
 

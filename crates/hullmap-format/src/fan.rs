@@ -40,6 +40,21 @@ pub fn point(angle: f64) -> [f64; 2] {
 /// word).
 pub const HEAD_WORDS: u32 = 17;
 
+/// Index of the frame's x axis among the f64 values before a fan's slots: of its first coordinate.
+pub const X_AXIS: usize = 0;
+
+/// Index of the frame's y axis, likewise.
+pub const Y_AXIS: usize = 3;
+
+/// Index of the angle at which the first slot starts, likewise.
+pub const START: usize = 6;
+
+/// Index of the number of slots per unit of the angle, likewise.
+pub const RATE: usize = 7;
+
+/// Position of the word that states the bits of a fan.
+pub const BITS_WORD: u32 = HEAD_WORDS - 1;
+
 /// Maximum number of bits of a fan, which has 2ᵇ slots.
 pub const MAX_BITS: u32 = 20;
 
@@ -51,7 +66,7 @@ pub const MAX_BITS: u32 = 20;
 pub fn slot(number: impl Fn(usize) -> f64, bits: u32, dir: [f64; 3]) -> u32 {
     let dot = |from: usize| number(from) * dir[0] + number(from + 1) * dir[1] + number(from + 2) * dir[2];
     // The cast saturates, and turns NaN into 0.
-    let slot = ((angle(dot(0), dot(3)) - number(6)) * number(7)) as u32;
+    let slot = ((angle(dot(X_AXIS), dot(Y_AXIS)) - number(START)) * number(RATE)) as u32;
     slot.min((1 << (bits & 31)) - 1)
 }
 

@@ -39,7 +39,7 @@ impl FileKind {
     pub const ALL: [Self; 3] = [Self::Pack, Self::TriangleMesh, Self::HeightField];
 
     /// The kind of a file that starts with these bytes; `None` if it is of no kind.
-    pub fn of(start: &[u8]) -> Option<Self> {
+    pub fn from_start(start: &[u8]) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| start.starts_with(&kind.magic()))
     }
 
@@ -201,20 +201,26 @@ impl Header {
 
     /// A header for the `payload` of a pack of any layout, with its checksum.
     pub fn for_layout(layout: Layout, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of(FileKind::Pack, layout.version(), source_hash, options_hash, payload)
+        Self::with_checksum(FileKind::Pack, layout.version(), source_hash, options_hash, payload)
     }
 
     /// A header for the `payload` of a triangle mesh, with its checksum.
     pub fn for_triangle_mesh(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of(FileKind::TriangleMesh, triangle_mesh::FORMAT_VERSION, source_hash, options_hash, payload)
+        Self::with_checksum(FileKind::TriangleMesh, triangle_mesh::FORMAT_VERSION, source_hash, options_hash, payload)
     }
 
     /// A header for the `payload` of a height field, with its checksum.
     pub fn for_height_field(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        Self::of(FileKind::HeightField, height_field::FORMAT_VERSION, source_hash, options_hash, payload)
+        Self::with_checksum(FileKind::HeightField, height_field::FORMAT_VERSION, source_hash, options_hash, payload)
     }
 
-    fn of(kind: FileKind, format_version: u32, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+    fn with_checksum(
+        kind: FileKind,
+        format_version: u32,
+        source_hash: u128,
+        options_hash: u64,
+        payload: &[u8],
+    ) -> Self {
         let payload_len = payload.len() as u64;
         let mut header = Self { kind, format_version, payload_len, source_hash, options_hash, checksum: 0 };
         header.checksum = checksum(&header.to_bytes(), payload);

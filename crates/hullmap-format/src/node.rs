@@ -10,7 +10,10 @@ use rkyv::rend::u32_le;
 
 use crate::{
     fan,
-    slot::{BUNDLE_PARTS, BUNDLE_PLANES, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, Slot, decode_f64},
+    slot::{
+        BUNDLE_HEAD_WORDS, BUNDLE_PARTS, BUNDLE_PLANES, Branch, F64_WORDS, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS,
+        PLANE_HEAD_WORDS, Slot, decode_f64, normal_index,
+    },
 };
 
 /// A word, in any byte order.
@@ -50,6 +53,22 @@ pub trait Words {
     /// The f64 in the two words at index `at`.
     fn number(&self, at: usize) -> f64 {
         decode_f64(self.word(at), self.word(at + 1))
+    }
+
+    /// The f64 of index `index` at the front of the node at `at`: see [`fan`] for those of a fan.
+    fn node_number(&self, at: usize, index: usize) -> f64 {
+        self.number(at + F64_WORDS as usize * index)
+    }
+
+    /// The vector whose coordinates are the f64 values from index `index` on at the front of the
+    /// node at `at`.
+    fn node_vector(&self, at: usize, index: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.node_number(at, index + axis))
+    }
+
+    /// The normal of plane `plane` of the node at `at`, which has `count` planes.
+    fn normal(&self, at: usize, count: usize, plane: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.node_number(at, normal_index(count, plane, axis)))
     }
 }
 
@@ -129,14 +148,14 @@ impl Node {
             Slot::Branch(at) => Self::Halves { at: at as usize },
             Slot::Plane(at) => Self::Plane { at: at as usize },
             Slot::Bundle(at) => Self::Bundle { at: at as usize },
-            Slot::Fan(at) => Self::Fan { at: at as usize, bits: words.word(at as usize + FAN_BITS_AT) },
+            Slot::Fan(at) => Self::Fan { at: at as usize, bits: words.word(at as usize + fan::BITS_WORD as usize) },
             Slot::List(at) => Self::List { at: at as usize },
         })
     }
 
     /// Index of its first word.
     #[inline]
-    pub fn at(self) -> usize {
+    pub fn first_word(self) -> usize {
         match self {
             Self::Halves { at }
             | Self::Squares { at, .. }
@@ -164,8 +183,8 @@ impl Node {
         let (first, count) = match self {
             Self::Halves { at } => (at, HALVES_WORDS as usize),
             Self::Squares { at, bits } => (at, if bits <= MAX_BRANCH_BITS { 1 << (2 * bits) } else { 0 }),
-            Self::Plane { at } => (at + 6, 2),
-            Self::Bundle { at } => (at + 6 * BUNDLE_PLANES, BUNDLE_PARTS),
+            Self::Plane { at } => (at + PLANE_HEAD_WORDS as usize, 2),
+            Self::Bundle { at } => (at + BUNDLE_HEAD_WORDS as usize, BUNDLE_PARTS),
             Self::Fan { at, bits } => {
                 (at + fan::HEAD_WORDS as usize, if bits <= fan::MAX_BITS { 1 << bits } else { 0 })
             }
@@ -180,9 +199,6 @@ impl Node {
         self.slots().end
     }
 }
-
-/// Position of the word that states the bits of a fan.
-const FAN_BITS_AT: usize = fan::HEAD_WORDS as usize - 1;
 
 #[cfg(test)]
 mod tests {

@@ -39,14 +39,20 @@
 
 /// Words of a branch of a binary tree.
 pub const HALVES_WORDS: u32 = 2;
+/// Words of an f64, low word first.
+pub const F64_WORDS: u32 = 2;
 /// Words of one plane.
 pub const PLANE_WORDS: u32 = 8;
+/// Words of one plane before its two slots: its normal.
+pub const PLANE_HEAD_WORDS: u32 = 3 * F64_WORDS;
 /// Planes of a bundle.
 pub const BUNDLE_PLANES: usize = 7;
 /// Parts that a bundle of planes divides a cell into.
 pub const BUNDLE_PARTS: usize = 8;
 /// Words of a bundle of planes.
 pub const BUNDLE_WORDS: u32 = 50;
+/// Words of a bundle before the slots of its parts: its normals.
+pub const BUNDLE_HEAD_WORDS: u32 = 3 * F64_WORDS * BUNDLE_PLANES as u32;
 /// Words of a list leaf.
 pub const LIST_WORDS: u32 = 2;
 /// Maximum number of bits that one branch of a tree consumes along each axis.
@@ -146,6 +152,13 @@ impl Slot {
         debug_assert!(payload < PAYLOAD_LIMIT);
         tag << TAG_SHIFT | payload
     }
+}
+
+/// Index of a coordinate of a normal among the f64 values at the front of `count` planes: 1, or
+/// [`BUNDLE_PLANES`]. `axis` is 0 for x, 1 for y and 2 for z.
+#[inline(always)]
+pub const fn normal_index(count: usize, plane: usize, axis: usize) -> usize {
+    axis * count + plane
 }
 
 /// The two words of an f64.

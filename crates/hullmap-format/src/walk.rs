@@ -235,9 +235,9 @@ impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
     }
 
     fn check_numbers(&self, node: Node) -> Result<(), IndexError> {
-        let number = |i: usize| self.words.number(node.at() + 2 * i);
+        let number = |i: usize| self.words.node_number(node.first_word(), i);
         match (0..node.number_count()).find(|&i| !number(i).is_finite()) {
-            Some(i) => Err(IndexError::NotFinite { at: node.at(), number: i, found: number(i) }),
+            Some(i) => Err(IndexError::NotFinite { at: node.first_word(), number: i, found: number(i) }),
             None => Ok(()),
         }
     }
@@ -258,7 +258,7 @@ impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
         // Only a plain leaf has no node.
         let Some(node) = node else { return Err(IndexError::Unknown { slot: at, found: word }) };
         let bits_left = self.check_place(at, node)?;
-        if !(node.at() < self.free && self.is_of_this_node(node)) {
+        if !(node.first_word() < self.free && self.is_of_this_node(node)) {
             self.claim(at, node)?;
             self.pending.push_back(Pending { node, depth: self.depth + 1, bits_left });
         }
@@ -289,8 +289,8 @@ impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
 
     /// Assigns the next free words to `node`. All of its words must exist.
     fn claim(&mut self, slot: usize, node: Node) -> Result<(), IndexError> {
-        if node.at() != self.free {
-            return Err(IndexError::Order { slot, found: node.at(), expected: self.free });
+        if node.first_word() != self.free {
+            return Err(IndexError::Order { slot, found: node.first_word(), expected: self.free });
         }
         let len = self.words.word_count();
         if let Node::Fan { at, bits } = node {
@@ -311,7 +311,7 @@ impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
     /// Whether an earlier slot of the current node refers to the same planes, fan or list. Pending
     /// nodes are in ascending order of their words.
     fn is_of_this_node(&self, node: Node) -> bool {
-        let found = self.pending.partition_point(|pending| pending.node.at() < node.at());
+        let found = self.pending.partition_point(|pending| pending.node.first_word() < node.first_word());
         let is_same = self.pending.get(found).is_some_and(|pending| pending.node == node);
         found >= self.older && is_same && !matches!(node, Node::Halves { .. } | Node::Squares { .. })
     }

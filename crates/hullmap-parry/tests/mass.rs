@@ -126,7 +126,7 @@ fn saved_bodies_keep_their_mass() {
 
     let packs = BTreeMap::from([("l".to_owned(), pack())]);
     let shape = compound(&packs["l"]).unwrap();
-    let text = serde_json::to_string(&SavedShape::of(&shape, &packs).unwrap()).unwrap();
+    let text = serde_json::to_string(&SavedShape::from_shape(&shape, &packs).unwrap()).unwrap();
     let loaded = serde_json::from_str::<SavedShape>(&text).unwrap().load(&packs).unwrap();
     assert_eq!(loaded.mass_properties(1.0), shape.mass_properties(1.0));
     // A file of an earlier version has no such field.

@@ -98,7 +98,7 @@ fn wide(pose: &Pose) -> hullmap::Pose {
 }
 
 /// The pose at a time, in f64, by the definition in parry's documents.
-fn at(motion: &NonlinearRigidMotion, t: f64) -> hullmap::Pose {
+fn pose_at(motion: &NonlinearRigidMotion, t: f64) -> hullmap::Pose {
     let start = wide(&motion.start);
     let center = start.transform_point(motion.local_center.as_dvec3());
     let turn = DQuat::from_scaled_axis(motion.angvel.as_dvec3() * t);
@@ -116,7 +116,7 @@ impl Case<'_> {
     /// Distance of the solids at a time; 0 if they overlap.
     fn apart(&self, t: f64) -> f64 {
         let [a, b] = [0, 1].map(|side| {
-            let place = at(&self.motions[side], t);
+            let place = pose_at(&self.motions[side], t);
             self.bodies[side].solids.iter().map(|solid| solid.placed(place)).collect::<Vec<_>>()
         });
         let gaps = a.iter().flat_map(|a| b.iter().map(|b| gap(a, b).upper));
@@ -205,7 +205,7 @@ fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
             continue;
         }
         assert_eq!(hit.status, ShapeCastStatus::Converged, "{what}");
-        let [a, b] = [0, 1].map(|side| at(&case.motions[side], time));
+        let [a, b] = [0, 1].map(|side| pose_at(&case.motions[side], time));
         let apart = a.transform_point(hit.witness1.as_dvec3()).distance(b.transform_point(hit.witness2.as_dvec3()));
         assert!(apart < 1e-4, "{what}: {apart} between the points");
         let [n1, n2] = [a.transform_vector(hit.normal1.as_dvec3()), b.transform_vector(hit.normal2.as_dvec3())];
@@ -312,7 +312,7 @@ fn a_rod_that_touches_a_thin_wall_does_not_swing_through() {
         let start = Pose::from_parts(place.as_vec3(), turn.as_quat());
         let motion = NonlinearRigidMotion::new(start, Vector::ZERO, velocity.as_vec3(), spin.as_vec3());
         let deepest = |t: f64| {
-            let place = at(&motion, t);
+            let place = pose_at(&motion, t);
             corners.iter().map(|p| place.transform_point(*p).x + thick).fold(f64::NEG_INFINITY, f64::max)
         };
         // Whether a corner leaves the wall at its back.

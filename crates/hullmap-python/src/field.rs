@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::error::{self, ArrayError, BakeError, Error, InvalidPack};
-use crate::mesh::{flat, rows};
+use crate::mesh::{row, rows};
 use crate::shape::{Shape, Side};
 
 /// An opened height field.
@@ -123,8 +123,8 @@ impl HeightField {
                 let codes = |classes: [EdgeClass; 3]| classes.map(EdgeClass::code);
                 rows(py, triangles.map(|at| field.edge_classes(at).map_or([0; 3], codes)))
             }
-            "materials" => Ok(flat(py, triangles.step_by(2).map(|at| field.material(at).unwrap_or_default()))),
-            "holes" => Ok(flat(py, triangles.step_by(2).map(|at| field.triangle(at).is_none()))),
+            "materials" => Ok(row(py, triangles.step_by(2).map(|at| field.material(at).unwrap_or_default()))),
+            "holes" => Ok(row(py, triangles.step_by(2).map(|at| field.triangle(at).is_none()))),
             _ => Err(Error::new_err(format!("no array has the name {name:?}"))),
         }
     }
@@ -133,7 +133,7 @@ impl HeightField {
     fn heights_at<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyAny>> {
         let points = points.as_slice().map_err(|error| ArrayError::new_err(error.to_string()))?.as_chunks().0;
         let height = |[x, y]: [f64; 2]| self.field.height_at(x, y).map_or(f64::NAN, |ground| ground.height);
-        Ok(flat(py, points.iter().copied().map(height)))
+        Ok(row(py, points.iter().copied().map(height)))
     }
 
     /// The field, for queries.

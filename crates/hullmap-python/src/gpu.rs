@@ -20,13 +20,13 @@ pub fn is_gpu(device: &str) -> PyResult<bool> {
 /// Converts answers of the GPU to the processor's. `None` where the processor solves the row.
 pub trait FromGpu: Sized {
     /// Which query it answers.
-    const QUERY: Query;
+    const QUERY: GpuQuery;
 
     fn from_gpu(answer: &Answer) -> Option<Self>;
 }
 
 #[cfg(feature = "gpu")]
-pub use on_device::{Answer, Query, solve};
+pub use on_device::{Answer, GpuQuery, solve};
 
 #[cfg(feature = "gpu")]
 mod on_device {
@@ -34,10 +34,10 @@ mod on_device {
     use std::sync::{Arc, Mutex, PoisonError};
 
     use hullmap::{Pack, Settings};
-    use hullmap_wgpu::{Batch, Device, Pair};
+    use hullmap_wgpu::{Batch, Device, IndexedPair};
     use pyo3::prelude::*;
 
-    pub use hullmap_wgpu::{Answer, Query};
+    pub use hullmap_wgpu::{Answer, Query as GpuQuery};
 
     use crate::error::{Error, PoseError, ShapeError};
     use crate::shape::Side;
@@ -70,7 +70,7 @@ mod on_device {
     }
 
     /// Solves all rows. Fails if a shape is not a hull, a pose is rejected, or there is no device.
-    pub fn solve(py: Python<'_>, task: &Task<'_>, query: Query, settings: &Settings) -> PyResult<Vec<Answer>> {
+    pub fn solve(py: Python<'_>, task: &Task<'_>, query: GpuQuery, settings: &Settings) -> PyResult<Vec<Answer>> {
         let (packs, hulls) = packs(task.pairs.shapes())?;
         let device = device()?;
         py.detach(|| {
@@ -82,12 +82,12 @@ mod on_device {
                 for row in start..task.count.min(start + BLOCK) {
                     let b_in_a = task.poses.get(row, task.pairs).map_err(PoseError::new_err)?;
                     let [a, b] = task.pairs.members(row).map(|shape| hulls.get(shape).copied().unwrap_or_default());
-                    block.push(Pair { a, b, b_in_a });
+                    block.push(IndexedPair { a, b, b_in_a });
                 }
                 let found = match query {
-                    Query::Intersects => batch.intersects(&block),
-                    Query::Distance => batch.distance(&block, settings),
-                    Query::Contact => batch.contact(&block, settings),
+                    GpuQuery::Intersects => batch.intersects(&block),
+                    GpuQuery::Distance => batch.distance(&block, settings),
+                    GpuQuery::Contact => batch.contact(&block, settings),
                 };
                 answers.extend_from_slice(found.map_err(of_gpu)?);
                 Python::attach(|py| py.check_signals())?;
@@ -118,7 +118,7 @@ mod on_device {
 }
 
 #[cfg(not(feature = "gpu"))]
-pub use without::{Answer, Query, solve};
+pub use without::{Answer, GpuQuery, solve};
 
 #[cfg(not(feature = "gpu"))]
 mod without {
@@ -133,18 +133,18 @@ mod without {
 
     /// The queries that a GPU would answer.
     #[derive(Clone, Copy)]
-    pub enum Query {
+    pub enum GpuQuery {
         Intersects,
         Distance,
         Contact,
     }
 
     /// Always fails.
-    pub fn solve(_: Python<'_>, _: &Task<'_>, query: Query, _: &Settings) -> PyResult<Vec<Answer>> {
+    pub fn solve(_: Python<'_>, _: &Task<'_>, query: GpuQuery, _: &Settings) -> PyResult<Vec<Answer>> {
         let name = match query {
-            Query::Intersects => "intersects",
-            Query::Distance => "distance",
-            Query::Contact => "contact",
+            GpuQuery::Intersects => "intersects",
+            GpuQuery::Distance => "distance",
+            GpuQuery::Contact => "contact",
         };
         Err(Error::new_err(format!(
             "{name}: device='gpu' requires a wheel with the feature gpu: build it with \
@@ -167,12 +167,12 @@ pub fn known<T: FromGpu>(
 
 #[cfg(not(feature = "gpu"))]
 mod conversions {
-    use super::{Answer, Contact, Distance, FromGpu, Intersection, Query};
+    use super::{Answer, Contact, Distance, FromGpu, GpuQuery, Intersection};
 
     macro_rules! none {
         ($($kind:ty => $query:expr),*) => {
             $(impl FromGpu for $kind {
-                const QUERY: Query = $query;
+                const QUERY: GpuQuery = $query;
 
                 fn from_gpu(answer: &Answer) -> Option<Self> {
                     match *answer {}
@@ -181,7 +181,7 @@ mod conversions {
         };
     }
 
-    none!(Intersection => Query::Intersects, Distance => Query::Distance, Contact => Query::Contact);
+    none!(Intersection => GpuQuery::Intersects, Distance => GpuQuery::Distance, Contact => GpuQuery::Contact);
 }
 
 #[cfg(feature = "gpu")]
@@ -189,10 +189,10 @@ mod conversions {
     use hullmap::{Overlap, Status};
     use hullmap_wgpu::Status as Ended;
 
-    use super::{Answer, Contact, Distance, FromGpu, Intersection, Query};
+    use super::{Answer, Contact, Distance, FromGpu, GpuQuery, Intersection};
 
     impl FromGpu for Intersection {
-        const QUERY: Query = Query::Intersects;
+        const QUERY: GpuQuery = GpuQuery::Intersects;
 
         fn from_gpu(answer: &Answer) -> Option<Self> {
             let status = match answer.status {
@@ -205,7 +205,7 @@ mod conversions {
     }
 
     impl FromGpu for Distance {
-        const QUERY: Query = Query::Distance;
+        const QUERY: GpuQuery = GpuQuery::Distance;
 
         fn from_gpu(answer: &Answer) -> Option<Self> {
             let status = match answer.status {
@@ -228,7 +228,7 @@ mod conversions {
     }
 
     impl FromGpu for Contact {
-        const QUERY: Query = Query::Contact;
+        const QUERY: GpuQuery = GpuQuery::Contact;
 
         fn from_gpu(answer: &Answer) -> Option<Self> {
             let (hit, status) = match answer.status {

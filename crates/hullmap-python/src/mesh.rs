@@ -103,10 +103,10 @@ impl TriangleMesh {
                 rows(py, triangles.filter_map(|at| mesh.edge_classes(at)).map(codes))
             }
             "vertex_classes" => {
-                Ok(flat(py, (0..mesh.vertex_count()).filter_map(|at| mesh.vertex_class(at)).map(|class| class.code())))
+                Ok(row(py, (0..mesh.vertex_count()).filter_map(|at| mesh.vertex_class(at)).map(|class| class.code())))
             }
-            "source_triangles" => Ok(flat(py, triangles.filter_map(|at| mesh.source_triangle(at)))),
-            "materials" => Ok(flat(py, triangles.filter_map(|at| mesh.material(at)))),
+            "source_triangles" => Ok(row(py, triangles.filter_map(|at| mesh.source_triangle(at)))),
+            "materials" => Ok(row(py, triangles.filter_map(|at| mesh.material(at)))),
             _ => Err(Error::new_err(format!("no array has the name {name:?}"))),
         }
     }
@@ -125,6 +125,6 @@ pub fn rows<'py, T: Element>(py: Python<'py>, rows: impl Iterator<Item = [T; 3]>
 }
 
 /// A row of numbers.
-pub fn flat<'py, T: Element>(py: Python<'py>, numbers: impl Iterator<Item = T>) -> Bound<'py, PyAny> {
+pub fn row<'py, T: Element>(py: Python<'py>, numbers: impl Iterator<Item = T>) -> Bound<'py, PyAny> {
     PyArray1::from_vec(py, numbers.collect()).into_any()
 }

@@ -35,8 +35,8 @@ pub enum Data {
 
 impl Blob {
     /// A blob in memory.
-    pub fn of(bytes: Vec<u8>) -> Self {
-        Self { digest: Digest::of(&bytes), data: Data::Bytes(bytes) }
+    pub fn from_bytes(bytes: Vec<u8>) -> Self {
+        Self { digest: Digest::from_bytes(&bytes), data: Data::Bytes(bytes) }
     }
 }
 
@@ -85,7 +85,8 @@ impl ActionSpec {
     /// ```
     /// use hullmap_remote::{ActionSpec, Blob, InputFile};
     ///
-    /// let input = InputFile { path: "in/a".into(), blob: Blob::of(b"text".to_vec()), is_executable: false };
+    /// let blob = Blob::from_bytes(b"text".to_vec());
+    /// let input = InputFile { path: "in/a".into(), blob, is_executable: false };
     /// let spec = ActionSpec { arguments: vec!["cat".into(), "in/a".into()], inputs: vec![input], ..Default::default() };
     /// // Action, command; file, `in`, root.
     /// let action = spec.action()?;
@@ -124,7 +125,7 @@ impl ActionSpec {
         {
             command.platform = Some(platform.clone());
         }
-        let command = Blob::of(command.encode_to_vec());
+        let command = Blob::from_bytes(command.encode_to_vec());
         let timeout = self.timeout.map(|timeout| protobuf::Duration {
             seconds: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
             nanos: 0,
@@ -136,7 +137,7 @@ impl ActionSpec {
             platform: Some(platform),
             ..api::Action::default()
         };
-        let action = Blob::of(action.encode_to_vec());
+        let action = Blob::from_bytes(action.encode_to_vec());
         Ok(Action { digest: action.digest.clone(), messages: vec![action, command], inputs })
     }
 }
@@ -193,7 +194,7 @@ impl Folder {
                 }
             }
         }
-        let blob = Blob::of(message.encode_to_vec());
+        let blob = Blob::from_bytes(message.encode_to_vec());
         let digest = blob.digest.clone();
         blobs.push(blob);
         digest
@@ -207,7 +208,7 @@ mod tests {
     fn spec(paths: &[&str]) -> ActionSpec {
         let input = |path: &&str| InputFile {
             path: (*path).to_owned(),
-            blob: Blob::of(path.as_bytes().to_vec()),
+            blob: Blob::from_bytes(path.as_bytes().to_vec()),
             is_executable: false,
         };
         ActionSpec { arguments: vec!["x".to_owned()], inputs: paths.iter().map(input).collect(), ..Default::default() }
@@ -239,7 +240,7 @@ mod tests {
     #[test]
     fn folders_are_encoded_as_the_api_defines() {
         let action = spec(&[]).action().unwrap();
-        assert_eq!(action.inputs[0].digest, Digest::of(b""));
+        assert_eq!(action.inputs[0].digest, Digest::from_bytes(b""));
         let action = spec(&["b", "a", "sub/x"]).action().unwrap();
         let Data::Bytes(root) = &action.inputs.last().unwrap().data else { unreachable!() };
         let root = api::Directory::decode(&root[..]).unwrap();

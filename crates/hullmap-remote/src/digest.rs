@@ -16,13 +16,13 @@ impl Digest {
     /// The digest of some bytes.
     ///
     /// ```
-    /// let digest = hullmap_remote::Digest::of(b"abc");
+    /// let digest = hullmap_remote::Digest::from_bytes(b"abc");
     /// assert!(digest.hash().starts_with("ba7816bf") && digest.size() == 3);
     /// ```
     ///
     /// # Complexity
     /// O(bytes).
-    pub fn of(bytes: &[u8]) -> Self {
+    pub fn from_bytes(bytes: &[u8]) -> Self {
         let hash = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
         Self { hash, size: bytes.len() as u64 }
     }
@@ -69,8 +69,8 @@ mod tests {
 
     #[test]
     fn only_digests_are_digests() {
-        let hash = Digest::of(b"").hash().to_owned();
-        assert_eq!(Digest::new(&hash, 0).unwrap(), Digest::of(b""));
+        let hash = Digest::from_bytes(b"").hash().to_owned();
+        assert_eq!(Digest::new(&hash, 0).unwrap(), Digest::from_bytes(b""));
         for (hash, size) in [
             ("", 0),
             (&hash[1..], 0),

@@ -259,7 +259,7 @@ fn outcome(result: api::ActionResult, is_cached: bool) -> Result<Outcome, Remote
     for file in result.output_files {
         let digest = Digest::read(file.digest.as_ref())?;
         // Bytes that do not have the digest are fetched, which fails if there are no others.
-        let contents = Some(file.contents).filter(|bytes| !bytes.is_empty() && Digest::of(bytes) == digest);
+        let contents = Some(file.contents).filter(|bytes| !bytes.is_empty() && Digest::from_bytes(bytes) == digest);
         files.insert(file.path, OutputFile { digest, contents });
     }
     let start = result.stderr_raw.len().saturating_sub(MAX_ERROR_BYTES);

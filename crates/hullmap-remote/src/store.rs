@@ -251,7 +251,7 @@ fn groups<'a>(digests: impl Iterator<Item = &'a Digest>, max_bytes: u64) -> Vec<
 }
 
 fn check(digest: &Digest, bytes: &[u8]) -> Result<(), RemoteError> {
-    if Digest::of(bytes) == *digest {
+    if Digest::from_bytes(bytes) == *digest {
         return Ok(());
     }
     Err(RemoteError::Invalid(format!("{} bytes do not have the digest {}", bytes.len(), digest.hash())))
@@ -265,7 +265,7 @@ fn bytes(blob: &Blob) -> Result<Vec<u8>, RemoteError> {
             let mut bytes = Vec::new();
             let mut file = open(path, &blob.digest)?.take(blob.digest.size().saturating_add(1));
             file.read_to_end(&mut bytes).map_err(|error| RemoteError::File(format!("{}: {error}", path.display())))?;
-            if Digest::of(&bytes) == blob.digest { Ok(bytes) } else { Err(changed(path)) }
+            if Digest::from_bytes(&bytes) == blob.digest { Ok(bytes) } else { Err(changed(path)) }
         }
     }
 }
@@ -358,7 +358,7 @@ mod tests {
 
     #[test]
     fn groups_fit_and_hold_every_digest() {
-        let digests: Vec<Digest> = (1..100_usize).map(|size| Digest::of(&vec![7; size * size])).collect();
+        let digests: Vec<Digest> = (1..100_usize).map(|size| Digest::from_bytes(&vec![7; size * size])).collect();
         let grouped = groups(digests.iter(), 5000);
         assert_eq!(grouped.concat(), digests.iter().collect::<Vec<_>>());
         for group in grouped {
@@ -372,7 +372,7 @@ mod tests {
         let bytes: Vec<u8> = (0..CHUNK * 2 + 5).map(|i| i as u8).collect();
         let file = std::env::temp_dir().join(format!("hullmap-remote-chunks-{}", std::process::id()));
         std::fs::write(&file, &bytes).unwrap();
-        let (memory, mut disk) = (Blob::of(bytes.clone()), Blob::of(bytes.clone()));
+        let (memory, mut disk) = (Blob::from_bytes(bytes.clone()), Blob::from_bytes(bytes.clone()));
         disk.data = Data::File(file.clone());
         for blob in [memory, disk] {
             let chunks: Vec<WriteRequest> = Chunks::new(&blob, "n".to_owned()).unwrap().collect();

@@ -15,7 +15,7 @@ use hullmap_format::{
     header::HEADER_LEN,
     node::{Node, Words},
     sections::Sections,
-    slot::{BUNDLE_PLANES, Slot},
+    slot::Slot,
     walk::MAX_NODES,
 };
 use rkyv::util::AlignedVec;
@@ -198,19 +198,19 @@ impl IndexReader {
         self.words.get(node.slots()).unwrap_or_default()
     }
 
-    /// The number in the two words at `at`.
-    pub fn number(&self, at: usize) -> f64 {
-        self.words[..].number(at)
+    /// The number of index `index` at the front of the node at `at`.
+    pub fn number(&self, at: usize, index: usize) -> f64 {
+        self.words[..].node_number(at, index)
     }
 
-    /// Three numbers, `stride` numbers from one to the next.
-    pub fn vector(&self, at: usize, stride: usize) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.number(at + 2 * stride * axis))
+    /// The vector that starts with the number of index `index`, likewise.
+    pub fn vector(&self, at: usize, index: usize) -> [f64; 3] {
+        self.words[..].node_vector(at, index)
     }
 
-    /// Normal of plane `plane` of the bundle at `at`.
-    pub fn bundle_normal(&self, at: usize, plane: usize) -> [f64; 3] {
-        self.vector(at + 2 * plane, BUNDLE_PLANES)
+    /// Normal of plane `plane` of the node at `at`, which has `count` planes.
+    pub fn normal(&self, at: usize, count: usize, plane: usize) -> [f64; 3] {
+        self.words[..].normal(at, count, plane)
     }
 }
 

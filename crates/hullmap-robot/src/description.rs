@@ -319,5 +319,5 @@ pub(crate) fn scheme_of(links: &[Link]) -> Option<Scheme> {
         Geometry::Mesh(mesh) => Some(mesh),
         _ => None,
     });
-    meshes.filter_map(|mesh| Scheme::of(&mesh.written)).map(|(scheme, _)| scheme).next()
+    meshes.filter_map(|mesh| Scheme::split(&mesh.written)).map(|(scheme, _)| scheme).next()
 }

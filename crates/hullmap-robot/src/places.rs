@@ -57,7 +57,7 @@ impl Scheme {
     }
 
     /// The scheme of a name, and the rest.
-    pub fn of(name: &str) -> Option<(Self, &str)> {
+    pub fn split(name: &str) -> Option<(Self, &str)> {
         [Self::Package, Self::Model].into_iter().find_map(|scheme| Some((scheme, name.strip_prefix(scheme.prefix())?)))
     }
 }
@@ -85,7 +85,7 @@ impl Places {
         if name.is_empty() {
             return Err(Unresolved::Failed("the file name is empty; name a mesh".to_owned()));
         }
-        let path = if let Some((scheme, rest)) = Scheme::of(name) {
+        let path = if let Some((scheme, rest)) = Scheme::split(name) {
             self.in_package(scheme, rest, folder)?
         } else if let Some(rest) = name.strip_prefix("file://") {
             // `file://localhost/…` is not in use; `file://$(find …)` is a leftover of xacro.

@@ -52,7 +52,7 @@ pub struct MirrorPlane {
 impl MirrorPlane {
     /// The plane about which parts, each given by its vertices, are symmetric; `None` if there is
     /// none, or if there are too many parts.
-    pub fn of(parts: &[&[[f32; 3]]]) -> Option<Self> {
+    pub fn find(parts: &[&[[f32; 3]]]) -> Option<Self> {
         let Mirror { plane, .. } = mirror_of_parts(Some(parts).filter(|parts| parts.len() <= MAX_PARTS)?)?;
         Some(Self { normal: plane.normal.to_array(), offset: plane.offset })
     }
@@ -64,7 +64,7 @@ impl MirrorPlane {
 }
 
 fn symmetry(parts: &[&Hull]) -> Option<MirrorPlane> {
-    MirrorPlane::of(&parts.iter().map(|part| part.vertices.as_slice()).collect::<Vec<_>>())
+    MirrorPlane::find(&parts.iter().map(|part| part.vertices.as_slice()).collect::<Vec<_>>())
 }
 
 impl PartsEstimates {
@@ -162,7 +162,7 @@ impl DecomposedObject {
             uncovered: object.solid.map(|_| object.uncovered),
             protrusion: object.parts.iter().filter_map(|part| part.protrusion).reduce(f64::max),
             thickness: object.parts.iter().map(|part| part.thickness).reduce(f64::min),
-            reachable: object.cover.and_then(|cover| cover.reachable).map(|radius| radius.of(object.diagonal)),
+            reachable: object.cover.and_then(|cover| cover.reachable).map(|radius| radius.resolve(object.diagonal)),
             flaws: doubts.iter().map(|doubt| doubt.flaw.as_str().to_owned()).collect(),
             estimates,
         }

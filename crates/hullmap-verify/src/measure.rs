@@ -59,7 +59,7 @@ pub fn parts(
         let is_divided = count > 1 || !is_whole;
         if !points.triangles.is_empty() {
             // With a maximum number of parts, the limit is not proven.
-            let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(points)));
+            let limit = cover.max_parts.is_none().then(|| cover.max_error.resolve(diagonal(points)));
             let spent = parts.get(start - count).map_or(0.0, |part| part.seconds);
             let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
             let (estimates, holes) = record(points, own, limit, Some(cover), is_divided, deadline);
@@ -116,7 +116,7 @@ pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
 fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Remark {
     let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::of), size, reachable)
+    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::from_fits), size, reachable)
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
@@ -169,7 +169,7 @@ fn record_primitives(
         return None;
     }
     let reached = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
-    let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.of(diagonal(mesh)) };
+    let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.resolve(diagonal(mesh)) };
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
     let limits = PrimitiveLimits { protrusion: limit, contains_part: cover.fill, deadline };
     let found = if is_over(deadline) {

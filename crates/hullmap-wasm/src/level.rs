@@ -78,7 +78,7 @@ impl Drawn {
             SharedSheet::Mesh(mesh) => {
                 let vertices = (0..mesh.vertex_count()).filter_map(|vertex| mesh.vertex(vertex));
                 let triangles = 0..mesh.triangle_count();
-                Self::of(vertices, triangles.filter_map(|at| mesh.corners(at).zip(mesh.edge_classes(at))))
+                Self::from_triangles(vertices, triangles.filter_map(|at| mesh.corners(at).zip(mesh.edge_classes(at))))
             }
             SharedSheet::Field(field) => {
                 let layout = field.layout();
@@ -88,12 +88,15 @@ impl Drawn {
                 // Triangles in holes have no classes.
                 let triangles = (0..field.triangle_count())
                     .filter_map(|at| Some((layout.corners(at).map(number), field.edge_classes(at)?)));
-                Self::of(vertices.map(|vertex| vertex.as_vec3()), triangles)
+                Self::from_triangles(vertices.map(|vertex| vertex.as_vec3()), triangles)
             }
         }
     }
 
-    fn of(vertices: impl Iterator<Item = Vec3>, triangles: impl Iterator<Item = ([u32; 3], [EdgeClass; 3])>) -> Self {
+    fn from_triangles(
+        vertices: impl Iterator<Item = Vec3>,
+        triangles: impl Iterator<Item = ([u32; 3], [EdgeClass; 3])>,
+    ) -> Self {
         let triangles: Vec<_> = triangles.collect();
         Self {
             vertices: vertices.flat_map(|vertex| vertex.to_array()).collect(),

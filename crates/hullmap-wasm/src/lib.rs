@@ -33,7 +33,7 @@ pub use bake::{Baked, bake, bake_mesh};
 pub use level::Level;
 pub use motion::pose_between;
 pub use pack::{Hull, Pack};
-pub use pair::Pair;
+pub use pair::QueryPair;
 pub use shape::Shape;
 
 #[wasm_bindgen]

@@ -6,7 +6,7 @@ use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Field, Fields, Plain, error};
-use crate::pair::{Found, Pair, no_query, of_compound, of_parts, pose_of};
+use crate::pair::{Found, QueryPair, no_query, of_compound, of_parts, pose_of};
 use crate::shape::Side;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -74,12 +74,12 @@ pub fn pose_between(
     #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] end: &[f64],
     t: f64,
 ) -> Result<Float64Array, JsError> {
-    let pose = motion_between(start, end)?.at(t);
+    let pose = motion_between(start, end)?.pose_at(t);
     let (place, turn) = (pose.translation().to_array(), pose.rotation().to_array());
     Ok(Float64Array::from([place.as_slice(), turn.as_slice()].concat().as_slice()))
 }
 
-impl Pair {
+impl QueryPair {
     fn find_impact(&mut self, motion: &RigidMotion) -> Option<Found<TimeOfImpact>> {
         let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
         let (still, settings) = (&RigidMotion::still(Pose::IDENTITY), &MotionSettings::default());
@@ -98,8 +98,8 @@ impl Pair {
     }
 }
 
-#[wasm_bindgen]
-impl Pair {
+#[wasm_bindgen(js_class = Pair)]
+impl QueryPair {
     /// When B, which moves from the pose `start` to the pose `end` as in `poseBetween`, first meets
     /// A, which rests.
     ///

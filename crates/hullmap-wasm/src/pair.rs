@@ -163,8 +163,8 @@ const CACHES: usize = 16;
 ///
 /// A pose is seven numbers, `tx ty tz qx qy qz qw`: the translation and the quaternion that map B's
 /// frame into A's. The quaternion is normalised.
-#[wasm_bindgen]
-pub struct Pair {
+#[wasm_bindgen(js_name = Pair)]
+pub struct QueryPair {
     pub(crate) a: Side,
     pub(crate) b: Side,
     pub(crate) memory: Memory,
@@ -223,7 +223,7 @@ pub(crate) type Found<T> = (T, [usize; 2]);
 
 // Each query has a case for two hulls, for a half-space and a pack or a convex body, for two convex
 // bodies, and for packs and levels. `None`: the constructor rejects such pairs.
-impl Pair {
+impl QueryPair {
     fn find_intersection(&mut self, pose: Pose) -> Option<Found<Intersection>> {
         let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
         Some(match (&self.a, &self.b) {
@@ -348,15 +348,15 @@ pub(crate) fn no_query() -> JsError {
     error("these bodies have no query")
 }
 
-#[wasm_bindgen]
-impl Pair {
+#[wasm_bindgen(js_class = Pair)]
+impl QueryPair {
     /// A pair of bodies: hulls, packs as the union of their hulls, shapes, or levels. Both remain
     /// usable.
     ///
     /// # Errors
     /// A body is not a hull, pack, shape or level, or B is a half-space or a level.
     #[wasm_bindgen(constructor)]
-    pub fn new(a: &Body, b: &Body) -> Result<Pair, JsError> {
+    pub fn new(a: &Body, b: &Body) -> Result<QueryPair, JsError> {
         let (a, b) = (Side::of_body("A", a)?, Side::of_body("B", b)?);
         let kind = match b {
             Side::HalfSpace(_) => Some(("a half-space", "Two half-spaces have")),

@@ -15,7 +15,7 @@ use hullmap::glam::{DQuat, DVec3};
 use hullmap::{Cache, Hull, Pack, Pose, Settings, SupportMap};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{packs, random::RandomPoses};
-use hullmap_wgpu::{Answer, Backend, Batch, Device, Pair, Query, Status};
+use hullmap_wgpu::{Answer, Backend, Batch, Device, IndexedPair, Query, Status};
 use shapes::{families, rng::SplitMix64};
 
 /// Numbers of vertices of the smallest and the largest hull.
@@ -90,7 +90,7 @@ fn bake(at: usize, count: usize, hulls: usize, seed: u64) -> Pack {
     Pack::from_bytes(&bytes).expect("a baked pack opens")
 }
 
-fn random_pair(hulls: &[Hull<'_>], at: usize, rng: &mut SplitMix64) -> Pair {
+fn random_pair(hulls: &[Hull<'_>], at: usize, rng: &mut SplitMix64) -> IndexedPair {
     let (a, b) = (rng.below(hulls.len()), rng.below(hulls.len()));
     let rotation = if at.is_multiple_of(4) { DQuat::IDENTITY } else { rng.rotation() };
     let reach = hulls[a].outer_radius() + hulls[b].outer_radius();
@@ -105,7 +105,7 @@ fn random_pair(hulls: &[Hull<'_>], at: usize, rng: &mut SplitMix64) -> Pair {
             translation -= found.normal * (found.lower + more * reach);
         }
     }
-    Pair { a: a as u32, b: b as u32, b_in_a: posed(translation) }
+    IndexedPair { a: a as u32, b: b as u32, b_in_a: posed(translation) }
 }
 
 #[derive(Default)]
@@ -134,7 +134,7 @@ fn proof(answer: &Answer, query: Query) -> Option<bool> {
 }
 
 impl Tally {
-    fn add(&mut self, query: Query, pair: &Pair, gpu: &Answer, processor: &Answer) {
+    fn add(&mut self, query: Query, pair: &IndexedPair, gpu: &Answer, processor: &Answer) {
         let proofs = [proof(gpu, query), proof(processor, query)];
         let meet = query == Query::Intersects || (gpu.lower <= processor.upper && processor.lower <= gpu.upper);
         match proofs {
@@ -194,7 +194,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut left = pairs * (at + 1) / count - pairs * at / count;
         while left > 0 {
             let block = left.min(BLOCK);
-            let random: Vec<Pair> = (0..block).map(|at| random_pair(&views, at, &mut rng)).collect();
+            let random: Vec<IndexedPair> = (0..block).map(|at| random_pair(&views, at, &mut rng)).collect();
             for (side, batch) in [&mut gpu, &mut processor].into_iter().enumerate() {
                 let start = Instant::now();
                 match query {

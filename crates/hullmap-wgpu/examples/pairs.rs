@@ -15,7 +15,7 @@ use hullmap::glam::{DQuat, DVec3};
 use hullmap::{Pack, Pose, Settings, SupportMap};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{packs, random::RandomPoses};
-use hullmap_wgpu::{Backend, Batch, Device, Order, Pair, Query, Schedule};
+use hullmap_wgpu::{Backend, Batch, Device, IndexedPair, Order, Query, Schedule};
 use shapes::{families, rng::SplitMix64};
 
 /// Different hulls of each size.
@@ -54,19 +54,19 @@ fn bake(vertices: usize) -> Pack {
 }
 
 /// Half of the pairs of balls of radius 1 overlap.
-fn random_pairs(pack: &Pack, count: usize) -> Vec<Pair> {
+fn random_pairs(pack: &Pack, count: usize) -> Vec<IndexedPair> {
     let mut rng = SplitMix64::new(1);
     let center = |index: usize| pack.hull(index).map_or(DVec3::ZERO, |hull| hull.interior_point());
     let pair = |_| {
         let (a, b) = (rng.below(HULLS), rng.below(HULLS));
         let rotation = rng.rotation();
         let translation = center(a) + rng.unit_vector() * rng.between(1.0, 3.0) - rotation * center(b);
-        Pair { a: a as u32, b: b as u32, b_in_a: Pose::new(translation, rotation).expect("finite") }
+        IndexedPair { a: a as u32, b: b as u32, b_in_a: Pose::new(translation, rotation).expect("finite") }
     };
     (0..count).map(pair).collect()
 }
 
-fn a_frame_later(pairs: &mut [Pair], rng: &mut SplitMix64) {
+fn a_frame_later(pairs: &mut [IndexedPair], rng: &mut SplitMix64) {
     for pair in pairs {
         let turn = DQuat::from_axis_angle(rng.unit_vector(), 0.01);
         let translation = pair.b_in_a.translation() + rng.unit_vector() * 0.01;
@@ -74,7 +74,7 @@ fn a_frame_later(pairs: &mut [Pair], rng: &mut SplitMix64) {
     }
 }
 
-fn solve(batch: &mut Batch<'_>, query: Query, pairs: &[Pair]) -> Result<(), hullmap_wgpu::Error> {
+fn solve(batch: &mut Batch<'_>, query: Query, pairs: &[IndexedPair]) -> Result<(), hullmap_wgpu::Error> {
     match query {
         Query::Intersects => batch.intersects(pairs).map(drop),
         Query::Distance => batch.distance(pairs, &Settings::default()).map(drop),

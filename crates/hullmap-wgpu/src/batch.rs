@@ -6,7 +6,7 @@ use hullmap::{Cache, Contact, Distance, Hull, Overlap, Pack, Settings};
 
 use crate::device::{Device, DevicePack, DirectionBuffers, PairBuffers, Plan, States};
 use crate::error::Error;
-use crate::records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, Status, Tables};
+use crate::records::{Answer, AnswerRecord, HullRecord, IndexedPair, PairRecord, Status, Tables};
 use crate::schedule::{self, Schedule};
 use crate::twin::{MAX_STEPS, Query};
 
@@ -101,11 +101,11 @@ impl<'p> Packs<'p> {
 /// # Examples
 /// ```
 /// use hullmap::{Pose, Settings, glam::DVec3};
-/// use hullmap_wgpu::{Backend, Batch, Pair, Status};
+/// use hullmap_wgpu::{Backend, Batch, IndexedPair, Status};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(200, 1));
 /// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0)).expect("finite");
-/// let pairs = [0.1, 5.0].map(|x| Pair { a: 0, b: 0, b_in_a: at(x) });
+/// let pairs = [0.1, 5.0].map(|x| IndexedPair { a: 0, b: 0, b_in_a: at(x) });
 ///
 /// // On the GPU if there is one, otherwise on the processor.
 /// let mut batch = Batch::new(&pack, Backend::Auto)?;
@@ -126,7 +126,7 @@ pub struct Batch<'p> {
     schedule: Schedule,
     /// Share of the steps that threads do not wait, in the last batch.
     efficiency: Option<f64>,
-    pairs: Vec<Pair>,
+    pairs: Vec<IndexedPair>,
     records: Vec<PairRecord>,
     answer_records: Vec<AnswerRecord>,
     answers: Vec<Answer>,
@@ -192,20 +192,21 @@ impl<'p> Batch<'p> {
     /// # Examples
     /// ```
     /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Batch, Device, Pair};
+    /// use hullmap_wgpu::{Batch, Device, IndexedPair};
     ///
     /// # let rock = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// # let ball = hullmap_testkit::packs::tree_pack(&shapes::families::sphere(60, 1));
     /// if let Ok(device) = Device::open() {
     ///     let mut batch = Batch::of_packs(&device, &[&rock, &ball])?;
     ///     let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
-    ///     let answers = batch.distance(&[Pair { a: 0, b: 1, b_in_a }], &Settings::default())?;
+    ///     let pair = IndexedPair { a: 0, b: 1, b_in_a };
+    ///     let answers = batch.distance(&[pair], &Settings::default())?;
     ///     assert!(answers[0].lower > 1.0);
     /// }
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn of_packs(device: &Device, packs: &[&'p Pack]) -> Result<Self, Error> {
-        let tables = Tables::of_packs(packs)?;
+        let tables = Tables::from_packs(packs)?;
         let pack = DevicePack::upload_tables(device, &tables)?;
         Ok(Self::with(packs, tables.hulls, Some(Gpu { pack, pairs: None, states: None, directions: None })))
     }
@@ -264,14 +265,15 @@ impl<'p> Batch<'p> {
     /// # Examples
     /// ```
     /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, Pair, Schedule};
+    /// use hullmap_wgpu::{Backend, Batch, IndexedPair, Schedule};
     ///
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
     /// batch.set_schedule(Schedule { is_warm: true, ..Schedule::default() });
     /// for frame in 0..3 {
     ///     let b_in_a = Pose::from_translation(DVec3::X * (4.0 - 0.1 * f64::from(frame))).expect("finite");
-    ///     let answers = batch.distance(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    ///     let pair = IndexedPair { a: 0, b: 0, b_in_a };
+    ///     let answers = batch.distance(&[pair], &Settings::default())?;
     ///     assert!(answers[0].lower > 0.0);
     /// }
     /// # Ok::<(), hullmap_wgpu::Error>(())
@@ -325,15 +327,15 @@ impl<'p> Batch<'p> {
     /// # Examples
     /// ```
     /// use hullmap::Pose;
-    /// use hullmap_wgpu::{Backend, Batch, Pair, Status};
+    /// use hullmap_wgpu::{Backend, Batch, IndexedPair, Status};
     ///
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let answers = batch.intersects(&[Pair { a: 0, b: 0, b_in_a: Pose::IDENTITY }])?;
+    /// let answers = batch.intersects(&[IndexedPair { a: 0, b: 0, b_in_a: Pose::IDENTITY }])?;
     /// assert_eq!(answers[0].status, Status::Overlapping);
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn intersects(&mut self, pairs: &[Pair]) -> Result<&[Answer], Error> {
+    pub fn intersects(&mut self, pairs: &[IndexedPair]) -> Result<&[Answer], Error> {
         self.solve(pairs, Query::Intersects, &Settings::default())
     }
 
@@ -349,16 +351,16 @@ impl<'p> Batch<'p> {
     /// # Examples
     /// ```
     /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, Pair};
+    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
     ///
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let answers = batch.distance(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    /// let answers = batch.distance(&[IndexedPair { a: 0, b: 0, b_in_a }], &Settings::default())?;
     /// assert!(answers[0].lower > 1.0 && answers[0].upper < 3.5);
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn distance(&mut self, pairs: &[Pair], settings: &Settings) -> Result<&[Answer], Error> {
+    pub fn distance(&mut self, pairs: &[IndexedPair], settings: &Settings) -> Result<&[Answer], Error> {
         self.solve(pairs, Query::Distance, settings)
     }
 
@@ -378,16 +380,16 @@ impl<'p> Batch<'p> {
     /// # Examples
     /// ```
     /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, Pair};
+    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
     ///
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// let b_in_a = Pose::from_translation(DVec3::X).expect("finite");
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let answers = batch.contact(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    /// let answers = batch.contact(&[IndexedPair { a: 0, b: 0, b_in_a }], &Settings::default())?;
     /// assert!(answers[0].lower > 0.1 && answers[0].upper < 1.0);
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn contact(&mut self, pairs: &[Pair], settings: &Settings) -> Result<&[Answer], Error> {
+    pub fn contact(&mut self, pairs: &[IndexedPair], settings: &Settings) -> Result<&[Answer], Error> {
         self.solve(pairs, Query::Contact, settings)
     }
 
@@ -420,7 +422,7 @@ impl<'p> Batch<'p> {
         (&self.records, &self.answer_records)
     }
 
-    fn solve(&mut self, pairs: &[Pair], query: Query, settings: &Settings) -> Result<&[Answer], Error> {
+    fn solve(&mut self, pairs: &[IndexedPair], query: Query, settings: &Settings) -> Result<&[Answer], Error> {
         (self.query, self.settings) = (query, *settings);
         let last = std::mem::take(&mut self.answer_records);
         self.efficiency = None;
@@ -467,12 +469,12 @@ impl<'p> Batch<'p> {
     /// # Examples
     /// ```
     /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, Pair};
+    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
     ///
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// batch.distance(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    /// batch.distance(&[IndexedPair { a: 0, b: 0, b_in_a }], &Settings::default())?;
     /// batch.settle();
     /// assert!(!batch.answers()[0].status.is_unsettled());
     /// # Ok::<(), hullmap_wgpu::Error>(())
@@ -553,7 +555,7 @@ impl<'p> Batch<'p> {
 }
 
 /// The answer of `hullmap` itself.
-fn on_processor(packs: &Packs<'_>, pair: &Pair, query: Query, settings: &Settings) -> Answer {
+fn on_processor(packs: &Packs<'_>, pair: &IndexedPair, query: Query, settings: &Settings) -> Answer {
     let (Some(a), Some(b)) = (packs.hull(pair.a), packs.hull(pair.b)) else {
         return Answer::UNKNOWN;
     };

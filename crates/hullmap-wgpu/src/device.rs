@@ -287,7 +287,7 @@ impl DevicePack {
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn upload(device: &Device, pack: &Pack) -> Result<Self, Error> {
-        Self::upload_tables(device, &Tables::of(pack)?)
+        Self::upload_tables(device, &Tables::from_pack(pack)?)
     }
 
     /// Copies `tables` to `device`.

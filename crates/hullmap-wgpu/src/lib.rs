@@ -32,7 +32,7 @@ pub mod twin;
 pub use batch::{Backend, Batch, SupportAnswer, SupportQuery};
 pub use device::{Device, DevicePack};
 pub use error::Error;
-pub use records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, StateRecord, Status, Tables};
+pub use records::{Answer, AnswerRecord, HullRecord, IndexedPair, PairRecord, StateRecord, Status, Tables};
 pub use rounding::SUPPORT_SHORTFALL;
 pub use schedule::{Order, Schedule};
 pub use twin::{MAX_STEPS, Query};

@@ -102,11 +102,11 @@ impl<'a> Tables<'a> {
     /// # Examples
     /// ```
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let tables = hullmap_wgpu::Tables::of(&pack)?;
+    /// let tables = hullmap_wgpu::Tables::from_pack(&pack)?;
     /// assert_eq!((tables.hulls.len(), tables.blocks.len() % 32), (1, 0));
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn of(pack: &'a Pack) -> Result<Self, Error> {
+    pub fn from_pack(pack: &'a Pack) -> Result<Self, Error> {
         if cfg!(target_endian = "big") {
             return Err(Error::Pack);
         }
@@ -126,7 +126,8 @@ impl<'a> Tables<'a> {
     /// The tables of several packs. Hulls are counted through the packs.
     ///
     /// # Errors
-    /// The errors of [`Tables::of`]. [`Error::TooLarge`] if the sections have 2³² words or more.
+    /// The errors of [`Tables::from_pack`]. [`Error::TooLarge`] if the sections have 2³² words or
+    /// more.
     ///
     /// # Complexity
     /// O(number of hulls), and a copy of the sections of two or more packs.
@@ -136,14 +137,14 @@ impl<'a> Tables<'a> {
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// use hullmap_wgpu::Tables;
     ///
-    /// let (one, two) = (Tables::of(&pack)?, Tables::of_packs(&[&pack, &pack])?);
+    /// let (one, two) = (Tables::from_pack(&pack)?, Tables::from_packs(&[&pack, &pack])?);
     /// assert_eq!((two.hulls.len(), two.blocks.len()), (2, 2 * one.blocks.len()));
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn of_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
+    pub fn from_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
         let mut joined = Self { hulls: Vec::new(), blocks: Cow::Borrowed(&[]), slots: Cow::Borrowed(&[]) };
         for pack in packs {
-            let tables = Self::of(pack)?;
+            let tables = Self::from_pack(pack)?;
             let start = |section: &'static str, words: &[u32], more: &[u32]| {
                 let found = 4 * (words.len() as u64 + more.len() as u64);
                 let fits = u32::try_from(found / 4).is_ok();
@@ -170,7 +171,7 @@ impl<'a> Tables<'a> {
 
 /// Two hulls and a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct IndexedPair {
     /// Index of hull A in the pack, or in all packs of the batch.
     pub a: u32,
     /// Index of hull B, likewise.
@@ -200,11 +201,11 @@ impl PairRecord {
     pub const REJECTED: u32 = u32::MAX;
 
     /// Prepares `pair` for the kernels.
-    pub(crate) fn prepare(pair: &Pair, hulls: &[HullRecord]) -> Self {
+    pub(crate) fn prepare(pair: &IndexedPair, hulls: &[HullRecord]) -> Self {
         Self::try_prepare(pair, hulls).unwrap_or(Self { a: Self::REJECTED, ..Self::default() })
     }
 
-    fn try_prepare(pair: &Pair, hulls: &[HullRecord]) -> Option<Self> {
+    fn try_prepare(pair: &IndexedPair, hulls: &[HullRecord]) -> Option<Self> {
         let whole = |index: u32| hulls.get(index as usize).filter(|hull| hull.block_count > 0);
         let (a, b) = (whole(pair.a)?, whole(pair.b)?);
         let (center_a, center_b) = (point(a.center), point(b.center));
@@ -466,15 +467,15 @@ mod tests {
         let hulls = [hull, HullRecord { outer: f32::NAN, ..hull }, HullRecord::default()];
         for x in [0.0, 1.0, -5e6, 1e20] {
             let b_in_a = Pose::from_translation(DVec3::new(x, 0.0, 0.0)).unwrap();
-            let record = PairRecord::prepare(&Pair { a: 0, b: 0, b_in_a }, &hulls);
+            let record = PairRecord::prepare(&IndexedPair { a: 0, b: 0, b_in_a }, &hulls);
             let reach = f64::from(record.scale) * (x.abs() + 6.0);
             assert!(reach > 0.5 && reach <= 1.0, "{reach}");
             assert_eq!(record.rows[0][3], (-x * f64::from(record.scale)) as f32);
             for (a, b) in [(0, 1), (2, 0), (0, 3)] {
-                assert_eq!(PairRecord::prepare(&Pair { a, b, b_in_a }, &hulls).a, PairRecord::REJECTED);
+                assert_eq!(PairRecord::prepare(&IndexedPair { a, b, b_in_a }, &hulls).a, PairRecord::REJECTED);
             }
         }
         let far = Pose::from_translation(DVec3::splat(1e35)).unwrap();
-        assert_eq!(PairRecord::prepare(&Pair { a: 0, b: 0, b_in_a: far }, &hulls).a, PairRecord::REJECTED);
+        assert_eq!(PairRecord::prepare(&IndexedPair { a: 0, b: 0, b_in_a: far }, &hulls).a, PairRecord::REJECTED);
     }
 }

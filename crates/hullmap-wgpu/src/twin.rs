@@ -19,7 +19,7 @@ use vector::LOWEST;
 pub use query::Query;
 pub use support::Found;
 
-use crate::records::{AnswerRecord, Pair, PairRecord, StateRecord, Tables, code};
+use crate::records::{AnswerRecord, IndexedPair, PairRecord, StateRecord, Tables, code};
 
 /// Support calls of a pair. About 10 are usual.
 pub const MAX_STEPS: u32 = 64;
@@ -34,16 +34,17 @@ pub const MAX_READS: u32 = 1 << 11;
 /// # Examples
 /// ```
 /// use hullmap::{Pose, glam::DVec3};
-/// use hullmap_wgpu::{Pair, Tables, twin};
+/// use hullmap_wgpu::{IndexedPair, Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-/// let pair = Pair { a: 0, b: 0, b_in_a: Pose::from_translation(DVec3::X * 9.0).expect("finite") };
-/// let record = twin::prepare(&Tables::of(&pack)?, &pair);
+/// let b_in_a = Pose::from_translation(DVec3::X * 9.0).expect("finite");
+/// let pair = IndexedPair { a: 0, b: 0, b_in_a };
+/// let record = twin::prepare(&Tables::from_pack(&pack)?, &pair);
 /// // The reach is about 11, and lengths are multiplied by a power of two that makes it about 1.
 /// assert_eq!(record.scale, 1.0 / 16.0);
 /// # Ok::<(), hullmap_wgpu::Error>(())
 /// ```
-pub fn prepare(tables: &Tables<'_>, pair: &Pair) -> PairRecord {
+pub fn prepare(tables: &Tables<'_>, pair: &IndexedPair) -> PairRecord {
     PairRecord::prepare(pair, &tables.hulls)
 }
 
@@ -57,11 +58,12 @@ pub fn prepare(tables: &Tables<'_>, pair: &Pair) -> PairRecord {
 /// # Examples
 /// ```
 /// use hullmap::{Pose, glam::DVec3};
-/// use hullmap_wgpu::{MAX_STEPS, Pair, Query, Status, Tables, twin};
+/// use hullmap_wgpu::{IndexedPair, MAX_STEPS, Query, Status, Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-/// let tables = Tables::of(&pack)?;
-/// let pair = Pair { a: 0, b: 0, b_in_a: Pose::from_translation(DVec3::X * 9.0).expect("finite") };
+/// let tables = Tables::from_pack(&pack)?;
+/// let b_in_a = Pose::from_translation(DVec3::X * 9.0).expect("finite");
+/// let pair = IndexedPair { a: 0, b: 0, b_in_a };
 /// let record = twin::prepare(&tables, &pair);
 /// let answer = twin::solve::<false>(&tables, &record, Query::Intersects, 1e-5, MAX_STEPS);
 /// assert_eq!(answer.status(), Status::Separated);
@@ -85,11 +87,12 @@ pub fn solve<const FUSED: bool>(
 /// # Examples
 /// ```
 /// use hullmap::{Pose, glam::DVec3};
-/// use hullmap_wgpu::{MAX_STEPS, Pair, Query, StateRecord, Status, Tables, twin};
+/// use hullmap_wgpu::{IndexedPair, MAX_STEPS, Query, StateRecord, Status, Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-/// let tables = Tables::of(&pack)?;
-/// let pair = Pair { a: 0, b: 0, b_in_a: Pose::from_translation(DVec3::X * 1.2).expect("finite") };
+/// let tables = Tables::from_pack(&pack)?;
+/// let b_in_a = Pose::from_translation(DVec3::X * 1.2).expect("finite");
+/// let pair = IndexedPair { a: 0, b: 0, b_in_a };
 /// let record = twin::prepare(&tables, &pair);
 /// let mut state = StateRecord::default();
 /// let mut solve = || twin::solve_from::<false>(&tables, &record, Query::Distance, 1e-5, MAX_STEPS, &mut state);
@@ -131,7 +134,7 @@ pub fn solve_from<const FUSED: bool>(
 /// use hullmap_wgpu::{Tables, twin};
 ///
 /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(200, 1));
-/// let found = twin::support::<false>(&Tables::of(&pack)?, 0, [0.0, 0.0, 1.0]);
+/// let found = twin::support::<false>(&Tables::from_pack(&pack)?, 0, [0.0, 0.0, 1.0]);
 /// let hull = pack.hull(0).expect("the pack has a hull");
 /// assert_eq!(found.vertex, hull.support(hullmap::glam::Vec3::Z).index);
 /// # Ok::<(), hullmap_wgpu::Error>(())

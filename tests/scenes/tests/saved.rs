@@ -104,7 +104,7 @@ fn a_world_goes_on_after_saving_and_loading() {
 fn hulls_are_found_by_name_after_another_bake() {
     let packages = packages();
     let shape: SharedShape = BakedHull::new(packages["rocks"].shared_hull(1).unwrap()).into();
-    let saved = SavedShape::of(&shape, &packages).unwrap();
+    let saved = SavedShape::from_shape(&shape, &packages).unwrap();
     // The rocks in another order.
     let rocks = [300, 40].map(|n| point_set(&format!("rock {n}"), &Family::Rock.points(n, 3)));
     let file = packs::bytes(&rocks, IndexKind::Tree, &SourceRecord::default()).unwrap();
@@ -120,6 +120,6 @@ fn hulls_are_found_by_name_after_another_bake() {
     assert!(message.contains("bake the source") && message.contains("\"rock 300\""), "{message}");
     let no_packs = Packages::new();
     assert_eq!(saved.load(&no_packs).err().unwrap(), SavedShapeError::NoSuchPack { pack: "rocks".into() });
-    let unknown = SavedShape::of(&shape, &no_packs).err().unwrap();
+    let unknown = SavedShape::from_shape(&shape, &no_packs).err().unwrap();
     assert_eq!(unknown, SavedShapeError::UnknownPack { hull: "rock 300".into() });
 }

@@ -85,7 +85,7 @@ impl Scene {
         let count = 1 + rng.below(48);
         let mut corners: Vec<[DVec3; 3]> = (0..count).map(|_| Self::triangle(kind, &mut rng)).collect();
         match kind {
-            Kind::Flat => corners = flat(1 + rng.below(4)),
+            Kind::Flat => corners = flat_square(1 + rng.below(4)),
             Kind::Closed => corners = (0..1 + rng.below(3)).flat_map(|_| block(&mut rng)).collect(),
             Kind::Huge => corners.extend(long(&mut rng)),
             _ => {}
@@ -169,7 +169,7 @@ impl Scene {
 }
 
 /// A square of 2 × `cells` triangles a side in the plane z = 0.
-fn flat(cells: usize) -> Vec<[DVec3; 3]> {
+fn flat_square(cells: usize) -> Vec<[DVec3; 3]> {
     let at = |x: usize, y: usize| DVec3::new(x as f64 - 2.0, y as f64 - 2.0, 0.0);
     let square =
         |x: usize, y: usize| [[at(x, y), at(x + 1, y), at(x + 1, y + 1)], [at(x, y), at(x + 1, y + 1), at(x, y + 1)]];

@@ -197,7 +197,7 @@ pub(super) fn judge_ray(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &m
     let width = (found.t_upper - found.t_lower) * path.velocity.length();
     if found.hit {
         if found.t_lower > 0.0 {
-            let at = line.at(found.t_lower);
+            let at = line.point_at(found.t_lower);
             judge.at_most(
                 "the normal does not separate",
                 model.reach(found.normal) - found.normal.dot(at),

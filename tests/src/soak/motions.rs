@@ -73,7 +73,7 @@ impl Course {
         Self { pose, through, linear, turn: (axis, angle), center }
     }
 
-    fn at(&self, t: f64) -> Pose {
+    fn pose_at(&self, t: f64) -> Pose {
         let (axis, angle) = self.turn;
         let turn = DQuat::from_axis_angle(axis, angle * (t - self.through));
         let arm = self.pose.translation() - self.center;
@@ -89,7 +89,7 @@ impl Course {
     /// The motion as the query takes it.
     fn motion(&self) -> RigidMotion {
         let (axis, angle) = self.turn;
-        RigidMotion::screw(self.at(0.0), self.linear, axis * angle, self.center_at_start()).expect("finite")
+        RigidMotion::screw(self.pose_at(0.0), self.linear, axis * angle, self.center_at_start()).expect("finite")
     }
 
     /// Maximum speed of any point of the body.
@@ -140,7 +140,7 @@ struct Case<'s, 'p> {
 
 impl Case<'_, '_> {
     fn b_in_a(&self, t: f64) -> Pose {
-        Pose::relative(self.courses[0].at(t), self.courses[1].at(t)).expect("in range")
+        Pose::relative(self.courses[0].pose_at(t), self.courses[1].pose_at(t)).expect("in range")
     }
 
     fn distance(&self, t: f64) -> Distance {
@@ -252,7 +252,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     // The search ends where the excess is at most 2.5 of its noises. A noise is at most
     // (280 + 2 θ) ε of the query's lengths, with angles θ of at most 7: the excess is at most 735 ε
     // of them.
-    let start = courses[1].at(0.0).translation();
+    let start = courses[1].pose_at(0.0).translation();
     let of_query = models + courses[0].length_of_query(start) + courses[1].length_of_query(start);
     let last = (3.0 * unit * of_query).max(3.0 * slack);
     let case = Case { bodies: [a, b], plane, courses, target, slack };

@@ -501,9 +501,9 @@ impl Case {
                 let point = a.transform_point(gap.point_a);
                 let [velocity_a, velocity_b] = [0, 1].map(|which| self.motion(which)).map(|motion| {
                     // A difference quotient is good enough.
-                    let (here, step) = (motion.at(through), if through < 0.5 { 1e-6 } else { -1e-6 });
+                    let (here, step) = (motion.pose_at(through), if through < 0.5 { 1e-6 } else { -1e-6 });
                     let local = here.inverse_transform_vector(point - here.translation());
-                    (motion.at(through + step).transform_point(local) - point) / step
+                    (motion.pose_at(through + step).transform_point(local) - point) / step
                 });
                 let b = &mut self.movers[1];
                 let change = dyadic(-normal * (velocity_b - velocity_a).dot(normal));

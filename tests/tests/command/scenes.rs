@@ -246,7 +246,7 @@ fn damaged_files_are_rejected() {
 
 /// Exports colliders of `model.glb` into a file with this text, and returns the run. The file of a
 /// failed run is not written.
-fn into(folder: &TempDir, text: &str) -> Run {
+fn export_into(folder: &TempDir, text: &str) -> Run {
     let out = folder.path().join("out.glb");
     let _ = fs::remove_file(&out);
     fs::write(folder.path().join("hostile.glb"), gltf::glb(text.as_bytes(), &model().buffer)).unwrap();
@@ -273,17 +273,17 @@ fn hostile_documents_are_rejected_or_kept_whole() {
 
     // Nodes outside of the scene that are their own ancestors, above a node of the scene.
     let around = format!(r#"{last},{{"children":[0,5]}},{{"children":[4]}}"#);
-    into(&folder, &with(last, &around)).expect(0);
-    let run = into(&folder, &with(last, &format!(r#"{last},{{"children":[2]}}"#))).expect(1);
+    export_into(&folder, &with(last, &around)).expect(0);
+    let run = export_into(&folder, &with(last, &format!(r#"{last},{{"children":[2]}}"#))).expect(1);
     assert!(run.stderr.contains("node 2 is below node 1 and below node 4; expected a tree"), "{run:?}");
-    let run = into(&folder, &with(r#""extras":{"n""#, r#""children":[0],"extras":{"n""#)).expect(1);
+    let run = export_into(&folder, &with(r#""extras":{"n""#, r#""children":[0],"extras":{"n""#)).expect(1);
     assert!(run.stderr.contains("expected a tree"), "{run:?}");
 
     // Names of extensions with escapes, and one that is there already.
-    into(&folder, &used(r#"["KHR_lights\u005fpunctual","OMI_physics\u005fbody"]"#)).expect(0);
+    export_into(&folder, &used(r#"["KHR_lights\u005fpunctual","OMI_physics\u005fbody"]"#)).expect(0);
     let used_after = written(&folder, "out.glb")["extensionsUsed"].clone();
     assert_eq!(used_after.as_array().unwrap().iter().filter(|name| **name == "OMI_physics_body").count(), 1);
-    into(&folder, &used("7")).expect(1);
+    export_into(&folder, &used("7")).expect(1);
 
     // Members of a wrong type, with the node.
     for (from, to) in [
@@ -293,28 +293,28 @@ fn hostile_documents_are_rejected_or_kept_whole() {
         (r#""nodes":[0]"#, r#""nodes":7"#),
         (r#""buffers":[{"#, r#""buffers":[{"byteLength":"all"},{"#),
     ] {
-        into(&folder, &with(from, to)).expect(1);
+        export_into(&folder, &with(from, to)).expect(1);
     }
 
     // Deep nesting, in what no reader needs, and huge numbers.
     let deep = format!(r#""extras":{}1{},"scene":0"#, "[".repeat(100_000), "]".repeat(100_000));
-    into(&folder, &with(r#""scene":0"#, &deep));
+    export_into(&folder, &with(r#""scene":0"#, &deep));
     for (from, to) in [
         (r#""componentType":5126,"type":"VEC3","count":"#, r#""componentType":5126,"type":"VEC3","count":4000000000"#),
         (r#""byteOffset":0"#, r#""byteOffset":18446744073709551615"#),
         (r#""children":[1,3]"#, r#""children":[1,3,99999999999]"#),
         (r#""scene":0"#, r#""scene":9"#),
     ] {
-        into(&folder, &with(from, to)).expect(1);
+        export_into(&folder, &with(from, to)).expect(1);
     }
 
     // A member twice: readers disagree on its meaning, or the last one counts.
-    let run = into(&folder, &with(r#""scene":0"#, r#""scene":0,"nodes":[]"#));
+    let run = export_into(&folder, &with(r#""scene":0"#, r#""scene":0,"nodes":[]"#));
     assert!(run.code == 1 || written(&folder, "out.glb")["nodes"].as_array().unwrap().len() > 4, "{run:?}");
 
     // A buffer in another folder.
     let out_of_folder = text.replacen(r#""buffers":[{"#, r#""buffers":[{"uri":"../../secret.bin","#, 1);
-    let run = into(&folder, &out_of_folder);
+    let run = export_into(&folder, &out_of_folder);
     assert!(run.code != 0 && run.stderr.contains("secret.bin"), "{run:?}");
 }
 

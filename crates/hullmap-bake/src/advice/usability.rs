@@ -136,7 +136,7 @@ fn thin(object: &ObjectMeasures) -> Option<Doubt> {
 fn protruding(object: &ObjectMeasures) -> Option<Doubt> {
     let remark = excess(object).filter(|remark| remark.is_warning)?;
     let cover = object.cover?;
-    let requested = cover.max_error.of(object.diagonal) * ROOM;
+    let requested = cover.max_error.resolve(object.diagonal) * ROOM;
     let allowed = cover.max_parts.map_or(requested, |_| requested.max(FAR * object.diagonal));
     let is_beyond = |index: &usize| object.parts[*index].protrusion.is_some_and(|bound| bound > allowed);
     let parts = (0..object.parts.len()).filter(is_beyond).collect();
@@ -148,7 +148,7 @@ fn protruding(object: &ObjectMeasures) -> Option<Doubt> {
 pub fn excess(object: &ObjectMeasures) -> Option<Remark> {
     let cover = object.cover?;
     let reached = object.parts.iter().filter_map(|part| part.protrusion).fold(0.0, f64::max);
-    let requested = cover.max_error.of(object.diagonal);
+    let requested = cover.max_error.resolve(object.diagonal);
     let lengths = [reached, requested, object.diagonal];
     (reached > requested * ROOM).then(|| beyond(object.name, cover.max_parts, cover.seconds.is_some(), lengths))
 }

@@ -239,9 +239,9 @@ impl<'a> Levels<'a> {
     /// The limits of a part while parts are finished.
     pub fn final_bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
-        let error = self.parameters.max_error.of(diagonal);
+        let error = self.parameters.max_error.resolve(diagonal);
         let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error.max(self.least())) };
-        let thickness = self.parameters.min_thickness.of(diagonal).min(0.5 * allowed);
+        let thickness = self.parameters.min_thickness.resolve(diagonal).min(0.5 * allowed);
         Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 
@@ -249,7 +249,11 @@ impl<'a> Levels<'a> {
     /// maximum error allows.
     pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
         let is_counted = self.parameters.max_parts.is_some();
-        self.final_bounds(if is_counted { limit } else { limit.max(self.parameters.max_error.of(self.diagonal())) })
+        self.final_bounds(if is_counted {
+            limit
+        } else {
+            limit.max(self.parameters.max_error.resolve(self.diagonal()))
+        })
     }
 
     fn is_over(&self) -> bool {
@@ -279,7 +283,7 @@ impl<'a> Levels<'a> {
 
     /// The parts for the parameters; `None` if there are none in time.
     pub fn parts(&mut self) -> Option<Found> {
-        let error = self.parameters.max_error.of(self.diagonal());
+        let error = self.parameters.max_error.resolve(self.diagonal());
         match self.parameters.max_parts {
             Some(count) => self.at_most(count as usize, error),
             None => self.fewest(error),

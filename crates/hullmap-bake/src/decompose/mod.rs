@@ -130,12 +130,12 @@ fn filled(
         return hulls;
     }
     let diagonal = own.diagonal();
-    let limit = parameters.max_error.of(diagonal);
+    let limit = parameters.max_error.resolve(diagonal);
     let bounds = Bounds {
         limit,
         max_vertices: (parameters.max_vertices as usize).max(simplify::MIN_VERTICES),
         diagonal,
-        thickness: parameters.min_thickness.of(diagonal).min(0.5 * limit),
+        thickness: parameters.min_thickness.resolve(diagonal).min(0.5 * limit),
         deadline,
         stage: Stage::default(),
     };

@@ -19,7 +19,7 @@ pub enum Length {
 
 impl Length {
     /// The length for a mesh with this diagonal.
-    pub fn of(self, diagonal: f64) -> f64 {
+    pub fn resolve(self, diagonal: f64) -> f64 {
         match self {
             Self::Absolute(length) => length,
             Self::Relative(share) => share * diagonal,
@@ -95,7 +95,7 @@ impl Cover {
     /// The cost of [`Solid::new`]; with a radius, plus the cost of [`with_unreachable`].
     pub fn solid(&self, mesh: &PointSet) -> Solid {
         let solid = Solid::new(mesh);
-        match self.reachable.map(|radius| radius.of(solid.diagonal())) {
+        match self.reachable.map(|radius| radius.resolve(solid.diagonal())) {
             Some(radius) => with_unreachable(mesh, solid, radius),
             None => solid,
         }

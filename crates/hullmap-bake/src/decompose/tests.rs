@@ -217,7 +217,7 @@ fn the_number_of_parts_is_never_exceeded() {
         assert!(fits[0].uncovered <= 1e-7 * solid.diagonal(), "{max_parts:?}: {:?}", fits[0]);
         // Without a maximum, the maximum error holds.
         let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
-        let error = cover.max_error.of(solid.diagonal());
+        let error = cover.max_error.resolve(solid.diagonal());
         assert!(max_parts.is_some() || worst <= error, "{worst} of {error}");
     }
 }

@@ -76,7 +76,7 @@ pub fn mesh_mass(mesh: &PointSet) -> Option<Mass> {
     for [a, b, c] in &triangles {
         let [a, b, c] = [*a - origin, *b - origin, *c - origin];
         let cross = (b - a).cross(c - a);
-        sum.add(Simplices::of(a.dot(cross) / 6.0, &[DVec3::ZERO, a, b, c]));
+        sum.add(Simplices::from_simplex(a.dot(cross) / 6.0, &[DVec3::ZERO, a, b, c]));
         area += cross.length() / 2.0;
     }
     let mut total = sum.total();

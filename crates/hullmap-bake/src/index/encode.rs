@@ -9,8 +9,8 @@ use hullmap_format::{
     archive::{Block, LANES},
     fan,
     slot::{
-        BRANCH_LIMIT, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, MAX_BRANCH_BITS, PAYLOAD_LIMIT, PLANES_LIMIT,
-        Slot, encode_f64,
+        BRANCH_LIMIT, BUNDLE_HEAD_WORDS, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, F64_WORDS, MAX_BRANCH_BITS,
+        PAYLOAD_LIMIT, PLANE_HEAD_WORDS, PLANES_LIMIT, Slot, encode_f64, normal_index,
     },
     walk::Branches,
 };
@@ -255,7 +255,7 @@ impl<'a> Encoder<'a> {
         let at = self.out.slots.len();
         self.out.slots.extend(normal.into_iter().flat_map(encode_f64));
         self.out.slots.extend([0; 2]);
-        enqueue(queue, at + 6, &[&halves[0], &halves[1]], |_| None);
+        enqueue(queue, at + PLANE_HEAD_WORDS as usize, &[&halves[0], &halves[1]], |_| None);
         Ok(Slot::Plane(checked(at, PLANES_LIMIT)?))
     }
 
@@ -266,11 +266,11 @@ impl<'a> Encoder<'a> {
         self.out.slots.resize(at + BUNDLE_WORDS as usize, 0);
         for (plane, normal) in normals.iter().enumerate() {
             for (axis, n) in normal.iter().enumerate() {
-                let word = at + 2 * (axis * BUNDLE_PLANES + plane);
+                let word = at + F64_WORDS as usize * normal_index(BUNDLE_PLANES, plane, axis);
                 self.out.slots[word..word + 2].copy_from_slice(&encode_f64(*n));
             }
         }
-        enqueue(queue, at + 6 * BUNDLE_PLANES, &parts, |_| None);
+        enqueue(queue, at + BUNDLE_HEAD_WORDS as usize, &parts, |_| None);
         Ok(Slot::Bundle(checked(at, PLANES_LIMIT)?))
     }
 

@@ -151,7 +151,7 @@ impl BakedTriangleMesh {
         let record = mesh.records.first().copied().unwrap_or_default();
         let mut edges = [0; EdgeClass::ALL.len()];
         for classes in &mesh.edge_classes {
-            for class in (0..3).filter_map(|edge| EdgeClass::of(*classes, edge)) {
+            for class in (0..3).filter_map(|edge| EdgeClass::unpack(*classes, edge)) {
                 edges[usize::from(class.code())] += 1;
             }
         }

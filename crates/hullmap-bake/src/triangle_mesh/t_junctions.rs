@@ -69,7 +69,7 @@ pub fn t_junctions(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edge_classes: 
     let at = |corner: u32| DVec3::from_array(vertices[corner as usize].map(f64::from));
     let (mut edges, mut is_end) = (Vec::new(), vec![false; vertices.len()]);
     for (corners, classes) in triangles.iter().zip(edge_classes) {
-        for edge in (0..3).filter(|edge| EdgeClass::of(*classes, *edge) == Some(EdgeClass::Border)) {
+        for edge in (0..3).filter(|edge| EdgeClass::unpack(*classes, *edge) == Some(EdgeClass::Border)) {
             let ends = [corners[edge], corners[(edge + 1) % 3]];
             edges.push(Edge { from: at(ends[0]), to: at(ends[1]), corners: *corners });
             ends.iter().for_each(|end| is_end[*end as usize] = true);

@@ -11,7 +11,7 @@ use crate::types::{Contact, Distance, Intersection, ManifoldPoints, ManifoldSett
 /// Two shapes and the pose of B in A's frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct Pair {
+pub struct ShapePair {
     /// The first shape.
     pub a: *const Shape,
     /// The second shape.
@@ -24,7 +24,7 @@ pub struct Pair {
 ///
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-unsafe fn pairs<'p>(pairs: *const Pair, count: usize) -> Fallible<Vec<batch::CheckedPair<'p>>> {
+unsafe fn pairs<'p>(pairs: *const ShapePair, count: usize) -> Fallible<Vec<batch::CheckedPair<'p>>> {
     // SAFETY: this function's contract.
     let pairs = unsafe { border::array("pairs", pairs, count)? };
     let mut found = Vec::with_capacity(count);
@@ -38,7 +38,7 @@ unsafe fn pairs<'p>(pairs: *const Pair, count: usize) -> Fallible<Vec<batch::Che
 
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-unsafe fn checked<'p>(pair: &Pair) -> Fallible<batch::CheckedPair<'p>> {
+unsafe fn checked<'p>(pair: &ShapePair) -> Fallible<batch::CheckedPair<'p>> {
     // SAFETY: this function's contract.
     let (a, b) = unsafe { (border::handle("a", pair.a)?, border::handle("b", pair.b)?) };
     query::check_sides(b)?;
@@ -77,7 +77,7 @@ unsafe fn optional_caches<'h>(caches: *const *mut Cache, count: usize) -> Fallib
 /// checked first: if one is wrong, the message has its index, and nothing is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_batch_intersects(
-    pairs: *const Pair,
+    pairs: *const ShapePair,
     count: usize,
     caches: *const *mut Cache,
     out: *mut Intersection,
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn hullmap_batch_intersects(
 /// be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_batch_distance(
-    pairs: *const Pair,
+    pairs: *const ShapePair,
     count: usize,
     settings: *const Settings,
     caches: *const *mut Cache,
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn hullmap_batch_distance(
 /// NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_batch_contact(
-    pairs: *const Pair,
+    pairs: *const ShapePair,
     count: usize,
     settings: *const Settings,
     caches: *const *mut Cache,
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn hullmap_batch_contact(
 /// updates `manifolds[i]`, and no manifold may occur twice. settings may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_batch_manifolds(
-    pairs: *const Pair,
+    pairs: *const ShapePair,
     count: usize,
     settings: *const ManifoldSettings,
     manifolds: *const *mut Manifold,

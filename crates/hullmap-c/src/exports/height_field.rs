@@ -7,7 +7,7 @@ use super::sheet;
 use crate::border::{self, Out, call};
 use crate::failure::Failure;
 use crate::handles::HeightField;
-use crate::types::{FieldLayout, Ground, MeshTriangle, Result};
+use crate::types::{FieldGround, FieldLayout, MeshTriangle, Result};
 
 /// Opens the file of a height field, which `bake build --height-field` writes. The file is copied
 /// into memory and checked completely, so that no file can harm a later query.
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn hullmap_height_field_layout(field: *const HeightField, 
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
         let (field, out) = unsafe { (border::handle("field", field)?, Out::new("layout", layout)?) };
-        out.write(FieldLayout::of(&field.0));
+        out.write(FieldLayout::from_field(&field.0));
         Ok(())
     })
 }
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn hullmap_height_field_triangle(
     triangle: *mut MeshTriangle,
 ) -> Result {
     let find = |field: &HeightField| {
-        let found = MeshTriangle::of_field(&field.0, index);
+        let found = MeshTriangle::from_field(&field.0, index);
         found.ok_or_else(|| sheet::no_triangle(index, "field", field.0.triangle_count()))
     };
     // SAFETY: the caller keeps the rules at the head of the header.
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn hullmap_height_field_height_at(
     field: *const HeightField,
     x: f64,
     y: f64,
-    ground: *mut Ground,
+    ground: *mut FieldGround,
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.

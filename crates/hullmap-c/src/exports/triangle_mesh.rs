@@ -59,7 +59,7 @@ pub unsafe extern "C" fn hullmap_triangle_mesh_triangle(
     triangle: *mut MeshTriangle,
 ) -> Result {
     let find = |mesh: &TriangleMesh| {
-        let found = MeshTriangle::of(&mesh.0, index);
+        let found = MeshTriangle::from_mesh(&mesh.0, index);
         found.ok_or_else(|| sheet::no_triangle(index, "mesh", mesh.0.triangle_count()))
     };
     // SAFETY: the caller keeps the rules at the head of the header.

@@ -12,7 +12,7 @@ fn batches_have_the_bits_of_single_queries() {
     let mut pairs = Vec::new();
     for i in 0..1000 {
         let (a, b) = (&shapes[i % shapes.len()], &shapes[(i / 7) % (shapes.len() - 1)]);
-        pairs.push(Pair { a: a.0, b: b.0, b_in_a: random_pose(&mut rng, 1.4).1 });
+        pairs.push(ShapePair { a: a.0, b: b.0, b_in_a: random_pose(&mut rng, 1.4).1 });
     }
     let count = pairs.len();
     let (caches, twin_caches): (Vec<_>, Vec<_>) = (0..count).map(|_| (cache(), cache())).unzip();

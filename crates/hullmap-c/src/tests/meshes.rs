@@ -141,7 +141,7 @@ fn a_field_has_its_grid_triangles_and_ground() {
         assert!(message().contains("triangle 30 is in a hole of the field"), "{}", message());
         assert_eq!(hullmap_height_field_triangle(field.0, 32, &raw mut found), Code::NotFound);
         assert!(message().contains("triangle 32 is out of range: the field has 32"), "{}", message());
-        let mut ground = std::mem::zeroed::<types::Ground>();
+        let mut ground = std::mem::zeroed::<types::FieldGround>();
         let expected = twin.height_at(0.3, -0.8).unwrap();
         assert_eq!(hullmap_height_field_height_at(field.0, 0.3, -0.8, &raw mut ground), Code::Ok);
         assert_eq!((ground.height, ground.triangle), (expected.height, expected.triangle));

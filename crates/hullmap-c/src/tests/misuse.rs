@@ -47,7 +47,7 @@ fn panics_become_errors() {
         let a = shapes[3].0;
         let found = hullmap_manifold_update(manifold.0, a, &raw const broken, pose, null(), &raw mut shown);
         assert_eq!(found, Code::Panic);
-        let pairs = vec![Pair { a, b: &raw const broken, b_in_a: *pose }; 200];
+        let pairs = vec![ShapePair { a, b: &raw const broken, b_in_a: *pose }; 200];
         let mut contacts = vec![contact; 200];
         let out = contacts.as_mut_ptr();
         assert_eq!(hullmap_batch_contact(pairs.as_ptr(), 200, null(), null(), out), Code::Panic);
@@ -68,7 +68,7 @@ fn handles_in_use_are_busy() {
     let shapes = all_shapes(&pack);
     let (warm, manifold) = (cache(), manifold());
     let b_in_a = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
-    let pairs = [Pair { a: shapes[0].0, b: shapes[1].0, b_in_a }; 2];
+    let pairs = [ShapePair { a: shapes[0].0, b: shapes[1].0, b_in_a }; 2];
     let mut contacts = [types::Contact::separated(); 2];
     // SAFETY: the pointers are valid.
     unsafe {

@@ -22,7 +22,7 @@ use hullmap_random::SplitMix64;
 use hullmap_testkit::packs;
 
 use crate::exports::batch::{
-    Pair, hullmap_batch_contact, hullmap_batch_distance, hullmap_batch_intersects, hullmap_batch_manifolds,
+    ShapePair, hullmap_batch_contact, hullmap_batch_distance, hullmap_batch_intersects, hullmap_batch_manifolds,
 };
 use crate::exports::{cache::*, manifold::*, pack::*, pose::*, query::*, shape::*, version::*};
 use crate::handles::{Cache, Manifold, Pack, Shape};

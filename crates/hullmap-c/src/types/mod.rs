@@ -24,5 +24,5 @@ pub use motion::{
 };
 pub use result::{ABI_VERSION, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result};
 pub use settings::{CastSettings, ManifoldSettings, Prediction, Settings};
-pub use sheet::{Diagonal, EdgeClass, FieldLayout, Ground, MeshTriangle};
+pub use sheet::{Diagonal, EdgeClass, FieldGround, FieldLayout, MeshTriangle};
 pub use status::{Overlap, Status};

@@ -53,7 +53,7 @@ pub struct MeshTriangle {
 }
 
 impl MeshTriangle {
-    pub(crate) fn of(mesh: &hullmap::TriangleMesh, index: usize) -> Option<Self> {
+    pub(crate) fn from_mesh(mesh: &hullmap::TriangleMesh, index: usize) -> Option<Self> {
         Some(Self {
             corners: mesh.triangle(index)?.corners().map(Into::into),
             vertices: mesh.corners(index)?,
@@ -64,7 +64,7 @@ impl MeshTriangle {
         })
     }
 
-    pub(crate) fn of_field(field: &hullmap::HeightField, index: usize) -> Option<Self> {
+    pub(crate) fn from_field(field: &hullmap::HeightField, index: usize) -> Option<Self> {
         let layout = field.layout();
         Some(Self {
             corners: field.triangle(index)?.corners().map(Into::into),
@@ -108,7 +108,7 @@ pub struct FieldLayout {
 }
 
 impl FieldLayout {
-    pub(crate) fn of(field: &hullmap::HeightField) -> Self {
+    pub(crate) fn from_field(field: &hullmap::HeightField) -> Self {
         let hullmap::height_field::Layout { columns, rows, origin, spacing, diagonal } = *field.layout();
         let diagonal = match diagonal {
             hullmap::height_field::Diagonal::Rising => Diagonal::Rising,
@@ -121,7 +121,7 @@ impl FieldLayout {
 /// The ground of a height field at a point of the plane.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground {
+pub struct FieldGround {
     /// z of the surface.
     pub height: f64,
     /// Upward unit normal of the triangle.
@@ -130,7 +130,7 @@ pub struct Ground {
     pub triangle: usize,
 }
 
-impl From<hullmap::height_field::Ground> for Ground {
+impl From<hullmap::height_field::Ground> for FieldGround {
     fn from(found: hullmap::height_field::Ground) -> Self {
         Self { height: found.height, normal: found.normal.into(), triangle: found.triangle }
     }

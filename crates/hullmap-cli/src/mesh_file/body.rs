@@ -87,7 +87,7 @@ fn name_of_kind<S: serde::Serializer>(kind: &PrimitiveKind, serializer: S) -> Re
 
 impl BodyPrimitive {
     /// The primitive that may replace a hull, rotated.
-    pub fn of(hull: &Hull, up_axis: UpAxis) -> Option<Self> {
+    pub fn from_hull(hull: &Hull, up_axis: UpAxis) -> Option<Self> {
         let turn = match up_axis {
             UpAxis::Keep => DQuat::IDENTITY,
             UpAxis::YToZ => DQuat::from_rotation_x(FRAC_PI_2),
@@ -118,7 +118,7 @@ impl Body {
             origin: rotated(hull.origin().to_array(), up_axis),
             positions,
             polygons: polygons(hull),
-            primitive: BodyPrimitive::of(hull, up_axis),
+            primitive: BodyPrimitive::from_hull(hull, up_axis),
             mesh: hull.mesh_mass_properties(1.0).and_then(|mesh| Inertial::new(&mesh, up_axis)),
         }
     }

@@ -169,7 +169,7 @@ impl BuildOptions {
         match (self.0.get("decompose"), self.optional_count("max_vertices"), self.max_error()) {
             (Some(Value::Word("cover")), ..) => None,
             (_, Some(count), _) => Some(Limit::Vertices(count as usize)),
-            (_, _, Some(error)) => Some(Limit::Distance(error.of(diagonal))),
+            (_, _, Some(error)) => Some(Limit::Distance(error.resolve(diagonal))),
             _ => None,
         }
     }

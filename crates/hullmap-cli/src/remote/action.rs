@@ -84,7 +84,7 @@ impl Worker {
             Some(path) => {
                 let bytes = read("--remote-worker", path)?;
                 // It is read again only if the server lacks it.
-                Some(Blob { digest: Digest::of(&bytes), data: Data::File(path.clone()) })
+                Some(Blob { digest: Digest::from_bytes(&bytes), data: Data::File(path.clone()) })
             }
             None => None,
         };
@@ -129,7 +129,7 @@ impl<'j> Batch<'j> {
         let mut task = Task::new(0, Path::new(OUT), meshes);
         // The inputs state sizes and hashes already.
         task.key = String::new();
-        let task = Blob::of(serde_json::to_vec(&task).ok()?);
+        let task = Blob::from_bytes(serde_json::to_vec(&task).ok()?);
         files.push(InputFile { path: "task.jsonl".to_owned(), blob: task, is_executable: false });
         let program = match &worker.program {
             Some(blob) => {

@@ -180,10 +180,10 @@ pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(Str
         serde_json::to_writer(&mut text, &row).ok()?;
         text.push(b'\n');
         if row.status != Status::Failed {
-            files.push((member.pack.clone(), Blob::of(std::fs::read(&member.job.output).ok()?)));
+            files.push((member.pack.clone(), Blob::from_bytes(std::fs::read(&member.job.output).ok()?)));
         }
     }
-    files.push((RESULTS.to_owned(), Blob::of(text)));
+    files.push((RESULTS.to_owned(), Blob::from_bytes(text)));
     Some(files)
 }
 

@@ -198,7 +198,7 @@ fn boxes(mesh: &Sections<'_>) -> Result<(), MeshError> {
 fn edges(mesh: &Sections<'_>, triangle: usize, classes: u16) -> Result<(), MeshError> {
     let neighbours = mesh.neighbours.get(triangle).map_or([NO_NEIGHBOUR; 3], |n| n.map(u32_le::to_native));
     for (edge, neighbour) in neighbours.into_iter().enumerate() {
-        let class = EdgeClass::of(classes, edge).ok_or(MeshError::EdgeClass { triangle, edge })?;
+        let class = EdgeClass::unpack(classes, edge).ok_or(MeshError::EdgeClass { triangle, edge })?;
         if class.has_neighbour() != (neighbour != NO_NEIGHBOUR) || classes >> 12 != 0 {
             return Err(MeshError::EdgeClass { triangle, edge });
         }
@@ -212,7 +212,7 @@ fn edges(mesh: &Sections<'_>, triangle: usize, classes: u16) -> Result<(), MeshE
 /// Whether the neighbour has the edge, with the same class, and names this triangle there.
 fn is_mutual(mesh: &Sections<'_>, triangle: usize, edge: usize, neighbour: usize) -> bool {
     let Some([from, to]) = ends(mesh, triangle, edge) else { return false };
-    let class = |of: usize, edge: usize| mesh.edge_classes.get(of).and_then(|c| EdgeClass::of(c.to_native(), edge));
+    let class = |of: usize, edge: usize| mesh.edge_classes.get(of).and_then(|c| EdgeClass::unpack(c.to_native(), edge));
     let expected = if class(triangle, edge) == Some(EdgeClass::Reversed) { [from, to] } else { [to, from] };
     let back = mesh.neighbours.get(neighbour).map_or([NO_NEIGHBOUR; 3], |n| n.map(u32_le::to_native));
     neighbour != triangle

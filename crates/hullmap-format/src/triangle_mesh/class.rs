@@ -75,7 +75,7 @@ impl EdgeClass {
     }
 
     /// Class of the edge `edge` in the classes of a triangle.
-    pub fn of(classes: u16, edge: usize) -> Option<Self> {
+    pub fn unpack(classes: u16, edge: usize) -> Option<Self> {
         if edge < 3 { Self::from_code(classes >> (4 * edge) & 15) } else { None }
     }
 
@@ -119,7 +119,7 @@ impl fmt::Display for EdgeClass {
 /// ```
 /// use hullmap_format::triangle_mesh::class::{EdgeClass, VertexClass};
 ///
-/// let of = |edges: &[EdgeClass]| VertexClass::of(edges.iter().copied());
+/// let of = |edges: &[EdgeClass]| VertexClass::from_edges(edges.iter().copied());
 /// assert_eq!(of(&[EdgeClass::Convex, EdgeClass::Flat]), VertexClass::Convex);
 /// assert_eq!(of(&[EdgeClass::Convex, EdgeClass::Concave]), VertexClass::Saddle);
 /// assert_eq!(of(&[EdgeClass::Convex, EdgeClass::Border]), VertexClass::Border);
@@ -175,7 +175,7 @@ impl VertexClass {
     }
 
     /// Class of a vertex with edges of these classes.
-    pub fn of(edges: impl IntoIterator<Item = EdgeClass>) -> Self {
+    pub fn from_edges(edges: impl IntoIterator<Item = EdgeClass>) -> Self {
         edges.into_iter().fold(Self::Flat, Self::with)
     }
 
@@ -221,12 +221,12 @@ mod tests {
     fn codes_match_their_positions() {
         for (at, class) in EdgeClass::ALL.into_iter().enumerate() {
             assert_eq!((usize::from(class.code()), EdgeClass::from_code(at as u16)), (at, Some(class)));
-            assert_eq!(EdgeClass::of(class.code() << 8, 2), Some(class));
+            assert_eq!(EdgeClass::unpack(class.code() << 8, 2), Some(class));
         }
         for (at, class) in VertexClass::ALL.into_iter().enumerate() {
             assert_eq!((usize::from(class.code()), VertexClass::from_code(at as u8)), (at, Some(class)));
         }
-        assert_eq!((EdgeClass::from_code(6), VertexClass::from_code(6), EdgeClass::of(0, 3)), (None, None, None));
+        assert_eq!((EdgeClass::from_code(6), VertexClass::from_code(6), EdgeClass::unpack(0, 3)), (None, None, None));
     }
 
     /// The neighbour turns about the edge by a full turn. The class has the sign of its height.

@@ -162,7 +162,7 @@ impl SavedShape {
     /// let cube = packs["scenery"].shared_hull_named("cube").ok_or("no cube")?;
     /// let shape: SharedShape = BakedHull::new(cube).into();
     ///
-    /// let text = serde_json::to_string(&SavedShape::of(&shape, &packs)?)?;
+    /// let text = serde_json::to_string(&SavedShape::from_shape(&shape, &packs)?)?;
     /// assert!(text.contains(r#""pack":"scenery","index":1,"name":"cube""#));
     ///
     /// let saved: SavedShape = serde_json::from_str(&text)?;
@@ -171,13 +171,13 @@ impl SavedShape {
     /// # Ok(())
     /// # }
     /// ```
-    pub fn of<P: Packs + ?Sized>(shape: &SharedShape, packs: &P) -> Result<Self, SavedShapeError> {
+    pub fn from_shape<P: Packs + ?Sized>(shape: &SharedShape, packs: &P) -> Result<Self, SavedShapeError> {
         if let Some(hull) = shape.as_shape::<BakedHull>() {
             return SavedHull::new(hull, packs).map(Self::Hull);
         }
         match shape.as_compound().filter(|_| is_custom(shape)) {
             Some(compound) => {
-                let parts = compound.shapes().iter().map(|(pose, part)| Ok((*pose, Self::of(part, packs)?)));
+                let parts = compound.shapes().iter().map(|(pose, part)| Ok((*pose, Self::from_shape(part, packs)?)));
                 parts.collect::<Result<_, _>>().map(Self::Compound)
             }
             None => Ok(Self::Other(shape.clone())),

@@ -14,13 +14,13 @@ type Manifolds = Vec<ContactManifold<(), u32>>;
 
 /// A pair, and its memory.
 #[derive(Default)]
-struct Pair {
+struct PairMemory {
     manifolds: Manifolds,
     workspace: Option<ContactManifoldsWorkspace>,
     flipped: bool,
 }
 
-impl Pair {
+impl PairMemory {
     fn step(&mut self, ground: &dyn Shape, body: &dyn Shape, at: &Pose) {
         let (manifolds, workspace) = (&mut self.manifolds, &mut self.workspace);
         if self.flipped {
@@ -75,7 +75,7 @@ fn bodies_slide_over_flat_floors() {
         for (body, shape, half, count) in bodies() {
             for flipped in [false, true] {
                 let what = format!("{body} on {floor}, {flipped}");
-                let mut pair = Pair { flipped, ..Pair::default() };
+                let mut pair = PairMemory { flipped, ..PairMemory::default() };
                 let mut kept = 0;
                 for step in 0..60 {
                     let x = -1.6 + 0.05 * step as f32;
@@ -108,7 +108,7 @@ fn bodies_slide_over_flat_floors() {
 fn bodies_that_hardly_move_keep_their_points() {
     let (surface, cube) = (square(), hull(&shapes::families::cube_grid(8, 1)));
     let half = cube.hull().bounds()[1].z;
-    let mut pair = Pair::default();
+    let mut pair = PairMemory::default();
     let mut at = |x: f32, z: f32| {
         let at = Pose::translation(x, 0.7, half + z);
         pair.step(&surface, &cube, &at);
@@ -130,7 +130,7 @@ fn joined_fields_do_not_stop_a_box() {
     let die = hull(&[0, 1, 2, 3, 4, 5, 6, 7].map(|i: i32| {
         [[-0.2, 0.2][(i & 1) as usize], [-0.3, 0.3][(i >> 1 & 1) as usize], [-0.1, 0.1][(i >> 2) as usize]]
     }));
-    let (mut joined, mut alone, mut stumbles, mut of_parry) = (Pair::default(), Pair::default(), 0, 0);
+    let (mut joined, mut alone, mut stumbles, mut of_parry) = (PairMemory::default(), PairMemory::default(), 0, 0);
     for step in 0..300 {
         let x = -0.6 + 0.004 * step as f32;
         let at = Pose::translation(x, 0.05 * x, 0.1 - 1e-3);
@@ -155,7 +155,7 @@ fn a_large_body_touches_many_triangles() {
     let slab = hull(&[0, 1, 2, 3, 4, 5, 6, 7].map(|i: i32| {
         [[-8.2, 8.3][(i & 1) as usize], [-8.1, 8.2][(i >> 1 & 1) as usize], [-0.5, 0.5][(i >> 2) as usize]]
     }));
-    let mut pair = Pair::default();
+    let mut pair = PairMemory::default();
     for step in 0..3 {
         let at = Pose::translation(0.1 * step as f32, 0.0, 0.499);
         pair.step(&surface, &slab, &at);

@@ -40,13 +40,13 @@ pub fn soup(count: usize, size: f64, rng: &mut SplitMix64) -> Arc<TriangleMesh> 
 }
 
 /// A surface, with its name and the corners of its triangles by subshape, in its frame.
-pub struct Ground {
+pub struct NamedSurface {
     pub name: &'static str,
     pub surface: BakedSurface,
     pub triangles: Vec<[DVec3; 3]>,
 }
 
-impl Ground {
+impl NamedSurface {
     pub fn new(name: &'static str, surface: BakedSurface) -> Self {
         let (vertices, triangles) = surface.to_trimesh();
         let triangles = triangles.iter().map(|t| t.map(|corner| vertices[corner as usize].as_dvec3())).collect();
@@ -55,7 +55,7 @@ impl Ground {
 }
 
 /// Surfaces of every kind: a mesh, a field, and several tiles with poses.
-pub fn grounds(seed: u64) -> Vec<Ground> {
+pub fn grounds(seed: u64) -> Vec<NamedSurface> {
     let mut rng = SplitMix64::new(seed);
     let soup = BakedSurface::new(soup(40, 0.7, &mut rng));
     let rough = BakedSurface::new(field(6, [-3.0; 2], |_, _| rng.between(-0.4, 0.4) as f32));
@@ -63,9 +63,9 @@ pub fn grounds(seed: u64) -> Vec<Ground> {
     let joined = BakedSurface::joined([(moved(2.0, 0.4), rough.clone()), (moved(-2.0, -0.8), soup.clone())]).unwrap();
     let nested = BakedSurface::joined([(moved(0.5, 1.0), joined.clone()), (Pose::IDENTITY, rough.clone())]).unwrap();
     vec![
-        Ground::new("mesh", soup),
-        Ground::new("field", rough),
-        Ground::new("joined", joined),
-        Ground::new("nested", nested),
+        NamedSurface::new("mesh", soup),
+        NamedSurface::new("field", rough),
+        NamedSurface::new("joined", joined),
+        NamedSurface::new("nested", nested),
     ]
 }

@@ -11,7 +11,7 @@ use parry3d::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher, Sha
 use parry3d::shape::{Ball, Capsule, Compound, Cone, Cuboid, Cylinder, Shape, SharedShape, TriMesh};
 
 use crate::bodies::{hull, pose, vertices};
-use crate::grounds::{Ground, field, grounds, mesh};
+use crate::grounds::{NamedSurface, field, grounds, mesh};
 
 /// The distance of a body from all triangles; negative if it overlaps one: the greatest depth.
 fn truth(triangles: &[[DVec3; 3]], body: &[DVec3]) -> f64 {
@@ -76,7 +76,7 @@ fn hulls_and_compounds_agree_with_brute_force() {
     let places = [Pose::translation(-0.6, 0.1, 0.0), Pose::new(Vector::new(0.7, 0.0, 0.2), Vector::Y * 0.7)];
     let compound = Compound::new(places.iter().map(|place| (*place, rock.clone().into())).collect());
     let mut rng = SplitMix64::new(4);
-    for Ground { name, surface, triangles } in grounds(4) {
+    for NamedSurface { name, surface, triangles } in grounds(4) {
         let mut hits = 0;
         for _ in 0..36 {
             let distance = rng.between(0.5, 6.0);
@@ -104,7 +104,7 @@ fn primitives() -> Vec<(&'static str, SharedShape)> {
 #[test]
 fn primitives_agree_with_parrys_mesh() {
     let mut rng = SplitMix64::new(5);
-    for Ground { name, surface, .. } in grounds(5) {
+    for NamedSurface { name, surface, .. } in grounds(5) {
         let (vertices, triangles) = surface.to_trimesh();
         let theirs = TriMesh::new(vertices, triangles).unwrap();
         for (kind, shape) in primitives() {
@@ -128,7 +128,7 @@ fn time(hit: Option<ShapeCastHit>) -> f32 {
 fn casts_end_at_the_target_distance() {
     let rock = hull(&shapes::families::rock(12, 2));
     let mut rng = SplitMix64::new(6);
-    for Ground { name, surface, triangles } in grounds(6) {
+    for NamedSurface { name, surface, triangles } in grounds(6) {
         for target_distance in [0.0, 0.1] {
             let options = ShapeCastOptions { max_time_of_impact: 3.0, target_distance, ..Default::default() };
             let (mut hits, within) = (0, ShapeCastStatus::PenetratingOrWithinTargetDist);

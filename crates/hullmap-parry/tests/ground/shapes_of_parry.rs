@@ -7,7 +7,7 @@ use parry3d::math::{Pose, Vector};
 use parry3d::query::{self, PointQuery, Ray, RayCast};
 use parry3d::shape::{Ball, FeatureId, Shape, TriMesh};
 
-use crate::grounds::{Ground, field, grounds, mesh};
+use crate::grounds::{NamedSurface, field, grounds, mesh};
 
 /// Where a ray meets a triangle: Möller, Trumbore, "Fast, minimum storage ray/triangle
 /// intersection", 1997.
@@ -37,7 +37,7 @@ fn nearest([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
 #[test]
 fn rays_and_points_agree_with_brute_force() {
     let mut rng = SplitMix64::new(1);
-    for Ground { name, surface, triangles } in grounds(1) {
+    for NamedSurface { name, surface, triangles } in grounds(1) {
         let mut hits = 0;
         for _ in 0..500 {
             let origin = (DVec3::from_array(rng.direction()) * rng.between(0.0, 6.0)).as_vec3();
@@ -74,7 +74,7 @@ fn rays_and_points_agree_with_brute_force() {
 
 #[test]
 fn boxes_contain_all_triangles() {
-    for Ground { name, surface, triangles } in grounds(2) {
+    for NamedSurface { name, surface, triangles } in grounds(2) {
         assert_eq!(surface.triangle_count(), triangles.len());
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         triangles.iter().flatten().for_each(|p| (low, high) = (low.min(*p), high.max(*p)));
@@ -104,7 +104,7 @@ fn boxes_contain_all_triangles() {
 #[test]
 fn the_default_dispatcher_takes_surfaces() {
     let mut rng = SplitMix64::new(3);
-    for Ground { name, surface, .. } in grounds(3) {
+    for NamedSurface { name, surface, .. } in grounds(3) {
         let (vertices, triangles) = surface.to_trimesh();
         let of_parry = TriMesh::new(vertices, triangles).unwrap();
         for _ in 0..100 {

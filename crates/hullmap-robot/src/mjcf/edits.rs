@@ -53,7 +53,7 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
         let Some((_, shape, meshes)) = change.parts(&description.links) else { continue };
         let key = (shape.document, shape.at);
         let (Some(&element), Some(geom)) = (nodes.get(&key), model.geoms.get(&key)) else { continue };
-        let names = assets.of(geom, &nodes, meshes.unwrap_or_default());
+        let names = assets.add_copies(geom, &nodes, meshes.unwrap_or_default());
         let writer = Writer { element, text: documents[shape.document].text() };
         let own = &mut result[shape.document];
         match change {
@@ -97,7 +97,7 @@ struct Assets<'a> {
 impl Assets<'_> {
     /// The names of the assets of these files, for a geom. An asset is added once for each file and
     /// old asset. It is a copy of the old one, with its scale and class.
-    fn of(&mut self, geom: &Geom, nodes: &BTreeMap<(usize, usize), Element>, files: &[String]) -> Vec<String> {
+    fn add_copies(&mut self, geom: &Geom, nodes: &BTreeMap<(usize, usize), Element>, files: &[String]) -> Vec<String> {
         let Some((key, asset)) = geom.asset.and_then(|key| Some((key, nodes.get(&key)?))) else { return Vec::new() };
         let text = self.documents[asset.document].text();
         let mut names = Vec::new();

@@ -18,7 +18,7 @@ fn is_vertex(hull: u32, stored: u32) -> bool {
 }
 
 // Puts the corners of a state into the simplex, and returns their number.
-fn restore(pair: Pair, state: State) -> u32 {
+fn restore(pair: PairRecord, state: State) -> u32 {
     var corners = state.corners;
     var size = 0u;
     for (var at = 0u; at < 4u; at++) {

@@ -25,7 +25,7 @@ struct Block {
     vertex: array<vec4u, 2>,
 }
 
-struct Pair {
+struct PairRecord {
     row_x: vec4f,
     row_y: vec4f,
     row_z: vec4f,

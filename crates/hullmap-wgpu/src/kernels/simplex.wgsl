@@ -23,7 +23,7 @@ struct Progress {
     padding_y: u32,
 }
 
-@group(0) @binding(4) var<storage, read> pairs: array<Pair>;
+@group(0) @binding(4) var<storage, read> pairs: array<PairRecord>;
 @group(0) @binding(5) var<storage, read_write> answers: array<Answer>;
 @group(0) @binding(6) var<storage, read_write> progress: array<Progress>;
 // The number of pairs, and their indices.
@@ -32,11 +32,11 @@ struct Progress {
 const CENTER = 1u;
 const FIRST_WORD = 2u;
 
-fn center_of(pair: Pair) -> vec3f {
+fn center_of(pair: PairRecord) -> vec3f {
     return vec3f(pair.row_x.w, pair.row_y.w, pair.row_z.w);
 }
 
-fn corner_of(pair: Pair, from_a: vec3f, a: u32, from_b: vec3f, b: u32) -> Corner {
+fn corner_of(pair: PairRecord, from_a: vec3f, a: u32, from_b: vec3f, b: u32) -> Corner {
     let offset = from_a * pair.scale;
     let of_b = from_b * pair.scale;
     let turned = vec3f(dot_of(pair.row_x.xyz, of_b), dot_of(pair.row_y.xyz, of_b), dot_of(pair.row_z.xyz, of_b));
@@ -48,7 +48,7 @@ struct Reached {
     is_certain: bool,
 }
 
-fn reach(pair: Pair, dir: vec3f) -> Reached {
+fn reach(pair: PairRecord, dir: vec3f) -> Reached {
     var along = dir;
     var hull = pair.a;
     var is_certain = true;

@@ -10,7 +10,7 @@
 use hullmap_format::{
     cube::{self, Cell},
     descent, fan,
-    slot::{BUNDLE_PARTS, BUNDLE_PLANES, Branch, Slot},
+    slot::{BUNDLE_HEAD_WORDS, BUNDLE_PARTS, BUNDLE_PLANES, Branch, F64_WORDS, PLANE_HEAD_WORDS, Slot, normal_index},
 };
 
 use super::vector::{EPSILON, LOWEST, Vector, dot, l1, mad, sub};
@@ -93,14 +93,17 @@ impl Run<'_> {
         if at < hull.slot_count { self.tables.slots[(hull.slot_start + at) as usize] } else { 0 }
     }
 
-    /// An f64 in the slots, as f32.
-    fn number(&self, hull: &HullRecord, at: u32) -> f32 {
-        decode(self.slot(hull, at), self.slot(hull, at + 1))
+    /// The f64 of index `index` at the front of the node at `at`, as f32.
+    fn number(&self, hull: &HullRecord, at: u32, index: usize) -> f32 {
+        let word = at + F64_WORDS * index as u32;
+        decode(self.slot(hull, word), self.slot(hull, word + 1))
     }
 
-    /// Possible sides of a plane: 1 behind, 2 in front, 3 both.
-    fn sides<const FUSED: bool>(&self, hull: &HullRecord, at: u32, stride: u32, dir: Vector, doubt: f32) -> u32 {
-        let normal = [self.number(hull, at), self.number(hull, at + stride), self.number(hull, at + 2 * stride)];
+    /// Possible sides of a plane of the node at `at`, which has `count` planes: 1 behind, 2 in
+    /// front, 3 both.
+    fn sides<const FUSED: bool>(&self, search: &SupportSearch<'_>, at: u32, [count, plane]: [usize; 2]) -> u32 {
+        let SupportSearch { hull, dir, doubt, .. } = *search;
+        let normal = [0, 1, 2].map(|axis| self.number(hull, at, normal_index(count, plane, axis)));
         let height = dot::<FUSED>(normal, dir);
         if height > doubt {
             2
@@ -116,10 +119,10 @@ impl Run<'_> {
 
     /// First and last step of a fan in which the direction may be.
     fn steps<const FUSED: bool>(&self, hull: &HullRecord, at: u32, dir: Vector) -> [u32; 2] {
-        let last = (1 << (self.slot(hull, at + 16) & 31)) - 1;
-        let axis = |from: u32| [self.number(hull, from), self.number(hull, from + 2), self.number(hull, from + 4)];
-        let x = dot::<FUSED>(axis(at), dir);
-        let y = dot::<FUSED>(axis(at + 6), dir);
+        let last = (1 << (self.slot(hull, at + fan::BITS_WORD) & 31)) - 1;
+        let axis = |first: usize| [0, 1, 2].map(|axis| self.number(hull, at, first + axis));
+        let x = dot::<FUSED>(axis(fan::X_AXIS), dir);
+        let y = dot::<FUSED>(axis(fan::Y_AXIS), dir);
         let doubt = FAN_DOUBT * l1(dir);
         let steep = y.abs() > x.abs();
         let rise = if steep { -x } else { y };
@@ -140,8 +143,8 @@ impl Run<'_> {
         if !(angle - error > -1.0 && angle + error < 7.0) {
             return [0, last];
         }
-        let rate = self.number(hull, at + 14);
-        let from = (angle - self.number(hull, at + 12)) * rate;
+        let rate = self.number(hull, at, fan::RATE);
+        let from = (angle - self.number(hull, at, fan::START)) * rate;
         let spread = mad::<FUSED>(error, rate, 8.0 * EPSILON * last as f32);
         let step = |at: f32| {
             if !(at > 0.0) {
@@ -284,10 +287,10 @@ impl Run<'_> {
                 search.push([at + fan::HEAD_WORDS + from, at + fan::HEAD_WORDS + 1 + to]);
             }
             Slot::Plane(at) => {
-                let sides = self.sides::<FUSED>(hull, at, 2, search.dir, search.doubt);
+                let sides = self.sides::<FUSED>(search, at, [1, 0]);
                 for side in 0..2 {
                     if sides >> side & 1 != 0 {
-                        search.push([self.slot(hull, at + 6 + side), 0]);
+                        search.push([self.slot(hull, at + PLANE_HEAD_WORDS + side), 0]);
                     }
                 }
             }
@@ -299,15 +302,15 @@ impl Run<'_> {
     /// Puts the parts of a bundle in which the direction may be on the stack.
     fn push_parts<const FUSED: bool>(&self, search: &mut SupportSearch<'_>, at: u32) {
         let mut sides = 0;
-        for plane in 0..BUNDLE_PLANES as u32 {
-            sides |= self.sides::<FUSED>(search.hull, at + 2 * plane, 14, search.dir, search.doubt) << (2 * plane);
+        for plane in 0..BUNDLE_PLANES {
+            sides |= self.sides::<FUSED>(search, at, [BUNDLE_PLANES, plane]) << (2 * plane);
         }
         let mut previous = u32::MAX;
-        for part in 0..8 {
+        for part in 0..BUNDLE_PARTS as u32 {
             let (top, middle, low) = (part >> 2, part >> 1 & 1, part & 1);
             let possible =
                 sides >> top & sides >> (2 + 2 * top + middle) & sides >> (6 + 4 * top + 2 * middle + low) & 1;
-            let word = self.slot(search.hull, at + 42 + part);
+            let word = self.slot(search.hull, at + BUNDLE_HEAD_WORDS + part);
             if possible != 0 && word != previous {
                 search.push([word, 0]);
                 previous = word;

@@ -17,20 +17,20 @@ use hullmap_testkit::{
     random::RandomPoses,
 };
 use hullmap_wgpu::{
-    AnswerRecord, Backend, Batch, Error, MAX_STEPS, Order, Pair, Query, SUPPORT_SHORTFALL, Schedule, StateRecord,
-    Status, SupportQuery, Tables, twin,
+    AnswerRecord, Backend, Batch, Error, IndexedPair, MAX_STEPS, Order, Query, SUPPORT_SHORTFALL, Schedule,
+    StateRecord, Status, SupportQuery, Tables, twin,
 };
 use shapes::rng::SplitMix64;
 
 const TOLERANCE: f32 = 1e-5;
 
 fn twin_answers<const FUSED: bool>(pack: &Pack, batch: &Batch<'_>, query: Query) -> Vec<AnswerRecord> {
-    let tables = Tables::of(pack).expect("little-endian");
+    let tables = Tables::from_pack(pack).expect("little-endian");
     let solve = |record| twin::solve::<FUSED>(&tables, record, query, TOLERANCE, MAX_STEPS);
     batch.records().0.iter().map(solve).collect()
 }
 
-fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[Pair]) -> &'b [hullmap_wgpu::Answer] {
+fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[IndexedPair]) -> &'b [hullmap_wgpu::Answer] {
     let settings = Settings { tolerance: f64::from(TOLERANCE), ..Settings::default() };
     match query {
         Query::Intersects => batch.intersects(pairs),
@@ -111,7 +111,7 @@ fn schedules_change_no_bit() {
 fn warm_answers_mean_the_same_and_take_fewer_steps() {
     let Some(device) = scene::device() else { return };
     let pack = scene::pack(IndexKind::Tree);
-    let tables = Tables::of(&pack).unwrap();
+    let tables = Tables::from_pack(&pack).unwrap();
     for query in QUERIES {
         let mut pairs = scene::pairs(&pack, 2_000, 15);
         pairs[5].b = 1_000;
@@ -155,7 +155,7 @@ fn warm_answers_mean_the_same_and_take_fewer_steps() {
 fn pairs_that_read_too_much_leave_the_others_alone() {
     let Some(device) = scene::device() else { return };
     let pack = scene::large_pack();
-    let tables = Tables::of(&pack).unwrap();
+    let tables = Tables::from_pack(&pack).unwrap();
     let pairs = scene::pairs(&pack, 10_000, 22);
     let (mut batch, mut processor) = (Batch::on(&device, &pack).unwrap(), Batch::new(&pack, Backend::Cpu).unwrap());
     for query in QUERIES {
@@ -331,7 +331,7 @@ fn permuted_pairs_have_permuted_answers() {
 fn fused_operations_never_contradict_unfused_ones() {
     for index in [IndexKind::Tree, IndexKind::CubeMap { resolution: 24 }] {
         let pack = scene::pack(index);
-        let tables = Tables::of(&pack).unwrap();
+        let tables = Tables::from_pack(&pack).unwrap();
         let mut pairs = scene::pairs(&pack, 4_000, 6);
         pairs.extend(scene::touching_pairs(&pack, 1_000, 17));
         let mut other = 0;
@@ -358,7 +358,7 @@ fn support_vertices_fall_short_by_rounding_error_only() {
     let Some(device) = scene::device() else { return };
     for index in ALL_INDICES {
         let pack = scene::pack(index);
-        let tables = Tables::of(&pack).unwrap();
+        let tables = Tables::from_pack(&pack).unwrap();
         let mut batch = Batch::on(&device, &pack).unwrap();
         let mut rng = SplitMix64::new(7);
         let mut queries = Vec::new();
@@ -439,7 +439,8 @@ fn hulls_of_several_packs_answer_as_in_one_pack() {
     let mut batch = Batch::of_packs(&device, &[&first, &second]).unwrap();
     let mut alone = Batch::on(&device, &second).unwrap();
     let pairs = scene::pairs(&second, 500, 23);
-    let moved: Vec<Pair> = pairs.iter().map(|pair| Pair { a: pair.a + count, b: pair.b + count, ..*pair }).collect();
+    let moved: Vec<IndexedPair> =
+        pairs.iter().map(|pair| IndexedPair { a: pair.a + count, b: pair.b + count, ..*pair }).collect();
     for query in QUERIES {
         let expected = solve(&mut alone, query, &pairs).to_vec();
         assert_eq!(solve(&mut batch, query, &moved), expected);
@@ -454,7 +455,8 @@ fn hulls_of_several_packs_answer_as_in_one_pack() {
     }
     assert!(!batch.support(&[ask(count + 99)]).unwrap()[0].is_certain);
     // Across packs, against the processor.
-    let across: Vec<Pair> = pairs.iter().map(|pair| Pair { a: pair.a, b: pair.b + count, ..*pair }).collect();
+    let across: Vec<IndexedPair> =
+        pairs.iter().map(|pair| IndexedPair { a: pair.a, b: pair.b + count, ..*pair }).collect();
     for (pair, found) in across.iter().zip(solve(&mut batch, Query::Distance, &across)) {
         let (a, b) = (first.hull(pair.a as usize).unwrap(), second.hull((pair.b - count) as usize).unwrap());
         let own = hullmap::distance(&a, &b, pair.b_in_a, &Settings::default(), &mut Cache::new());

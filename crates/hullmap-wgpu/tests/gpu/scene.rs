@@ -4,7 +4,7 @@ use hullmap::glam::{DQuat, DVec3};
 use hullmap::{Cache, Pack, Pose, Settings, SupportMap};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{packs, random::RandomPoses};
-use hullmap_wgpu::{Device, Pair};
+use hullmap_wgpu::{Device, IndexedPair};
 use shapes::{families, rng::SplitMix64};
 
 /// The device, or `None` if there is none. `HULLMAP_REQUIRE_GPU=1` makes that a failure.
@@ -68,7 +68,7 @@ pub fn large_pack() -> Pack {
 
 /// Random pairs of the hulls of `pack`, with centres at up to 1.3 times the sum of the radii. One
 /// in four has axes that are parallel, so that faces and edges are, too.
-pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
+pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<IndexedPair> {
     let mut rng = SplitMix64::new(seed);
     let hulls: Vec<_> = (0..pack.hull_count()).map(|index| pack.hull(index).expect("in range")).collect();
     let pair = |at: usize| {
@@ -80,16 +80,16 @@ pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
             apart = DVec3::new(apart.x.round(), apart.y.round(), apart.z.round());
         }
         let translation = hulls[a].interior_point() + apart - rotation * hulls[b].interior_point();
-        Pair { a: a as u32, b: b as u32, b_in_a: Pose::new(translation, rotation).expect("finite") }
+        IndexedPair { a: a as u32, b: b as u32, b_in_a: Pose::new(translation, rotation).expect("finite") }
     };
     (0..count).map(pair).collect()
 }
 
 /// Pairs that only just touch, overlap or miss: random ones that are apart, moved by their
 /// distance, and a little more or less.
-pub fn touching_pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
+pub fn touching_pairs(pack: &Pack, count: usize, seed: u64) -> Vec<IndexedPair> {
     const MORE: [f64; 7] = [0.0, 1e-8, -1e-8, 1e-6, -1e-6, 1e-4, -1e-4];
-    let touch = |(at, pair): (usize, Pair)| {
+    let touch = |(at, pair): (usize, IndexedPair)| {
         let hull = |index: u32| pack.hull(index as usize).expect("in range");
         let (a, b) = (hull(pair.a), hull(pair.b));
         let found = hullmap::distance(&a, &b, pair.b_in_a, &Settings::default(), &mut Cache::new());
@@ -102,16 +102,16 @@ pub fn touching_pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
 }
 
 /// The pairs a moment later: turned and moved by a hundredth.
-pub fn a_frame_later(pairs: &[Pair], seed: u64) -> Vec<Pair> {
+pub fn a_frame_later(pairs: &[IndexedPair], seed: u64) -> Vec<IndexedPair> {
     let mut rng = SplitMix64::new(seed);
-    let later = |pair: &Pair| {
+    let later = |pair: &IndexedPair| {
         let turn = DQuat::from_axis_angle(rng.unit_vector(), 0.01);
         let translation = pair.b_in_a.translation() + rng.unit_vector() * 0.01;
-        Pair { b_in_a: Pose::new(translation, turn * pair.b_in_a.rotation()).expect("finite"), ..*pair }
+        IndexedPair { b_in_a: Pose::new(translation, turn * pair.b_in_a.rotation()).expect("finite"), ..*pair }
     };
     pairs.iter().map(later).collect()
 }
 
-fn moved(pair: &Pair, translation: DVec3) -> Pair {
-    Pair { b_in_a: Pose::new(translation, pair.b_in_a.rotation()).expect("finite"), ..*pair }
+fn moved(pair: &IndexedPair, translation: DVec3) -> IndexedPair {
+    IndexedPair { b_in_a: Pose::new(translation, pair.b_in_a.rotation()).expect("finite"), ..*pair }
 }

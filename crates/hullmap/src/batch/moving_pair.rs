@@ -23,7 +23,7 @@ use crate::solver::Cache;
 /// let still = RigidMotion::still(Pose::IDENTITY);
 /// type AnyPair<'s> = MovingPair<'s, dyn Shape + Sync, dyn Shape + Sync>;
 /// let pair: AnyPair = MovingPair { a: &ball, motion_a: still, b: &cube, motion_b: still };
-/// assert_eq!(pair.motion_a.at(0.5), Pose::IDENTITY);
+/// assert_eq!(pair.motion_a.pose_at(0.5), Pose::IDENTITY);
 /// # Ok::<(), hullmap::ShapeError>(())
 /// ```
 #[derive(Debug)]

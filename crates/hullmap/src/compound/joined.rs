@@ -10,7 +10,7 @@ use crate::pose::Pose;
 /// One of several unions that meet.
 #[derive(Clone, Copy)]
 pub struct Tile<'u> {
-    /// The union, as [`seams::of`](super::seams::of) returns it.
+    /// The union, as [`seams::union_of`](super::seams::union_of) returns it.
     pub union: &'u dyn Union,
     /// Number of its parts.
     pub parts: usize,
@@ -46,7 +46,7 @@ pub struct Tile<'u> {
 /// # };
 ///
 /// let (left, right) = (floor(-9.0)?, floor(0.0)?);
-/// let unions = (seams::of(&left), seams::of(&right));
+/// let unions = (seams::union_of(&left), seams::union_of(&right));
 /// let tiles = [
 ///     Tile { union: &unions.0, parts: left.triangle_count(), place: Pose::IDENTITY },
 ///     Tile { union: &unions.1, parts: right.triangle_count(), place: Pose::IDENTITY },

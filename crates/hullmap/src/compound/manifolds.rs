@@ -18,7 +18,7 @@ use super::joined::Joined;
 use super::near::{NearParts, NearTriangles};
 use super::parts::Parts;
 use super::seams::{self, Side, Union};
-use super::sheet::{BesideSheet, Pair};
+use super::sheet::{BesideSheet, CandidatePair};
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
@@ -96,7 +96,7 @@ pub(super) struct SmallerBody {
 
 impl SmallerBody {
     /// Of the balls around two bodies, both in A's frame, the smaller one.
-    fn of(balls: [(DVec3, f64); 2], settings: &ManifoldSettings) -> Self {
+    fn choose(balls: [(DVec3, f64); 2], settings: &ManifoldSettings) -> Self {
         let [(center_a, radius_a), (center_b, radius_b)] = balls;
         let (center, reach) = if radius_a < radius_b { (center_a, radius_a) } else { (center_b, radius_b) };
         Self { center, reach, prediction: settings.prediction.length(reach) }
@@ -211,18 +211,18 @@ impl CompoundManifolds {
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
         let mut frame = self.start();
-        let union_b = seams::of(b);
+        let union_b = seams::union_of(b);
         let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
         let bodies = BodyPair { b_in_a, in_a, in_b, settings };
         if let Some(part) = b.part(0).filter(|_| b.part_count() == 1) {
             let radius = part.outer_radius();
             let ball = (b_in_a.transform_point(part.interior_point()), radius);
-            self.body = SmallerBody::of([a.nodes().ball(), ball], settings);
+            self.body = SmallerBody::choose([a.nodes().ball(), ball], settings);
             let beside = BesideSheet::new(&part, b_in_a);
             let prediction = settings.prediction.length(radius);
             let mut visit = |index: usize, corners: [DVec3; 3]| {
                 if !beside.is_apart(corners, prediction)
-                    && let Some(parts) = Pair::new(a, b, [index, 0], b_in_a)
+                    && let Some(parts) = CandidatePair::new(a, b, [index, 0], b_in_a)
                     && !parts.is_behind()
                 {
                     self.meet(&mut frame, &bodies, [index, 0], &parts);
@@ -235,14 +235,14 @@ impl CompoundManifolds {
         }
         let nodes = [a.nodes(), b.nodes()];
         let [ball_a, (center_b, radius_b)] = nodes.map(|nodes| nodes.ball());
-        self.body = SmallerBody::of([ball_a, (b_in_a.transform_point(center_b), radius_b)], settings);
+        self.body = SmallerBody::choose([ball_a, (b_in_a.transform_point(center_b), radius_b)], settings);
         let placement = Placement::new(nodes[0], nodes[1], b_in_a);
         // A part is in its box and in all boxes above, so the radius of a ball around an interior
         // point is at most the diagonal of each.
         let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
         let mut traversal = Traversal::new(placement);
         while let Some(pair) = traversal.next_within(reach) {
-            let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
+            let Some(parts) = CandidatePair::new(a, b, pair, b_in_a) else { continue };
             let prediction = settings.prediction.length(parts.a.outer_radius().min(parts.b.outer_radius()));
             // NaN takes the branch that queries.
             if !(traversal.lower_bound() > prediction || parts.is_behind() || parts.is_apart(prediction)) {
@@ -259,7 +259,7 @@ impl CompoundManifolds {
         frame: &mut Frame,
         bodies: &BodyPair<'_>,
         pair: [usize; 2],
-        parts: &Pair<'_, A, B>,
+        parts: &CandidatePair<'_, A, B>,
     ) {
         let BodyPair { b_in_a, in_a, in_b, settings } = *bodies;
         if in_a.is_none() && in_b.is_none() {
@@ -311,7 +311,8 @@ impl CompoundManifolds {
         let mut frame = self.start();
         let nodes = b.nodes();
         let (center, radius) = nodes.ball();
-        self.body = SmallerBody::of([(DVec3::ZERO, f64::INFINITY), (b_in_a.transform_point(center), radius)], settings);
+        self.body =
+            SmallerBody::choose([(DVec3::ZERO, f64::INFINITY), (b_in_a.transform_point(center), radius)], settings);
         let reach = settings.prediction.length(nodes.diagonal());
         let mut descent = Descent::new(a, nodes, b_in_a);
         while let Some(index) = descent.next(-reach) {

@@ -80,7 +80,7 @@ pub use motion::{cast, ray};
 pub use one_sided::OneSided;
 pub use parts::Parts;
 pub use shared_sheet::SharedSheet;
-use sheet::Pair;
+use sheet::CandidatePair;
 pub use signed_distance::signed_distance;
 pub use surface::{SurfaceError, surface_distance};
 use traversal::Traversal;
@@ -155,7 +155,7 @@ pub fn intersects<A: Parts + ?Sized, B: Parts + ?Sized>(
         let found = if let (Some(a), Some(b)) = (a.part_as_hull(pair[0]), b.part_as_hull(pair[1])) {
             cascade::intersects(&a, &b, b_in_a, Stages::default(), cache.pair(pair)).intersection
         } else if let Some(parts) =
-            Pair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_behind() && !parts.is_apart(0.0))
+            CandidatePair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_behind() && !parts.is_apart(0.0))
         {
             queries::intersects(&parts.a, &parts.b, b_in_a, cache.pair(pair))
         } else {
@@ -282,7 +282,7 @@ struct Nearest<'q, A: ?Sized, B: ?Sized> {
 
 impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
     fn query(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
-        let Pair { a, b, .. } = Pair::new(self.a, self.b, pair, self.b_in_a)
+        let CandidatePair { a, b, .. } = CandidatePair::new(self.a, self.b, pair, self.b_in_a)
             .filter(|parts| self.upper == f64::INFINITY || !parts.is_apart(self.upper))?;
         let found = queries::distance(&a, &b, self.b_in_a, self.settings, cache.pair(pair));
         // Overlapping ranks before touching, although both distances are 0.
@@ -354,7 +354,7 @@ pub fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
     let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     let mut sum = ContactCounts::default();
     while let Some(pair) = traversal.next(0.0) {
-        let Some(parts) = Pair::new(a, b, pair, b_in_a) else { continue };
+        let Some(parts) = CandidatePair::new(a, b, pair, b_in_a) else { continue };
         if parts.is_behind() || parts.is_apart(0.0) {
             continue;
         }

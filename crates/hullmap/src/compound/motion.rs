@@ -12,7 +12,7 @@
 
 use super::bvh::{Node, Nodes, PlacedBox, Placement};
 use super::parts::Parts;
-use super::sheet::Pair;
+use super::sheet::CandidatePair;
 use super::traversal::{BoxPairs, Traversal};
 use super::{CompoundAnswer, CompoundCache};
 use crate::height_field::walk::Walk;
@@ -72,7 +72,7 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 ) -> CompoundAnswer<Impact> {
     let placement = Placement::new(a.nodes(), b.nodes(), b_in_a);
     let first = first_hit(placement, motion, settings, |pair| {
-        let parts = Pair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_passed(motion.velocity()))?;
+        let parts = CandidatePair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_passed(motion.velocity()))?;
         Some(cast_pair(&parts.a, &parts.b, b_in_a, motion, settings, cache.pair(pair)))
     });
     if a.part_count() == 0 || b.part_count() == 0 {

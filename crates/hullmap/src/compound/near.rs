@@ -45,7 +45,7 @@ impl NearTriangles {
     }
 
     /// The triangles whose boxes overlap a box, or may.
-    fn within(&self, bounds: [DVec3; 2]) -> impl Iterator<Item = &NearTriangle> {
+    fn in_box(&self, bounds: [DVec3; 2]) -> impl Iterator<Item = &NearTriangle> {
         self.found.iter().filter(move |near| !is_beside_box(near.corners, bounds))
     }
 }
@@ -117,7 +117,7 @@ impl<'p, P: Parts + ?Sized> NearParts<'p, P> {
     pub(super) fn triangles(&self, visit: &mut dyn FnMut(usize, [DVec3; 3])) -> Option<u32> {
         let boxes = self.boxes?;
         if let Some(triangles) = self.triangles {
-            triangles.within(self.bounds).for_each(|near| visit(near.index, near.corners));
+            triangles.in_box(self.bounds).for_each(|near| visit(near.index, near.corners));
             return Some(boxes);
         }
         let found = self.parts.any_in_box(self.bounds, &mut |index, corners| {
@@ -132,7 +132,7 @@ impl<'p, P: Parts + ?Sized> NearParts<'p, P> {
             let mut balls = Balls { found: ArrayVec::new(), is_whole: true };
             let [low, high] = self.bounds;
             let reach = 0.5 * (high - low).length() * (1.0 + ROUNDING) + self.margin;
-            seams::of(self.parts).any_near((low + high) * 0.5, reach, &mut |near| {
+            seams::union_of(self.parts).any_near((low + high) * 0.5, reach, &mut |near| {
                 let (center, radius) = (near.shape.interior_point(), near.shape.outer_radius());
                 balls.is_whole = balls.found.try_push(Ball { index: near.index, center, radius }).is_ok();
                 !balls.is_whole
@@ -156,11 +156,11 @@ impl<P: Parts + ?Sized> Union for NearParts<'_, P> {
         if let Some(triangles) = self.triangles.filter(|_| is_listed) {
             let side = DVec3::splat(reach) + ROUNDING * (point.abs() + DVec3::splat(reach));
             return triangles
-                .within([point - side, point + side])
+                .in_box([point - side, point + side])
                 .any(|near| meets(near.index, &Triangle::of_finite(near.corners)));
         }
         if self.boxes.is_some() || !is_listed || !self.balls().is_whole {
-            return seams::of(self.parts).any_near(point, reach, test);
+            return seams::union_of(self.parts).any_near(point, reach, test);
         }
         let slack = ROUNDING * point.abs().element_sum();
         let found = &self.balls().found;
@@ -172,10 +172,10 @@ impl<P: Parts + ?Sized> Union for NearParts<'_, P> {
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
-        seams::of(self.parts).face_towards(part, dir)
+        seams::union_of(self.parts).face_towards(part, dir)
     }
 
     fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
-        seams::of(self.parts).faces_near(part, vertex, visit);
+        seams::union_of(self.parts).faces_near(part, vertex, visit);
     }
 }

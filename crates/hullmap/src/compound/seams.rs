@@ -167,7 +167,7 @@ pub struct Side<'s, S: ?Sized> {
 /// manifold.update(&right, &die, b_in_a, &settings, &mut Cache::new());
 /// assert!(manifold.normal().x < -0.99);
 ///
-/// let union = seams::of(&tiles);
+/// let union = seams::union_of(&tiles);
 /// let a = Side { shape: &right, union: Some((&union, 1, Pose::IDENTITY)) };
 /// let b = Side { shape: &die, union: None };
 /// assert!(seams::weld(&mut manifold, &Manifold::new(), &a, &b, b_in_a, &settings));
@@ -215,12 +215,12 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
 ///     found.push(part.index);
 ///     false
 /// };
-/// seams::of(&tiles).any_near(DVec3::new(0.5, 0.0, -0.5), 0.1, note);
+/// seams::union_of(&tiles).any_near(DVec3::new(0.5, 0.0, -0.5), 0.1, note);
 /// assert_eq!(found, [1]);
 /// # Ok(())
 /// # }
 /// ```
-pub fn of<P: Parts + ?Sized>(parts: &P) -> impl Union + '_ {
+pub fn union_of<P: Parts + ?Sized>(parts: &P) -> impl Union + '_ {
     OfParts(parts)
 }
 

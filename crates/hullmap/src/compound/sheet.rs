@@ -34,7 +34,7 @@ const SQUARES: std::ops::Range<f64> = 1e-80..1e80;
 const BACK: f64 = 0.99;
 
 /// Two parts of two compounds.
-pub(super) struct Pair<'p, A: Parts + ?Sized + 'p, B: Parts + ?Sized + 'p> {
+pub(super) struct CandidatePair<'p, A: Parts + ?Sized + 'p, B: Parts + ?Sized + 'p> {
     pub(super) a: A::Part<'p>,
     pub(super) b: B::Part<'p>,
     b_in_a: Pose,
@@ -42,7 +42,7 @@ pub(super) struct Pair<'p, A: Parts + ?Sized + 'p, B: Parts + ?Sized + 'p> {
     fronts: [Option<DVec3>; 2],
 }
 
-impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> Pair<'p, A, B> {
+impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> CandidatePair<'p, A, B> {
     /// The parts with these indices; `None` if one does not exist.
     #[inline]
     pub(super) fn new(a: &'p A, b: &'p B, pair: [usize; 2], b_in_a: Pose) -> Option<Self> {

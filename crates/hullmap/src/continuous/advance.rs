@@ -107,7 +107,7 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
 
     /// Where the shape is at time `t`.
     fn place(&self, t: f64) -> Place {
-        let pose = self.motion.at(t);
+        let pose = self.motion.pose_at(t);
         Place { rotation: pose.rotation_matrix(), origin: pose.translation(), center: self.motion.center_at(t), pose }
     }
 
@@ -258,7 +258,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
     }
 
     /// Where the shapes are at time `t`.
-    pub(super) fn at(&self, t: f64) -> Moment {
+    pub(super) fn moment_at(&self, t: f64) -> Moment {
         Moment { t, places: [self.a.place(t), self.b.place(t)] }
     }
 
@@ -411,7 +411,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
             if clear == until {
                 return Step::Apart(target);
             } else if clear > end {
-                *here = self.at(clear);
+                *here = self.moment_at(clear);
                 return Step::To(clear, target);
             }
         }
@@ -419,7 +419,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         // one that leads there.
         let rest = (REST * fastest * (meeting - t)).clamp(LEAST_REST, GREATEST_REST);
         let before = t + (meeting - t) * (1.0 - rest);
-        let mut probe = self.at(if before > t && before < end { before } else { end });
+        let mut probe = self.moment_at(if before > t && before < end { before } else { end });
         let mut best: Option<(Direction, Separation, f64, Try)> = None;
         let last = *frame;
         for frame in self.frames(last) {
@@ -443,7 +443,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         *frame = direction.frame;
         // The latest time with a positive bound is where the step ends.
         let above = |t| {
-            let at = self.at(t);
+            let at = self.moment_at(t);
             let above = self.least(&direction, &from, &self.separation(&direction, &at, support_calls)) - target;
             if above > 0.0 {
                 probe = at;

@@ -2,7 +2,7 @@
 
 use super::advance::{Approach, Moving};
 use super::rigid_motion::RigidMotion;
-use super::search::{DIRECTIONS, Goal, Queries, Search};
+use super::search::{DIRECTIONS, Goal, ImpactSearch, Queries};
 use super::time_of_impact::TimeOfImpact;
 use crate::pose::Pose;
 use crate::solver::queries::{contact, distance, overlap_by_simplex};
@@ -108,7 +108,7 @@ pub(crate) fn search_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> TimeOfImpact {
     let moving = (Moving { shape: a, motion: motion_a }, Moving { shape: b, motion: motion_b });
     let pair = Approach::new(moving.0, moving.1, false);
-    Search::run(pair, ShapeQueries { a, b, settings, cache }, tolerance, goal, window)
+    ImpactSearch::run(pair, ShapeQueries { a, b, settings, cache }, tolerance, goal, window)
 }
 
 /// The queries of two shapes.

@@ -8,7 +8,7 @@ use super::advance::{Approach, Moving};
 use super::cast_motion::MotionSettings;
 use super::clear::{ClearSettings, Clearance, judge};
 use super::rigid_motion::RigidMotion;
-use super::search::{Goal, Queries, Search};
+use super::search::{Goal, ImpactSearch, Queries};
 use super::time_of_impact::TimeOfImpact;
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
@@ -111,7 +111,7 @@ impl HalfSpace {
         let foot = self.foot();
         let (a, b) = (Moving { shape: &foot, motion }, Moving { shape: b, motion: motion_b });
         let queries = PlaneQueries { plane: self, b: b.shape };
-        Search::run(Approach::new(a, b, true), queries, tolerance, goal, window)
+        ImpactSearch::run(Approach::new(a, b, true), queries, tolerance, goal, window)
     }
 }
 

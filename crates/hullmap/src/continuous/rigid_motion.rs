@@ -22,11 +22,11 @@ const SMALLEST_TURN: f64 = 1e-160;
 /// let door = Pose::from_translation(DVec3::new(0.5, 0.0, 0.0))?;
 /// let quarter = DVec3::Z * std::f64::consts::FRAC_PI_2;
 /// let swing = RigidMotion::screw(door, DVec3::ZERO, quarter, DVec3::ZERO)?;
-/// assert!(swing.at(1.0).translation().distance(DVec3::new(0.0, 0.5, 0.0)) < 1e-15);
+/// assert!(swing.pose_at(1.0).translation().distance(DVec3::new(0.0, 0.5, 0.0)) < 1e-15);
 ///
 /// // The same end, but the centre of the door moves along a straight line.
-/// let straight = RigidMotion::between(door, swing.at(1.0))?;
-/// assert!(straight.at(0.5).translation().distance(DVec3::new(0.25, 0.25, 0.0)) < 1e-15);
+/// let straight = RigidMotion::between(door, swing.pose_at(1.0))?;
+/// assert!(straight.pose_at(0.5).translation().distance(DVec3::new(0.25, 0.25, 0.0)) < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +104,7 @@ impl RigidMotion {
     ///
     /// # Complexity
     /// One sine and one cosine, of `libm`, which has the same bits on all platforms.
-    pub fn at(&self, t: f64) -> Pose {
+    pub fn pose_at(&self, t: f64) -> Pose {
         let t = t.clamp(0.0, 1.0).max(0.0);
         let turn = if self.angle > 0.0 {
             let (sine, cosine) = libm::sincos(0.5 * self.angle * t);
@@ -174,12 +174,12 @@ mod tests {
         {
             let motion = RigidMotion::between(start, end).unwrap();
             for (t, expected) in [(0.0, start), (1.0, end)] {
-                let found = motion.at(t);
+                let found = motion.pose_at(t);
                 assert!(found.translation().distance(expected.translation()) < 1e-15);
                 assert!(found.rotation().dot(expected.rotation()).abs() > 1.0 - 1e-15);
             }
             let slerp = start.rotation().slerp(end.rotation(), 0.3);
-            assert!(motion.at(0.3).rotation().dot(slerp).abs() > 1.0 - 1e-14);
+            assert!(motion.pose_at(0.3).rotation().dot(slerp).abs() > 1.0 - 1e-14);
             assert!(motion.angle() <= PI);
         }
     }
@@ -190,12 +190,12 @@ mod tests {
         let motion = RigidMotion::screw(start, DVec3::Z * 2.0, DVec3::Z * (5.0 * PI), DVec3::X).unwrap();
         for step in 0..=50 {
             let t = f64::from(step) / 50.0;
-            let place = motion.at(t).translation();
+            let place = motion.pose_at(t).translation();
             assert!((place.truncate().distance(glam::DVec2::X) - 2.0).abs() < 1e-14);
             assert!((place.z - 1.0 - 2.0 * t).abs() < 1e-15);
             // Difference quotient, towards the middle of the motion.
             let step = if t < 0.5 { 1e-6 } else { -1e-6 };
-            let beside = motion.at(t + step).translation();
+            let beside = motion.pose_at(t + step).translation();
             assert!((beside - place).distance(motion.velocity_at(t, place) * step) < 1e-9);
         }
     }
@@ -217,13 +217,13 @@ mod tests {
         assert!(RigidMotion::screw(far, DVec3::ZERO, DVec3::Z, far.translation() * 0.5).is_ok());
         assert!(RigidMotion::screw(far, DVec3::ZERO, DVec3::Z, -far.translation()).is_err());
         let across = RigidMotion::between(far, pose([-3e38, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0])).unwrap();
-        assert!((across.at(1.0).translation().x / -3e38 - 1.0).abs() < 1e-15);
+        assert!((across.pose_at(1.0).translation().x / -3e38 - 1.0).abs() < 1e-15);
         let tiny = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::splat(1e-300), DVec3::ZERO).unwrap();
-        assert_eq!(tiny.at(0.7), Pose::IDENTITY);
+        assert_eq!(tiny.pose_at(0.7), Pose::IDENTITY);
         // Times out of range give no pose out of range.
         assert_eq!(
-            [-1.0, f64::NAN, 2.0, f64::INFINITY].map(|t| across.at(t)),
-            [0.0, 0.0, 1.0, 1.0].map(|t| across.at(t))
+            [-1.0, f64::NAN, 2.0, f64::INFINITY].map(|t| across.pose_at(t)),
+            [0.0, 0.0, 1.0, 1.0].map(|t| across.pose_at(t))
         );
     }
 }

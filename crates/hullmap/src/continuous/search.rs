@@ -98,7 +98,7 @@ pub(crate) trait Queries {
 }
 
 /// A search in a window of time.
-pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
+pub(super) struct ImpactSearch<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     pair: Approach<'s, A, B>,
     queries: Q,
     noise: f64,
@@ -113,7 +113,7 @@ pub(super) struct Search<'s, 'g, A: ?Sized, B: ?Sized, Q> {
     found: TimeOfImpact,
 }
 
-impl<'s, 'g, A, B, Q> Search<'s, 'g, A, B, Q>
+impl<'s, 'g, A, B, Q> ImpactSearch<'s, 'g, A, B, Q>
 where
     A: SupportMap + ?Sized,
     B: SupportMap + ?Sized,
@@ -130,7 +130,7 @@ where
     ) -> TimeOfImpact {
         let enough = tolerance.max(0.0) * (pair.a.shape.outer_radius() + pair.b.shape.outer_radius());
         let found = TimeOfImpact { t_lower: window[0], ..TimeOfImpact::default() };
-        let (noise, here) = (pair.noise(), pair.at(window[0]));
+        let (noise, here) = (pair.noise(), pair.moment_at(window[0]));
         let mut search = Self { noise, pair, queries, enough, goal, here, frame: Frame::default(), found };
         search.advance(window);
         search.found
@@ -240,7 +240,7 @@ where
     }
 
     fn certainly_meet_at(&mut self, t: f64) -> bool {
-        let b_in_a = relative(self.pair.at(t).poses());
+        let b_in_a = relative(self.pair.moment_at(t).poses());
         if self.goal.margin == 0.0 {
             // The poses have rounding errors, too.
             if self.queries.overlap_near(b_in_a, self.noise) {

@@ -70,7 +70,7 @@ impl RayHit {
     pub fn derivatives<S: SupportMap + ?Sized>(&self, shape: &S, ray: &Ray) -> Derivatives {
         let direction = ray.direction();
         let speeds = [-self.normal.dot(direction), direction.length()];
-        let points = [self.point, ray.at(self.t)];
+        let points = [self.point, ray.point_at(self.t)];
         of_time(self.status, self.normal, points, [DVec3::ZERO, ray.origin()], speeds, || {
             meeting_points((shape, &Dot, Pose::from_checked(self.point)), self.normal, points)
         })
@@ -159,7 +159,7 @@ impl TimeOfImpact {
         if !self.hit {
             return Derivatives::none(Differentiability::Missing);
         }
-        let (poses, normal) = ([motion_a.at(self.t_lower), motion_b.at(self.t_lower)], self.normal);
+        let (poses, normal) = ([motion_a.pose_at(self.t_lower), motion_b.pose_at(self.t_lower)], self.normal);
         let velocity_a = motion_a.velocity_at(self.t_lower, self.point_a);
         let velocity_b = motion_b.velocity_at(self.t_lower, self.point_b);
         let speeds = [(velocity_a - velocity_b).dot(normal), velocity_a.length() + velocity_b.length()];

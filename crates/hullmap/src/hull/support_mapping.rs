@@ -160,7 +160,7 @@ impl Hull<'_> {
     /// # }
     /// ```
     pub fn with_instructions(mut self, instructions: Instructions) -> Option<Self> {
-        self.index.dispatch = Dispatch::of(instructions)?;
+        self.index.dispatch = Dispatch::detect(instructions)?;
         Some(self)
     }
 

@@ -359,7 +359,7 @@ impl HalfSpace {
     pub fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
         let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(ray.origin())).impact(ray.motion(), settings);
         let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
-        let point = if hit { ray.at(t) } else { ray.origin() };
+        let point = if hit { ray.point_at(t) } else { ray.origin() };
         RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
     }
 

@@ -121,7 +121,7 @@ pub trait Shape: SupportMap {
     /// let ray = Ray::new(cube.interior_point() + DVec3::Z * 5.0, DVec3::NEG_Z).expect("finite");
     /// let top = cube.support_point(DVec3::Z);
     /// let t = cube.entry(&ray, top.feature).expect("the ray hits the cube");
-    /// assert!((ray.at(t).z - top.point.z).abs() < 1e-9);
+    /// assert!((ray.point_at(t).z - top.point.z).abs() < 1e-9);
     /// # }
     /// ```
     fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {

@@ -87,12 +87,12 @@ pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 pub(crate) struct ContactQuery {
     tolerance: f64,
     max_iterations: u32,
-    search: Search,
+    search: ContactSearch,
 }
 
 /// What waits for a support point.
 #[derive(Clone, Copy, Debug)]
-enum Search {
+enum ContactSearch {
     /// The test of this separating axis of the cache.
     Axis(DVec3),
     Portal(MprSearch),
@@ -108,7 +108,7 @@ impl SteppedQuery for ContactQuery {
     #[inline(always)]
     fn new(settings: &Settings) -> Self {
         let (tolerance, max_iterations) = (settings.relative_tolerance(), settings.max_iterations);
-        Self { tolerance, max_iterations, search: Search::Axis(DVec3::ZERO) }
+        Self { tolerance, max_iterations, search: ContactSearch::Axis(DVec3::ZERO) }
     }
 
     #[inline(always)]
@@ -122,19 +122,19 @@ impl SteppedQuery for ContactQuery {
                 return Step::Answer(solver.m.separated_contact(solver.cache, axis, 0));
             }
             let Some(axis) = solver.cache.axis() else { return solver.after_axis() };
-            solver.query.search = Search::Axis(axis);
+            solver.query.search = ContactSearch::Axis(axis);
             return Step::Ask(axis);
         };
         match &mut solver.query.search {
-            Search::Axis(axis) if solver.m.separates(*axis, &point) => {
+            ContactSearch::Axis(axis) if solver.m.separates(*axis, &point) => {
                 Step::Answer(solver.m.separated_contact(solver.cache, *axis, 0))
             }
-            Search::Axis(_) => solver.after_axis(),
-            Search::Portal(search) => match search.continue_with(point) {
+            ContactSearch::Axis(_) => solver.after_axis(),
+            ContactSearch::Portal(search) => match search.continue_with(point) {
                 None => Step::Ask(search.direction()),
                 Some(found) => solver.after_portal(found),
             },
-            Search::Expansion(..) => solver.expand(Some(point)),
+            ContactSearch::Expansion(..) => solver.expand(Some(point)),
         }
     }
 }
@@ -160,7 +160,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
         let terms = epa::Terms::new(self.m, Some(tolerance), max_iterations);
         match self.start_from_cache(terms) {
             Some(search) => {
-                self.query.search = Search::Expansion(search, 0);
+                self.query.search = ContactSearch::Expansion(search, 0);
                 self.expand(None)
             }
             None => self.start_portal(Until::Decided),
@@ -172,14 +172,14 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
     fn start_portal(self, until: Until) -> Step<Contact> {
         let search = MprSearch::new(self.m, until);
         let dir = search.direction();
-        self.query.search = Search::Portal(search);
+        self.query.search = ContactSearch::Portal(search);
         Step::Ask(dir)
     }
 
     /// Step 6, from what MPR has found.
     #[inline(always)]
     fn after_portal(mut self, found: Found) -> Step<Contact> {
-        let Search::Portal(search) = &self.query.search else { return Step::Answer(Contact::default()) };
+        let ContactSearch::Portal(search) = &self.query.search else { return Step::Answer(Contact::default()) };
         let (portal, bound, iterations) = (search.portal(), search.bound(), search.iterations());
         let start = match found {
             Found::Separated { axis } => {
@@ -193,7 +193,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
         match self.start_expansion(start, terms, bound) {
             Ok(search) => {
                 self.cache.forget_polytope();
-                self.query.search = Search::Expansion(search, iterations);
+                self.query.search = ContactSearch::Expansion(search, iterations);
                 self.expand(None)
             }
             Err(flat) => {
@@ -205,7 +205,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
     /// Steps 6 and 7, from the start of EPA, or with the next support point.
     #[inline(always)]
     fn expand(self, point: Option<Point>) -> Step<Contact> {
-        let Search::Expansion(search, before) = &mut self.query.search else {
+        let ContactSearch::Expansion(search, before) = &mut self.query.search else {
             return Step::Answer(Contact::default());
         };
         let (before, solver) =

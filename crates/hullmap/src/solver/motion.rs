@@ -45,7 +45,7 @@ pub(crate) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorE
 /// use hullmap::{Ray, glam::DVec3};
 ///
 /// let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
-/// assert_eq!(ray.at(1.5), DVec3::new(0.0, 0.0, 2.0));
+/// assert_eq!(ray.point_at(1.5), DVec3::new(0.0, 0.0, 2.0));
 /// # Ok::<(), hullmap::VectorError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +75,7 @@ impl Ray {
     }
 
     /// The point at `t`.
-    pub fn at(&self, t: f64) -> DVec3 {
+    pub fn point_at(&self, t: f64) -> DVec3 {
         self.origin + self.motion.velocity * t
     }
 

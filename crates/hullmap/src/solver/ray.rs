@@ -116,7 +116,7 @@ pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings
         _ => cast(shape, &Dot, start, ray.motion(), settings, &mut Cache::new()),
     };
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
-    let point = if hit { ray.at(t) } else { ray.origin() };
+    let point = if hit { ray.point_at(t) } else { ray.origin() };
     RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
 }
 

@@ -116,7 +116,7 @@ pub(crate) fn ray_triangle(corners: [DVec3; 3], ray: &Ray, settings: &CastSettin
         t,
         t_lower,
         t_upper,
-        point: ray.at(t),
+        point: ray.point_at(t),
         normal,
         iterations: 0,
         support_calls: 0,

@@ -190,7 +190,7 @@ mod tests {
 
     /// Every instruction set of this processor.
     fn dispatches() -> impl Iterator<Item = Dispatch> {
-        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of)
+        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect)
     }
 
     #[derive(Clone, Copy)]

@@ -93,7 +93,7 @@ mod tests {
 
     /// Every instruction set of this processor.
     fn dispatches() -> impl Iterator<Item = Dispatch> {
-        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of)
+        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect)
     }
 
     /// Components of `count` edges that descend along x, followed by `more` unrelated ones.

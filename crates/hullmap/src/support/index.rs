@@ -10,8 +10,9 @@
 //!
 //! [`Index::support`] chooses the path for one block, and [`Index::support_out_of_line`] for more.
 //! Up to four blocks without an index are scanned at once, without a look-up. Otherwise
-//! [`Index::leaf`] matches the kind of the index. A batch interrupts its look-ups
-//! ([`Index::start_lookup`], [`Index::continue_lookup`]), which visit the same nodes.
+//! [`Index::root`] matches the kind of the index, and [`Index::leaf`] starts there. A batch
+//! interrupts its look-ups ([`Index::start_lookup`], [`Index::continue_lookup`]), which visit the
+//! same nodes.
 //! Whether a query starts at a hint instead is decided in `hull/support_mapping.rs`.
 //!
 //! # Reference
@@ -66,6 +67,18 @@ pub(crate) struct Index<'a> {
     /// Largest coordinate magnitude of the hull's vertices.
     pub(crate) reach: f32,
     pub(crate) dispatch: Dispatch,
+}
+
+/// Where the look-up of a direction starts.
+enum Root {
+    /// The slot of the cell's cube face, with branches into squares below it.
+    Squares(Cell),
+    /// The slot of the cell's cube face, with branches into halves below it.
+    Halves(Cell),
+    /// The slot of a cell of a cube map, at this word. There are no branches.
+    Uniform(usize),
+    /// All blocks: there is no index.
+    Blocks,
 }
 
 /// Candidates for a direction, and the number of nodes visited to find them.
@@ -229,14 +242,12 @@ impl<'a> Index<'a> {
         if !in_range || best_candidate::margin(narrow, self.reach).is_none() {
             return Lookup::WHOLE;
         }
-        let cell = cube::locate(narrow);
-        let path = descent::path(cell);
-        match descent::root(self.kind, cell) {
-            None => self.fetch_leaf(self.blocks),
-            // The roots of a tree have been fetched.
-            Some(root) if self.kind.is_tree() => self.below(self.word(root), path, 0),
-            Some(root) if self.kind.branches() == Branches::None => self.await_word(root as u32, path, 0),
-            Some(_) => self.fetch_leaf(self.leaf(dir).blocks),
+        match self.root(dir) {
+            // The slots of the cube faces have been fetched.
+            Root::Squares(cell) => self.below(self.word(cell.face as usize), descent::path(cell), 0),
+            Root::Uniform(at) => self.await_word(LookupKind::Uniform, at as u32, [0; 2], 0),
+            Root::Halves(cell) => self.fetch_leaf(self.descend_halves(cell, x, y, z).blocks),
+            Root::Blocks => self.fetch_leaf(self.blocks),
         }
     }
 
@@ -248,7 +259,8 @@ impl<'a> Index<'a> {
             return Lookup::WHOLE;
         }
         match kind {
-            LookupKind::Word => self.below(self.word(at as usize), path, nodes),
+            LookupKind::Square => self.below(self.word(at as usize), path, nodes),
+            LookupKind::Uniform => self.await_node(self.word(at as usize), nodes),
             LookupKind::Node => {
                 let slot = Slot::decode(at);
                 match self.past_plane(slot, dir) {
@@ -260,13 +272,13 @@ impl<'a> Index<'a> {
         }
     }
 
-    /// Fetches what is below a slot, which a branch or a cube map has led to.
+    /// Fetches what is below a slot of a tree of squares, which no plane or fan has led to.
     #[inline(always)]
     fn below(&self, slot: u32, path: [u32; 2], nodes: u16) -> Lookup {
-        match Slot::branch(slot).filter(|_| self.kind.is_tree()) {
+        match Slot::branch(slot) {
             Some(payload) => {
                 let (at, path) = descent::square(payload, path);
-                self.await_word(at as u32, path, nodes + 1)
+                self.await_word(LookupKind::Square, at as u32, path, nodes + 1)
             }
             None => self.await_node(slot, nodes),
         }
@@ -308,9 +320,9 @@ impl<'a> Index<'a> {
     }
 
     #[inline(always)]
-    fn await_word(&self, at: u32, path: [u32; 2], nodes: u16) -> Lookup {
+    fn await_word(&self, kind: LookupKind, at: u32, path: [u32; 2], nodes: u16) -> Lookup {
         self.slots.get(at as usize).into_iter().for_each(simd::fetch);
-        Lookup { path, at, nodes, kind: LookupKind::Word }
+        Lookup { path, at, nodes, kind }
     }
 
     /// Fetches `count` words from the word `at` on.
@@ -349,15 +361,27 @@ impl<'a> Index<'a> {
     /// The leaf that lists every vertex that can be the support vertex in direction `dir`.
     #[inline(always)]
     pub(crate) fn leaf(&self, dir: impl Direction) -> Leaf<'a> {
+        match self.root(dir) {
+            Root::Squares(cell) => self.descend_squares(cell, dir),
+            Root::Blocks => Leaf { blocks: self.blocks, nodes: 0 },
+            Root::Uniform(at) => self.leaf_at(Slot::decode(self.word(at)), 0),
+            Root::Halves(cell) => {
+                let [x, y, z] = dir.exact();
+                self.descend_halves(cell, x, y, z)
+            }
+        }
+    }
+
+    /// Where the look-up of direction `dir` starts. Only here does it depend on the kind of the
+    /// index.
+    #[inline(always)]
+    fn root(&self, dir: impl Direction) -> Root {
         let cell = || cube::locate(dir.narrow());
         match self.kind {
-            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => self.descend_squares(cell(), dir),
-            IndexKind::None => Leaf { blocks: self.blocks, nodes: 0 },
-            IndexKind::CubeMap { .. } => {
-                let slot = descent::root(self.kind, cell()).map_or(0, |root| self.word(root));
-                self.leaf_at(Slot::decode(slot), 0)
-            }
-            IndexKind::Binary => self.descend_halves(cell(), dir),
+            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => Root::Squares(cell()),
+            IndexKind::None => Root::Blocks,
+            IndexKind::CubeMap { resolution } => Root::Uniform(cube::uniform_cell(cell(), resolution) as usize),
+            IndexKind::Binary => Root::Halves(cell()),
         }
     }
 
@@ -375,13 +399,14 @@ impl<'a> Index<'a> {
         self.leaf_at(Slot::decode(slot), MAX_NODES)
     }
 
-    /// Kenwright's binary search: one bit per step, from u and v alternately.
+    /// Kenwright's binary search: one bit per step, from u and v alternately. The direction comes
+    /// as three scalars so that it stays in registers.
     #[inline(never)]
-    fn descend_halves(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+    fn descend_halves(&self, cell: Cell, x: f64, y: f64, z: f64) -> Leaf<'a> {
         let [mut path, mut other] = descent::path(cell);
         let mut slot = self.word(cell.face as usize);
         for nodes in 0..MAX_NODES {
-            let Some(at) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
+            let Some(at) = Slot::branch(slot) else { return self.past_branches(slot, nodes, [x, y, z]) };
             let (at, rest) = descent::half(at, [path, other]);
             slot = self.word(at);
             [path, other] = rest;

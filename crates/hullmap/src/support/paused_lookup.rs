@@ -20,8 +20,10 @@ pub struct Lookup {
 /// What a look-up waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LookupKind {
-    /// A word of the direction index.
-    Word,
+    /// A slot that a branch into squares has led to.
+    Square,
+    /// A slot of a cube map.
+    Uniform,
     /// Planes, a fan or a list of blocks.
     Node,
     /// The leaf is known.

@@ -223,7 +223,7 @@ impl TriangleMesh {
     /// Classes of the edges of a triangle, from corner i to the next one.
     pub fn edge_classes(&self, triangle: usize) -> Option<[EdgeClass; 3]> {
         let classes = self.sections().edge_classes.get(triangle)?.to_native();
-        let of = |edge: usize| EdgeClass::of(classes, edge);
+        let of = |edge: usize| EdgeClass::unpack(classes, edge);
         Some([of(0)?, of(1)?, of(2)?])
     }
 

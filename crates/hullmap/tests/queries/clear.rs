@@ -57,7 +57,7 @@ fn free_motions_are_free_and_hits_hit() {
         let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
         let margin = [0.0, 0.01, 0.3][number % 3];
         let gap = |t: f64| {
-            let b_in_a = Pose::relative(motion_a.at(t), motion_b.at(t)).unwrap();
+            let b_in_a = Pose::relative(motion_a.pose_at(t), motion_b.pose_at(t)).unwrap();
             distance(a, b, b_in_a, &Settings::default(), &mut Cache::new())
         };
         for (way, share) in [0.0, 0.5, 0.9].into_iter().enumerate() {
@@ -98,7 +98,7 @@ fn compounds_are_clear_if_all_their_parts_are() {
         let what = format!("{number}, seed {SEED:#x}: {found:?} {motion_a:?} {motion_b:?}");
         let mut cache = CompoundCache::default();
         let gap = |t: f64| {
-            let b_in_a = Pose::relative(motion_a.at(t), motion_b.at(t)).unwrap();
+            let b_in_a = Pose::relative(motion_a.pose_at(t), motion_b.pose_at(t)).unwrap();
             compound::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache).answer
         };
         judge(&found.answer, margin, gap, &what);
@@ -144,7 +144,7 @@ fn half_spaces_are_clear_if_the_lowest_vertices_are() {
         let (own, other) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
         let margin = [0.0, 0.01, 0.3][number % 3];
         let settings = settings(margin, [0.0, 0.5, 0.9][number / 3 % 3], 1_000);
-        let at = |t: f64| Pose::relative(own.at(t), other.at(t)).unwrap();
+        let at = |t: f64| Pose::relative(own.pose_at(t), other.pose_at(t)).unwrap();
         let what = format!("{number}, seed {SEED:#x}: {own:?} {other:?}");
         let single = plane.clear(&own, hull, &other, &settings);
         judge(&single, margin, |t| plane.distance(hull, at(t)), &what);

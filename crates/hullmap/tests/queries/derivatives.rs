@@ -17,7 +17,7 @@ const SEED: u64 = 0xde21;
 
 const EXACT: Settings = Settings { tolerance: 0.0, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
 
-fn at(x: f64, y: f64, z: f64) -> Pose {
+fn moved_to(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
@@ -112,7 +112,7 @@ fn times_of_impact_of_bodies_that_turn() {
         // The twist is the same at all times, about the origin of the frame at each.
         let truth = |which: usize, axis: usize, step: f64| {
             let poses = |t: f64| {
-                let mut poses = [motion_a.at(t), motion_b.at(t)];
+                let mut poses = [motion_a.pose_at(t), motion_b.pose_at(t)];
                 poses[which] = twisted(poses[which], axis, step);
                 poses
             };
@@ -143,21 +143,21 @@ fn parallel_features_have_no_derivative() {
     let status = |b_in_a: Pose| {
         distance(cube, cube, b_in_a, &Settings::default(), &mut Cache::new()).derivatives(cube, cube, b_in_a).status
     };
-    assert_eq!(status(at(3.0, 0.2, 0.1)), Differentiability::Parallel);
+    assert_eq!(status(moved_to(3.0, 0.2, 0.1)), Differentiability::Parallel);
     // An edge over a face, across and along.
     let eighth = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4);
     assert_eq!(status(Pose::new(DVec3::new(4.0, 0.3, 0.1), eighth).unwrap()), Differentiability::Parallel);
     // Two parallel edges.
-    assert_eq!(status(at(3.0, 3.0, 0.5)), Differentiability::Parallel);
+    assert_eq!(status(moved_to(3.0, 3.0, 0.5)), Differentiability::Parallel);
     // Crossing edges, two vertices, and a vertex over a face.
     let crossing = DQuat::from_axis_angle(DVec3::new(1.0, 1.0, 0.0).normalize(), 1.0);
     assert_eq!(status(Pose::new(DVec3::new(3.0, 3.0, 0.1), crossing).unwrap()), Differentiability::Unique);
-    assert_eq!(status(at(3.0, 3.0, 3.0)), Differentiability::Unique);
+    assert_eq!(status(moved_to(3.0, 3.0, 3.0)), Differentiability::Unique);
     let corner = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
     assert_eq!(status(Pose::new(DVec3::new(4.0, 0.1, 0.2), corner).unwrap()), Differentiability::Unique);
     // Not separated.
-    assert_eq!(status(at(2.0, 0.0, 0.0)), Differentiability::Touching);
-    assert_eq!(status(at(0.5, 0.0, 0.0)), Differentiability::Touching);
+    assert_eq!(status(moved_to(2.0, 0.0, 0.0)), Differentiability::Touching);
+    assert_eq!(status(moved_to(0.5, 0.0, 0.0)), Differentiability::Touching);
 }
 
 #[test]
@@ -169,15 +169,15 @@ fn ambiguous_depths_have_no_derivative() {
         found.derivatives(cube, ball, b_in_a, &EXACT, &mut Cache::new())
     };
     assert_eq!(by(Pose::IDENTITY).status, Differentiability::Normals);
-    assert_eq!(by(at(0.5, 0.5, 0.1)).status, Differentiability::Normals);
-    let found = by(at(0.5, 0.4, 0.1));
+    assert_eq!(by(moved_to(0.5, 0.5, 0.1)).status, Differentiability::Normals);
+    let found = by(moved_to(0.5, 0.4, 0.1));
     assert_eq!(found.status, Differentiability::Unique);
     // Moved along x, the ball is less deep.
     assert!(found.of_b.linear.distance(DVec3::NEG_X) < 1e-9 && found.of_a.linear.distance(DVec3::X) < 1e-9);
-    assert_eq!(by(at(3.0, 0.0, 0.0)).status, Differentiability::Missing);
-    assert_eq!(by(at(1.25, 0.0, 0.0)).status, Differentiability::Touching);
+    assert_eq!(by(moved_to(3.0, 0.0, 0.0)).status, Differentiability::Missing);
+    assert_eq!(by(moved_to(1.25, 0.0, 0.0)).status, Differentiability::Touching);
     // Two cubes face to face are as deep at all points of both faces.
-    let b_in_a = at(1.5, 0.1, 0.2);
+    let b_in_a = moved_to(1.5, 0.1, 0.2);
     let found = contact(cube, cube, b_in_a, &EXACT, &mut Cache::new());
     let status = found.derivatives(cube, cube, b_in_a, &EXACT, &mut Cache::new()).status;
     assert_eq!(status, Differentiability::Parallel);
@@ -235,7 +235,7 @@ fn known_normals_and_features_change_no_status() {
     // As deep along y as along x, and nearly so.
     let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::splat(0.25)).unwrap());
     for (y, expected) in [(0.5, false), (0.499_999, false), (0.499, true)] {
-        let found = any_shape::contact(&cube, &ball, at(0.5, y, 0.1), &EXACT, &mut Cache::new());
+        let found = any_shape::contact(&cube, &ball, moved_to(0.5, y, 0.1), &EXACT, &mut Cache::new());
         assert_eq!(found.is_only_normal, expected, "{found:?}");
     }
 }
@@ -261,7 +261,7 @@ fn rays_and_casts_without_a_derivative() {
     assert!((found.of_b.to_array()[0] - 0.5).abs() < 1e-9 && found.of_b.angular.length() < 1e-9);
     assert!((found.of_a.angular.z - 0.25).abs() < 1e-9);
 
-    let start = at(-5.0, 0.2, 0.3);
+    let start = moved_to(-5.0, 0.2, 0.3);
     for (velocity, expected) in [
         (DVec3::X, Differentiability::Parallel),
         // Past an edge of the difference, at (-2, -2), and away.
@@ -275,7 +275,7 @@ fn rays_and_casts_without_a_derivative() {
     }
     // It stays in touch, or passes for ever at the target distance.
     let still = RigidMotion::still(Pose::IDENTITY);
-    let passing = RigidMotion::between(at(-5.0, 3.0, 0.0), at(5.0, 3.0, 0.0)).unwrap();
+    let passing = RigidMotion::between(moved_to(-5.0, 3.0, 0.0), moved_to(5.0, 3.0, 0.0)).unwrap();
     let target = MotionSettings { target_distance: 1.0, ..MotionSettings::default() };
     let found = cast_motion(cube, &still, cube, &passing, &target, &mut Cache::new());
     assert_ne!(found.derivatives(cube, &still, cube, &passing).status, Differentiability::Unique, "{found:?}");

@@ -276,7 +276,7 @@ fn rays_at_shapes_in_closed_form() {
             // Where the line grazes, a relative error of 1e-15 in the closed form is one of 1e-7 in
             // the time.
             let blur = 1e-7 * radius / direction.length();
-            let truth = passage_by_bisection(&|t| outside(line.at(t)), 20.0 * radius / direction.length(), blur);
+            let truth = passage_by_bisection(&|t| outside(line.point_at(t)), 20.0 * radius / direction.length(), blur);
             let t = [found.t_lower, found.t, found.t_upper];
             let size = radius / direction.length();
             let answer = Answer { hit: found.hit, status: found.status, t, limit: f64::INFINITY, size };

@@ -10,12 +10,12 @@ use hullmap::{
     Cache, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, SupportMap, SupportPoint, TimeOfImpact,
 };
 
-fn at(x: f64, y: f64, z: f64) -> Pose {
+fn moved_to(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
 fn still(x: f64, y: f64, z: f64) -> RigidMotion {
-    RigidMotion::still(at(x, y, z))
+    RigidMotion::still(moved_to(x, y, z))
 }
 
 fn spin(pose: Pose, angular: DVec3) -> RigidMotion {
@@ -67,8 +67,8 @@ fn spheres_on_screws() {
             let center = DVec3::new(-0.9, 0.0, 0.4);
             let motion_b = RigidMotion::screw(start_b, DVec3::Y * 0.7, DVec3::Y * -2.0, center).unwrap();
             for t in [0.0, 0.3, 0.9] {
-                assert!(motion_a.at(t).translation().distance(place_a(t)) < 1e-14);
-                assert!(motion_b.at(t).translation().distance(place_b(t)) < 1e-14);
+                assert!(motion_a.pose_at(t).translation().distance(place_a(t)) < 1e-14);
+                assert!(motion_b.pose_at(t).translation().distance(place_b(t)) < 1e-14);
             }
             let found = meet((&a, &motion_a), (&b, &motion_b));
             let is_hit = (0..=100_000).any(|i| gap(f64::from(i) / 1e5) <= 0.0);
@@ -199,7 +199,7 @@ fn a_needle_spins_past_a_point() {
 #[test]
 fn motions_that_end_in_touch() {
     let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Sphere::new(0.5).unwrap());
-    let motion = |end: f64| RigidMotion::between(at(5.0, 0.0, 0.0), at(end, 0.0, 0.0)).unwrap();
+    let motion = |end: f64| RigidMotion::between(moved_to(5.0, 0.0, 0.0), moved_to(end, 0.0, 0.0)).unwrap();
     let run = |end: f64| meet((&cube, &still(0.0, 0.0, 0.0)), (&ball, &motion(end)));
     let touching = run(1.5);
     assert!(touching.hit && touching.t_lower <= 1.0 && touching.t_lower > 1.0 - 1e-12, "{touching:?}");
@@ -216,7 +216,7 @@ fn motions_that_end_in_touch() {
 fn motions_that_start_in_touch_or_inside() {
     let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Sphere::new(0.5).unwrap());
     let origin = still(0.0, 0.0, 0.0);
-    let leaving = |x: f64| RigidMotion::between(at(x, 0.0, 0.0), at(5.0, 1.0, 0.0)).unwrap();
+    let leaving = |x: f64| RigidMotion::between(moved_to(x, 0.0, 0.0), moved_to(5.0, 1.0, 0.0)).unwrap();
     for x in [0.0, 0.2, 1.0, 1.5 - 1e-9] {
         let found = meet((&cube, &origin), (&ball, &leaving(x)));
         assert_eq!((found.status, found.hit, found.t, found.t_upper), (Status::Overlapping, true, 0.0, 0.0), "{x}");
@@ -233,7 +233,7 @@ fn motions_that_start_in_touch_or_inside() {
 #[test]
 fn settings_out_of_range_are_harmless() {
     let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Sphere::new(0.5).unwrap());
-    let motion = RigidMotion::between(at(5.0, 0.0, 0.0), at(-5.0, 0.0, 0.0)).unwrap();
+    let motion = RigidMotion::between(moved_to(5.0, 0.0, 0.0), moved_to(-5.0, 0.0, 0.0)).unwrap();
     let run = |settings: MotionSettings| {
         cast_motion(&cube, &still(0.0, 0.0, 0.0), &ball, &motion, &settings, &mut Cache::new())
     };
@@ -270,7 +270,7 @@ fn extreme_sizes_and_speeds() {
         assert_at(&found, t, 1e-5);
     }
     let ball = Sphere::new(1.0).unwrap();
-    let fast = RigidMotion::between(at(1e38, 0.0, 0.0), at(-1e38, 0.0, 0.0)).unwrap();
+    let fast = RigidMotion::between(moved_to(1e38, 0.0, 0.0), moved_to(-1e38, 0.0, 0.0)).unwrap();
     let found = meet((&ball, &still(0.0, 0.0, 0.0)), (&ball, &fast));
     assert!(found.hit && found.t_lower <= 0.5 && found.t_lower > 0.5 - 1e-12, "{found:?}");
     // An angle beyond all sense: nothing is claimed unless it is sure.
@@ -343,10 +343,10 @@ fn answers_are_in_the_common_frame() {
     let place = DVec3::new(100.0, -50.0, 7.0);
     let pose = Pose::new(place, DQuat::from_rotation_y(0.4)).unwrap();
     let a = RigidMotion::screw(pose, DVec3::X * 0.1, DVec3::Z * 2.0, place + DVec3::Y).unwrap();
-    let b = RigidMotion::between(at(102.5, -49.0, 7.0), at(100.0, -49.2, 7.0)).unwrap();
+    let b = RigidMotion::between(moved_to(102.5, -49.0, 7.0), moved_to(100.0, -49.2, 7.0)).unwrap();
     let found = meet((&rod, &a), (&ball, &b));
     assert_eq!(found.status, Status::Within, "{found:?}");
-    let [pose_a, pose_b] = [a.at(found.t_lower), b.at(found.t_lower)];
+    let [pose_a, pose_b] = [a.pose_at(found.t_lower), b.pose_at(found.t_lower)];
     let b_in_a = Pose::relative(pose_a, pose_b).unwrap();
     let gap = distance(&rod, &ball, b_in_a, &Settings::default(), &mut Cache::new());
     assert!(found.point_a.distance(pose_a.transform_point(gap.point_a)) < 1e-4, "{found:?}");

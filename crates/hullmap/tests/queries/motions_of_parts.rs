@@ -106,7 +106,7 @@ fn compounds_are_apart_until_the_lower_bound() {
         let settings = MotionSettings { target_distance, ..settings(5_000) };
         let found = compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut cache).answer;
         let mut gap = |t: f64| {
-            let b_in_a = Pose::relative(motion_a.at(t), motion_b.at(t)).unwrap();
+            let b_in_a = Pose::relative(motion_a.pose_at(t), motion_b.pose_at(t)).unwrap();
             compound::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache).answer
         };
         let until = if found.hit { found.t_lower } else { 1.0 };
@@ -147,7 +147,7 @@ fn single_shapes_have_the_answer_of_the_pair() {
 
 /// Height of the lowest vertex of a hull over a plane at time `t`, by a scan.
 fn height(plane: &HalfSpace, motion: &RigidMotion, hulls: &[Hull<'_>], motion_b: &RigidMotion, t: f64) -> f64 {
-    let b_in_plane = motion.at(t).inverse().compose(motion_b.at(t)).unwrap();
+    let b_in_plane = motion.pose_at(t).inverse().compose(motion_b.pose_at(t)).unwrap();
     let vertices = hulls.iter().flat_map(|hull| hull.vertices().map(|v| v.as_dvec3()).collect::<Vec<_>>());
     let heights = vertices.map(|v| b_in_plane.transform_point(v).dot(plane.normal()) - plane.offset());
     heights.fold(f64::INFINITY, f64::min)
@@ -190,7 +190,7 @@ fn half_spaces_meet_the_lowest_vertex() {
                 assert!(height(found.t_lower) > -1e-13 && height(found.t_upper) < 1e-13, "{}", what());
                 assert!(first.is_none_or(|t| found.t_lower <= t), "{}", what());
                 assert!(height(found.t_lower) < 1e-5 * 4.0, "{}", what());
-                let normal = motion_a.at(found.t_lower).transform_vector(plane.normal());
+                let normal = motion_a.pose_at(found.t_lower).transform_vector(plane.normal());
                 assert!(found.normal.distance(normal) < 1e-12, "{}", what());
                 assert!(found.iterations < 100, "{}", what());
             }

@@ -73,7 +73,7 @@ fn a_box_does_not_stumble_where_two_fields_meet() {
     for (left, right) in [(Diagonal::Rising, Diagonal::Rising), (Diagonal::Rising, Diagonal::Falling)] {
         let fields = [field(layout(left), &[0.0; 25], &[]), field(layout(right), &[0.0; 25], &[])];
         let places = [-4.0, 0.0].map(|x| Pose::from_translation(DVec3::new(x, 0.0, 0.0)).unwrap());
-        let unions = fields.each_ref().map(seams::of);
+        let unions = fields.each_ref().map(seams::union_of);
         let tile = |i: usize| Tile { union: &unions[i], parts: fields[i].triangle_count(), place: places[i] };
         let tiles = [tile(0), tile(1)];
         let joined = Joined::new(&tiles);

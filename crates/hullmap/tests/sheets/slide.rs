@@ -61,7 +61,7 @@ type Moment = (DVec3, DVec3);
 
 /// The path of the box in two seconds.
 fn run(floor: &Floor, turn: f64) -> Vec<Moment> {
-    let unions: Vec<_> = floor.tiles.iter().map(seams::of).collect();
+    let unions: Vec<_> = floor.tiles.iter().map(seams::union_of).collect();
     let tile = |(union, tile): (_, &TriangleMesh)| Tile { union, parts: tile.triangle_count(), place: Pose::IDENTITY };
     let tiles: Vec<Tile> = unions.iter().map(|union| union as &dyn seams::Union).zip(&floor.tiles).map(tile).collect();
     let joined = Joined::new(&tiles);

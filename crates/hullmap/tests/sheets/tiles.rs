@@ -32,7 +32,7 @@ fn a_body_slides_from_one_sheet_to_the_next() {
     ];
     let mut stumbles = 0;
     for place in places {
-        let unions = sheets.each_ref().map(seams::of);
+        let unions = sheets.each_ref().map(seams::union_of);
         let tile = |i: usize| Tile { union: &unions[i], parts: sheets[i].triangle_count(), place: place[i] };
         let tiles = [tile(0), tile(1)];
         let joined = Joined::new(&tiles);

@@ -215,7 +215,7 @@ fn files_that_changed_after_hashing_are_not_uploaded() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mesh");
     fs::write(&path, b"before").unwrap();
-    let mut blob = Blob::of(b"before".to_vec());
+    let mut blob = Blob::from_bytes(b"before".to_vec());
     blob.data = hullmap_remote::Data::File(path.clone());
     for changed in [&b"after!"[..], b"longer than before"] {
         fs::write(&path, changed).unwrap();

@@ -13,7 +13,7 @@ pub fn save(world: &mut PhysicsWorld, packs: &Packs) -> Outcome<Vec<u8>> {
     let mut colliders = world.colliders.clone();
     let mut shapes = Vec::new();
     for (handle, collider) in colliders.iter_mut().filter(|(_, collider)| is_custom(collider.shared_shape())) {
-        shapes.push((handle, SavedShape::of(collider.shared_shape(), packs)?));
+        shapes.push((handle, SavedShape::from_shape(collider.shared_shape(), packs)?));
         collider.set_shape(SharedShape::ball(1.0));
     }
     std::mem::swap(&mut world.colliders, &mut colliders);

@@ -39,7 +39,7 @@ impl Body {
         if points.len() < MANY {
             return Self::of_outer_points(points.iter().copied(), thickness);
         }
-        let inner = Inner::new(&Extremes::of(points));
+        let inner = Inner::new(&Extremes::from_points(points));
         let outer = points.iter().filter(|p| !inner.holds(**p)).copied();
         Self::of_outer_points(outer, thickness)
     }
@@ -161,7 +161,7 @@ pub const MANY: usize = 256;
 
 /// Points whose hull lies in the hull of all and is nearly as large, for comparisons of trials.
 pub fn rough(points: &[DVec3]) -> Vec<DVec3> {
-    if points.len() < ROUGH { points.to_vec() } else { Extremes::of(points).points() }
+    if points.len() < ROUGH { points.to_vec() } else { Extremes::from_points(points).points() }
 }
 
 /// Number of points from which a trial uses some of them.
@@ -233,7 +233,7 @@ mod tests {
                 offset + flat * if round % 3 == 1 { p.normalize_or_zero() * p.length().min(1.0).sqrt() } else { p }
             };
             let points: Vec<DVec3> = (0..600).map(|_| point()).collect();
-            let inner = Inner::new(&Extremes::of(&points));
+            let inner = Inner::new(&Extremes::from_points(&points));
             let outer: Vec<DVec3> = points.iter().filter(|p| !inner.holds(**p)).copied().collect();
             let mut body = Body { low: offset - 1.0, high: offset + 1.0, ..Body::default() };
             let all = distinct(points.iter().copied());

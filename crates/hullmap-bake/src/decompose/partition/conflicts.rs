@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::{
     clique::large_clique,
-    context::Search,
+    context::PartitionSearch,
     field::Field,
     piece::{Piece, Scale},
     sample::{far_apart, spread_points},
@@ -52,8 +52,8 @@ impl Conflicts {
     ///
     /// # Complexity
     /// A few distances from the solid for each of at most 2,016 pairs.
-    pub fn new(search: &Search, piece: &Piece) -> Self {
-        let Search { field, scale, bounds, .. } = search;
+    pub fn new(search: &PartitionSearch, piece: &Piece) -> Self {
+        let PartitionSearch { field, scale, bounds, .. } = search;
         let atoms = piece.atoms.iter().enumerate();
         let (owners, triangles): (Vec<u32>, Vec<[DVec3; 3]>) =
             atoms.flat_map(|(index, atom)| atom.triangles().map(move |triangle| (index as u32, triangle))).unzip();
@@ -198,7 +198,7 @@ mod tests {
         let planes = FacePlanes::new(&surface.triangles, bounds.diagonal);
         let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
         let piece = scale.piece(surface.triangles.iter().map(atom).collect(), Vec::new(), &[]);
-        let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+        let search = PartitionSearch { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
         let mut found =
             vec![Conflicts::new(&search, &piece).needed(), Samples::new(&surface).needed(&field, bounds.limit)];
         if let Some(mirror) = symmetry::mirror_of_mesh(mesh, &solid) {

@@ -27,7 +27,7 @@ const REFUTING: usize = 12;
 const MEASURED: usize = 800;
 
 /// What the steps of a search share.
-pub struct Search<'a> {
+pub struct PartitionSearch<'a> {
     /// The mesh's solid.
     pub field: &'a Field<'a>,
     /// Lengths.
@@ -42,7 +42,7 @@ pub struct Search<'a> {
     pub peels: bool,
 }
 
-impl Search<'_> {
+impl PartitionSearch<'_> {
     /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
         self.bounds.is_over()

@@ -7,7 +7,7 @@ use super::{
     body::{Body, longest},
     cells::FacePlanes,
     conflicts::Conflicts,
-    context::Search,
+    context::PartitionSearch,
     piece::{Piece, Scale},
 };
 use crate::fit::planes::HalfSpace;
@@ -125,7 +125,7 @@ fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec
 
 /// The share of forbidden points around which a concavity leads through a piece along a normal: all
 /// of the chord through the point is too far from the solid, such as between the teeth of a gear.
-fn led_through(search: &Search, piece: &Piece, forbidden: &[DVec3], normal: DVec3) -> f64 {
+fn led_through(search: &PartitionSearch, piece: &Piece, forbidden: &[DVec3], normal: DVec3) -> f64 {
     let is_through = |p: &&DVec3| {
         let [back, forth] = [-normal, normal].map(|direction| piece.body.exit(**p, direction));
         let at = |t: &f64| **p + (t * (back + forth) - back) * normal;
@@ -140,7 +140,12 @@ fn led_through(search: &Search, piece: &Piece, forbidden: &[DVec3], normal: DVec
 ///
 /// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
 /// across the axes.
-pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: &Conflicts) -> Option<HalfSpace> {
+pub fn best_plane(
+    search: &PartitionSearch,
+    piece: &Piece,
+    near: &[Vec<u32>],
+    conflicts: &Conflicts,
+) -> Option<HalfSpace> {
     let choice = Choice::new(search, piece, near, conflicts);
     let mut candidates = choice.candidates();
     candidates.sort_by(|a, b| a.least().total_cmp(&b.least()));
@@ -159,7 +164,7 @@ pub fn best_plane(search: &Search, piece: &Piece, near: &[Vec<u32>], conflicts: 
 
 /// What the choice of a plane depends on.
 struct Choice<'a> {
-    search: &'a Search<'a>,
+    search: &'a PartitionSearch<'a>,
     piece: &'a Piece,
     near: &'a [Vec<u32>],
     conflicts: &'a Conflicts,
@@ -168,7 +173,7 @@ struct Choice<'a> {
 }
 
 impl<'a> Choice<'a> {
-    fn new(search: &'a Search<'a>, piece: &'a Piece, near: &'a [Vec<u32>], conflicts: &'a Conflicts) -> Self {
+    fn new(search: &'a PartitionSearch<'a>, piece: &'a Piece, near: &'a [Vec<u32>], conflicts: &'a Conflicts) -> Self {
         let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
         let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
         Self { search, piece, near, conflicts, forbidden }
@@ -176,7 +181,7 @@ impl<'a> Choice<'a> {
 
     /// All candidates.
     fn candidates(&self) -> Vec<Candidate> {
-        let Self { search: Search { scale, planes, .. }, piece, .. } = *self;
+        let Self { search: PartitionSearch { scale, planes, .. }, piece, .. } = *self;
         let across = |normal: DVec3, k: usize| {
             let (low, high) = range(piece, normal);
             HalfSpace { normal, offset: low + (high - low) * k as f64 / SLABS as f64 }
@@ -276,7 +281,7 @@ pub mod tests {
     }
 
     /// Calls `with` with a search within a share of the diagonal, and the surface as a piece.
-    pub fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&Search, &Piece) -> T) -> T {
+    pub fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&PartitionSearch, &Piece) -> T) -> T {
         let mesh = point_set(mesh);
         let (solid, surface) = (Solid::new(&mesh), Surface::new(&mesh));
         let (diagonal, limit) = (solid.diagonal(), share * solid.diagonal());
@@ -284,7 +289,7 @@ pub mod tests {
             Bounds { limit, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage: Stage::default() };
         let (field, scale) = (Field::new(&solid), Scale { limit, diagonal });
         let planes = FacePlanes::new(&surface.triangles, diagonal);
-        let search = Search { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+        let search = PartitionSearch { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
         let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
         let atoms: Vec<Arc<Atom>> = surface.triangles.iter().map(atom).collect();
         let forbidden = search.forbidden(&surface.triangles, &scale.body_of_atoms(&atoms));

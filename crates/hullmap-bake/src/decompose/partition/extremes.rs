@@ -44,7 +44,7 @@ impl Extremes {
     ///
     /// # Complexity
     /// 98 products for each point.
-    pub fn of(points: &[DVec3]) -> Self {
+    pub fn from_points(points: &[DVec3]) -> Self {
         let mut extremes = Self::EMPTY;
         for p in points {
             extremes.add(*p);
@@ -120,7 +120,7 @@ mod tests {
             let groups: Vec<Vec<DVec3>> = (0..5).map(|k| (0..k * 7).map(|_| point()).collect()).collect();
             let points = groups.concat();
             let mut found = Extremes::EMPTY;
-            groups.iter().for_each(|group| found.add_all(&Extremes::of(group)));
+            groups.iter().for_each(|group| found.add_all(&Extremes::from_points(group)));
             let [x, y, z] = &*DIRECTIONS;
             for (k, p) in found.points().iter().enumerate() {
                 let along = |p: &DVec3| DVec3::new(x[k], y[k], z[k]).dot(*p);

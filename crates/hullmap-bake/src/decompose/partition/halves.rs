@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     body::Body,
-    context::Search,
+    context::PartitionSearch,
     join::{self, Found, Overlap},
     piece::Piece,
     shape::Part,
@@ -53,7 +53,7 @@ struct Merger {
 /// # Complexity
 /// One hull for each pair of parts, including merged parts.
 pub fn merge(
-    search: &Search,
+    search: &PartitionSearch,
     found: Found,
     mirror: &Mirror,
     forbidden: &mut Vec<DVec3>,
@@ -139,7 +139,7 @@ fn merged(units: &[Option<Unit>], (i, j): (usize, usize)) -> Vec<&Unit> {
 
 /// The merger of two units; `None` if a forbidden point is in its hull, or the time is over.
 fn merger(
-    search: &Search,
+    search: &PartitionSearch,
     units: &[Option<Unit>],
     pair: (usize, usize),
     mirror: &Mirror,
@@ -158,7 +158,13 @@ fn merger(
 }
 
 /// The union of two units, and of their images, whose hull is `body`.
-fn united(search: &Search, units: &[Option<Unit>], pair: (usize, usize), body: &Body, mirror: &Mirror) -> Piece {
+fn united(
+    search: &PartitionSearch,
+    units: &[Option<Unit>],
+    pair: (usize, usize),
+    body: &Body,
+    mirror: &Mirror,
+) -> Piece {
     let (mut atoms, mut planes) = (Vec::new(), Vec::new());
     for unit in merged(units, pair) {
         let own = &unit.part.piece.atoms;

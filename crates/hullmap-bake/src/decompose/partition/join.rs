@@ -10,7 +10,7 @@ use super::{
     body::Body,
     clique::large_clique,
     conflicts::far,
-    context::Search,
+    context::PartitionSearch,
     piece::{Cloud, Piece},
     shape::Part,
 };
@@ -62,7 +62,7 @@ struct Merger {
 /// # Complexity
 /// One hull for each pair of parts that are near each other, including merged parts.
 pub fn merge(
-    search: &Search,
+    search: &PartitionSearch,
     parts: Vec<Part>,
     mirror: Option<&Mirror>,
     forbidden: &mut Vec<DVec3>,
@@ -135,7 +135,7 @@ pub fn is_free(cost: f64, body: &Body) -> bool {
 /// limit lies in the hull of both, and so in every hull that contains both. 0 if no more than this
 /// are useful anyway, or if the time is over.
 fn needed(
-    search: &Search,
+    search: &PartitionSearch,
     parts: &[Option<Part>],
     mergers: &BTreeMap<(usize, usize), Option<Merger>>,
     mirror: Option<&Mirror>,
@@ -174,7 +174,12 @@ fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, 
 }
 
 /// The merger of two parts; `None` if a forbidden point is in its hull, or the time is over.
-fn merger(search: &Search, parts: &[Option<Part>], (i, j): (usize, usize), forbidden: &[DVec3]) -> Option<Merger> {
+fn merger(
+    search: &PartitionSearch,
+    parts: &[Option<Part>],
+    (i, j): (usize, usize),
+    forbidden: &[DVec3],
+) -> Option<Merger> {
     if search.is_over() {
         return None;
     }
@@ -187,7 +192,7 @@ fn merger(search: &Search, parts: &[Option<Part>], (i, j): (usize, usize), forbi
 }
 
 /// The union of two pieces, whose hull is `body`.
-fn united(search: &Search, a: &Piece, b: &Piece, body: &Body) -> Piece {
+fn united(search: &PartitionSearch, a: &Piece, b: &Piece, body: &Body) -> Piece {
     let holds = |plane: &&HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
     let planes = a.planes.iter().chain(&b.planes).filter(holds).copied().collect();
     search.scale.piece([a.atoms.as_slice(), &b.atoms].concat(), planes, &[])

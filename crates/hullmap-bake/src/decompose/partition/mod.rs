@@ -71,7 +71,7 @@ use rayon::prelude::*;
 use cells::Cutting;
 use conflicts::Conflicts;
 pub use conflicts::Samples;
-use context::Search;
+use context::PartitionSearch;
 use field::Field;
 pub use join::Found;
 use peel::Along;
@@ -149,7 +149,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let scale = Scale { limit: limit * RESERVE, diagonal };
     let atoms: Vec<Arc<Atom>> = cells.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
     let hull = scale.body_of_atoms(&atoms);
-    let search = Search {
+    let search = PartitionSearch {
         field,
         scale,
         planes: &planes,
@@ -181,7 +181,7 @@ pub fn divided_further(
     field.find_peaks(bounds.limit * HARD_SHARE, bounds.deadline);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal };
     let planes = cells::FacePlanes::new(&surface.triangles, bounds.diagonal);
-    let search = Search { field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+    let search = PartitionSearch { field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
     let mut room = count.saturating_sub(parts.len());
     let mut parts = parts;
     let excess = |part: &Part| part.bound * part.piece.area();
@@ -231,7 +231,7 @@ pub fn halved(surface: &Surface, bounds: &Bounds, count: usize) -> Vec<Part> {
 /// The parts of a piece, at most `most`; `None` if there are more. Points that are found to be
 /// too far from the solid are added to `known`.
 fn divided(
-    search: &Search,
+    search: &PartitionSearch,
     piece: Piece,
     most: usize,
     depth: u32,
@@ -285,7 +285,7 @@ fn divided(
 
 /// The parts of several pieces.
 fn all_divided(
-    search: &Search,
+    search: &PartitionSearch,
     pieces: Vec<Piece>,
     most: usize,
     depth: u32,
@@ -306,7 +306,7 @@ fn all_divided(
 }
 
 /// Both sides of the plane that divides a piece best; `None` if no plane does.
-fn halves(search: &Search, piece: &Piece, conflicts: Option<&Conflicts>) -> Option<[Piece; 2]> {
+fn halves(search: &PartitionSearch, piece: &Piece, conflicts: Option<&Conflicts>) -> Option<[Piece; 2]> {
     let plane = match conflicts {
         Some(conflicts) => cuts::best_plane(search, piece, &search.scale.neighbours(&piece.atoms), conflicts)?,
         None => cuts::middle(piece),
@@ -324,7 +324,7 @@ fn halves(search: &Search, piece: &Piece, conflicts: Option<&Conflicts>) -> Opti
 }
 
 /// The parts of a piece by peeling, if they are fewer than `best`. At least `needed` are needed.
-fn peeled(search: &Search, piece: &Piece, best: Vec<Part>, needed: usize) -> Vec<Part> {
+fn peeled(search: &PartitionSearch, piece: &Piece, best: Vec<Part>, needed: usize) -> Vec<Part> {
     let mut best = best;
     let directions = cuts::directions(piece).map(Along::One);
     for along in [Along::All].into_iter().chain(directions) {
@@ -341,7 +341,7 @@ fn peeled(search: &Search, piece: &Piece, best: Vec<Part>, needed: usize) -> Vec
 }
 
 /// Parts of a piece that cannot be divided: of its polygons. A single polygon protrudes nowhere.
-fn of_polygons(search: &Search, piece: &Piece) -> Vec<Part> {
+fn of_polygons(search: &PartitionSearch, piece: &Piece) -> Vec<Part> {
     let Bounds { diagonal, max_vertices, .. } = search.bounds;
     let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
     let thin = polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, search.bounds.thickness, max_vertices));

@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    context::Search,
+    context::PartitionSearch,
     cuts::{directions, faces, range},
     piece::{Above, Piece},
 };
@@ -40,7 +40,7 @@ pub enum Along {
 type Cap = (f64, HalfSpace);
 
 /// The caps and the rest of a piece, at most `most`; `None` if there are more, or the time is over.
-pub fn peel(search: &Search, piece: &Piece, along: Along, most: usize) -> Option<Vec<Piece>> {
+pub fn peel(search: &PartitionSearch, piece: &Piece, along: Along, most: usize) -> Option<Vec<Piece>> {
     let scale = &search.scale;
     let mut rest = piece.atoms.clone();
     let mut planes = piece.planes.clone();
@@ -129,14 +129,14 @@ impl Line {
 /// The caps of a piece, the largest first. A line is searched only as far as its cap may be the
 /// largest.
 struct Caps<'a> {
-    search: &'a Search<'a>,
+    search: &'a PartitionSearch<'a>,
     whole: &'a Piece,
     near: Vec<Vec<u32>>,
     lines: Vec<Line>,
 }
 
 impl<'a> Caps<'a> {
-    fn new(search: &'a Search, whole: &'a Piece, along: Along) -> Self {
+    fn new(search: &'a PartitionSearch, whole: &'a Piece, along: Along) -> Self {
         let scale = &search.scale;
         let all = match along {
             Along::One(normal) => vec![normal],

@@ -125,7 +125,7 @@ impl<'a> Cloud<'a> {
         for group in &self.groups {
             match group {
                 Group::Atom(atom) => {
-                    found.add_all(atom.extremes.get_or_init(|| Box::new(Extremes::of(&atom.patch.points))));
+                    found.add_all(atom.extremes.get_or_init(|| Box::new(Extremes::from_points(&atom.patch.points))));
                 }
                 Group::Rest(points) => points.iter().for_each(|p| found.add(*p)),
             }

@@ -245,7 +245,7 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
             visits.pending.push(Pending { slot, square: None, cell: cell.clone(), pieces });
             return Ok(());
         }
-        let normal = DVec3::from_array([0, 1, 2].map(|axis| self.words.number(at + 2 * (axis * count + plane))));
+        let normal = DVec3::from_array(self.words.normal(at, count, plane));
         if normal == DVec3::ZERO {
             // An unused plane: every direction is behind it.
             return self.planes(node, at, count, [level + 1, 2 * index], cell, pieces, visits);
@@ -272,9 +272,8 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         pieces: Vec<Piece>,
         visits: &mut Visits,
     ) -> Result<(), Unproven> {
-        let number = |index: usize| self.words.number(at + 2 * index);
-        let [x, y] = [0, 3].map(|from| DVec3::new(number(from), number(from + 1), number(from + 2)));
-        let (start, scale) = (number(6), number(7));
+        let [x, y] = [fan::X_AXIS, fan::Y_AXIS].map(|axis| DVec3::from_array(self.words.node_vector(at, axis)));
+        let [start, scale] = [fan::START, fan::RATE].map(|index| self.words.node_number(at, index));
         let is_unit = [x, y].iter().all(|axis| UNIT_SQ.contains(&axis.length_squared()));
         if !(is_unit && x.dot(y).abs() < 1e-3 && scale > 0.0) {
             return Err(Unproven::Node { at });

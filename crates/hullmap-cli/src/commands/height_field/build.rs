@@ -41,7 +41,7 @@ struct Row {
 pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let sources = check_flags(args)?;
-    let options = FieldOptions::of(&args.height_field);
+    let options = FieldOptions::from_args(&args.height_field);
     if !args.check {
         make_folder(&args.out).map_err(|error| {
             Failure::usage(format!("{}: cannot create this folder: {error}; check the path", args.out.display()))

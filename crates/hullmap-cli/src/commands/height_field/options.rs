@@ -34,7 +34,7 @@ pub struct FieldOptions {
 
 impl FieldOptions {
     /// The options of a command line.
-    pub fn of(args: &HeightFieldArgs) -> Self {
+    pub fn from_args(args: &HeightFieldArgs) -> Self {
         Self {
             scale: args.height_scale,
             offset: args.height_offset,

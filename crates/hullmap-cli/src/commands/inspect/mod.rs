@@ -140,7 +140,7 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
 fn described(hulls: &[Hull], has_vertices: bool) -> Vec<HullDescription> {
     let of_object = |own: &[Hull]| {
         let vertices: Vec<Vec<[f32; 3]>> = own.iter().map(positions).collect();
-        let symmetry = MirrorPlane::of(&vertices.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let symmetry = MirrorPlane::find(&vertices.iter().map(Vec::as_slice).collect::<Vec<_>>());
         own.iter().map(|hull| describe(hull, symmetry, has_vertices)).collect::<Vec<_>>()
     };
     hulls.chunk_by(|_, next| next.part() > 0).flat_map(of_object).collect()
@@ -178,7 +178,7 @@ fn describe(hull: &Hull, symmetry: Option<MirrorPlane>, has_vertices: bool) -> H
         mesh_inertia: mesh.map(|mesh| mesh.inertia.to_cols_array_2d()),
         voids: hull.voids().map(|voids| voids.share),
         voids_error: hull.voids().map(|voids| voids.error),
-        primitive: BodyPrimitive::of(hull, UpAxis::Keep),
+        primitive: BodyPrimitive::from_hull(hull, UpAxis::Keep),
         index: IndexDescription {
             kind: kind.as_str().to_owned(),
             resolution: matches!(kind, IndexKind::CubeMap { .. }).then_some(kind.resolution()),

@@ -19,7 +19,7 @@ pub(super) struct CompoundUnion<'c>(&'c Compound);
 
 impl<'c> CompoundUnion<'c> {
     /// The union of the parts of a shape; `None` if it has fewer than two.
-    pub(super) fn of(shape: &'c dyn Shape) -> Option<Self> {
+    pub(super) fn from_shape(shape: &'c dyn Shape) -> Option<Self> {
         shape.as_shape::<Compound>().filter(|compound| compound.shapes().len() > 1).map(Self)
     }
 

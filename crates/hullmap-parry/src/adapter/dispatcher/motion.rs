@@ -53,7 +53,7 @@ enum Body<'s> {
 
 impl<'s> Body<'s> {
     /// `None` for a shape that hullmap does not solve.
-    fn of(shape: &'s dyn Shape) -> Option<Self> {
+    fn from_shape(shape: &'s dyn Shape) -> Option<Self> {
         if let Some(surface) = shape.as_shape::<BakedSurface>() {
             return Some(Self::Surface(surface));
         }
@@ -76,7 +76,7 @@ pub(super) fn cast(
     let new = |motions| Cast::new(dispatcher, motions, window, stop_at_penetration);
     let swapped = |found: Option<ShapeCastHit>| found.map(ShapeCastHit::swapped);
     let (in_order, flipped) = ([motion1, motion2], [motion2, motion1]);
-    match (Body::of(shape1)?, Body::of(shape2)?) {
+    match (Body::from_shape(shape1)?, Body::from_shape(shape2)?) {
         (Body::Pieces(a), Body::Pieces(b)) => new(in_order)?.of_pieces(&a, &b),
         (Body::Surface(a), Body::Pieces(b)) => new(in_order)?.of_surface(a, &b),
         (Body::Plane(a), Body::Pieces(b)) => new(in_order)?.of_plane(&a, &b),
@@ -114,12 +114,12 @@ impl Windowed {
         let (linear, angular) = (wide(motion.linvel), wide(motion.angvel));
         let (at, length) = (start_time, end_time - start_time);
         let before = RigidMotion::screw(start, linear * at, angular * at, center).ok()?;
-        let start = if at == 0.0 { start } else { before.at(1.0) };
+        let start = if at == 0.0 { start } else { before.pose_at(1.0) };
         Some(Self { start, linear: linear * length, angular: angular * length, center: center + linear * at })
     }
 
     /// The motion of a piece of the body, which is at `place` in it.
-    fn of(&self, place: hullmap::Pose) -> Option<RigidMotion> {
+    fn piece_motion(&self, place: hullmap::Pose) -> Option<RigidMotion> {
         RigidMotion::screw(self.start.compose(place).ok()?, self.linear, self.angular, self.center).ok()
     }
 
@@ -133,7 +133,7 @@ impl Windowed {
     /// the time `t`: its centre, and by how much it is larger.
     fn ball(&self, motion: &RigidMotion, point: DVec3, [start, end]: [f64; 2]) -> (DVec3, f64) {
         let middle = 0.5 * (start + end);
-        let place = motion.at(middle).transform_point(point);
+        let place = motion.pose_at(middle).transform_point(point);
         (place, 0.5 * (end - start) * self.way(place, self.center + self.linear * middle))
     }
 }
@@ -176,7 +176,7 @@ impl<'m> Cast<'m> {
             motion_of_parry: of_parry.prepend(piece.pose),
             pose: piece.pose,
             place: piece.place,
-            motion: windowed.of(piece.place)?,
+            motion: windowed.piece_motion(piece.place)?,
             subshape: piece.subshape,
         })
     }
@@ -185,7 +185,8 @@ impl<'m> Cast<'m> {
         let movers = |side: usize, pieces: &'_ [Piece<'_>]| -> Option<Vec<(DVec3, f64)>> {
             let ball = |piece: &Piece<'_>| {
                 let (shape, windowed) = (piece.shape(), self.motions.get(side)?);
-                let (center, way) = windowed.ball(&windowed.of(piece.place)?, shape.interior_point(), [0.0, 1.0]);
+                let (center, way) =
+                    windowed.ball(&windowed.piece_motion(piece.place)?, shape.interior_point(), [0.0, 1.0]);
                 Some((center, way + shape.outer_radius()))
             };
             pieces.iter().map(ball).collect()
@@ -217,7 +218,7 @@ impl<'m> Cast<'m> {
         let mut first = None;
         let settings = MotionSettings { max_iterations: SURFACE_QUERIES, ..MotionSettings::default() };
         for tile in surface.tiles() {
-            let motion = self.motions[0].of(tile.place())?;
+            let motion = self.motions[0].piece_motion(tile.place())?;
             for piece in pieces {
                 let (b, cache) = (self.mover(1, piece)?, &mut CompoundCache::new(16));
                 let found = on_sheet!(tile, sheet => {
@@ -234,7 +235,7 @@ impl<'m> Cast<'m> {
     }
 
     fn of_plane(&self, plane: &HalfSpace, pieces: &[Piece<'_>]) -> Option<Option<ShapeCastHit>> {
-        let (mut first, motion) = (None, self.motions[0].of(hullmap::Pose::IDENTITY)?);
+        let (mut first, motion) = (None, self.motions[0].piece_motion(hullmap::Pose::IDENTITY)?);
         for piece in pieces {
             let b = self.mover(1, piece)?;
             let found = plane.cast_motion(&motion, b.shape, &b.motion, &MotionSettings::default());
@@ -299,7 +300,7 @@ impl<'m> Cast<'m> {
         let scaled = |scale: f64| {
             let core = Scaled::new(body.shape, DVec3::splat(scale)).ok()?;
             let place = hullmap::Pose::from_translation(body.shape.interior_point() * (1.0 - scale)).ok()?;
-            let motion = self.motions.get(side)?.of(body.place.compose(place).ok()?)?;
+            let motion = self.motions.get(side)?.piece_motion(body.place.compose(place).ok()?)?;
             Some(cast(&core, &motion))
         };
         CORES.into_iter().filter_map(scaled).find(|found| !self.is_ignored(found))
@@ -334,7 +335,7 @@ impl<'m> Cast<'m> {
             let middle = 0.5 * (window[0] + window[1]);
             let own = 0.5 * (window[1] - window[0]) * of_a.way(place, of_a.center + of_a.linear * middle);
             let turned = 1.0 + of_a.angular.length();
-            let center = motion.at(middle).inverse().transform_point(place);
+            let center = motion.pose_at(middle).inverse().transform_point(place);
             Ball { center, radius: (b.shape.outer_radius() + way) * turned + own, start: window[0] }
         };
         let [_, end] = self.window.map(double);
@@ -362,7 +363,7 @@ impl<'m> Cast<'m> {
         let [of_a, of_b] = self.motions;
         for i in 0..BALLS {
             let t = f64::from(i) / f64::from(BALLS);
-            let (place, placed) = (motion.at(t), b.motion.at(t));
+            let (place, placed) = (motion.pose_at(t), b.motion.pose_at(t));
             let b_in_a = hullmap::Pose::relative(place, placed).ok()?;
             if !plane.intersects(b.shape, b_in_a).is_hit() {
                 let rest = |motion: &NonlinearRigidMotion| {
@@ -370,7 +371,7 @@ impl<'m> Cast<'m> {
                     Windowed::new(motion, [start + (end - start) * t, end])
                 };
                 let [a, own] = [rest(self.of_parry[0])?, rest(&b.motion_of_parry)?];
-                let (a, own) = (a.of(hullmap::Pose::IDENTITY)?, own.of(hullmap::Pose::IDENTITY)?);
+                let (a, own) = (a.piece_motion(hullmap::Pose::IDENTITY)?, own.piece_motion(hullmap::Pose::IDENTITY)?);
                 let found = plane.cast_motion(&a, b.shape, &own, &MotionSettings::default());
                 let later = |time: f64| t + (1.0 - t) * time;
                 let found = TimeOfImpact { t: later(found.t), t_lower: later(found.t_lower), ..found };
@@ -422,7 +423,8 @@ impl<'m> Cast<'m> {
             return None;
         }
         let [start, end] = self.window.map(double);
-        let place = |side: usize| Some(self.motions.get(side)?.of(hullmap::Pose::IDENTITY)?.at(found.t_lower));
+        let place =
+            |side: usize| Some(self.motions.get(side)?.piece_motion(hullmap::Pose::IDENTITY)?.pose_at(found.t_lower));
         let (a, b) = (place(sides[0])?, place(sides[1])?);
         let status = match found.status {
             Status::Overlapping => ShapeCastStatus::PenetratingOrWithinTargetDist,

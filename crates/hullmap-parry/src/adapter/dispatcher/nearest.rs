@@ -19,7 +19,7 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    pub(super) fn of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    pub(super) fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         a: &A,
         b: &B,
         b_in_a: Pose,
@@ -46,5 +46,5 @@ impl Nearest {
 }
 
 pub(super) fn contact_of(pair: &HullPair<'_>, placement: &Placement, settings: &Settings) -> Nearest {
-    on_pair!(*pair, a, b => Nearest::of(a, b, placement.b_in_a, settings, &mut Cache::new()))
+    on_pair!(*pair, a, b => Nearest::find(a, b, placement.b_in_a, settings, &mut Cache::new()))
 }

@@ -21,7 +21,7 @@ pub(super) struct PartDispatcher<'c> {
 
 impl<'c> PartDispatcher<'c> {
     pub(super) fn new(shape1: &'c dyn Shape, shape2: &'c dyn Shape) -> Self {
-        Self { compounds: [shape1, shape2].map(CompoundUnion::of) }
+        Self { compounds: [shape1, shape2].map(CompoundUnion::from_shape) }
     }
 }
 

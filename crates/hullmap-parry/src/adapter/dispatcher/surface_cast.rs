@@ -108,7 +108,7 @@ fn convex_cast(
     if !cast.is_hit(&impact) {
         return None;
     }
-    let contact = cast.is_at_start(&impact).then(|| Nearest::of(a, b, b_in_a, &Settings::default(), cache));
+    let contact = cast.is_at_start(&impact).then(|| Nearest::find(a, b, b_in_a, &Settings::default(), cache));
     Some((impact, contact))
 }
 

@@ -167,7 +167,8 @@ impl SurfaceMemory {
             .iter()
             .map(|union| Tile { union, parts: union.0.triangle_count(), place: union.0.place() })
             .collect();
-        let (joined, settings, of_body) = (Joined::new(&tiles), settings(prediction), CompoundUnion::of(pair.body));
+        let (joined, settings, of_body) =
+            (Joined::new(&tiles), settings(prediction), CompoundUnion::from_shape(pair.body));
         for part in pair.parts() {
             let Some(index) = near.iter().position(|tile| std::ptr::eq(*tile, part.tile)) else { continue };
             let shape = part.piece.shape();

@@ -211,14 +211,14 @@ pub(in super::super) struct TileUnion<'t>(pub(in super::super) &'t SurfaceTile);
 #[cfg(feature = "dispatcher")]
 impl Union for TileUnion<'_> {
     fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
-        on_sheet!(self.0, sheet => seams::of(sheet).any_near(point, reach, test))
+        on_sheet!(self.0, sheet => seams::union_of(sheet).any_near(point, reach, test))
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
-        on_sheet!(self.0, sheet => seams::of(sheet).face_towards(part, dir))
+        on_sheet!(self.0, sheet => seams::union_of(sheet).face_towards(part, dir))
     }
 
     fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
-        on_sheet!(self.0, sheet => seams::of(sheet).faces_near(part, vertex, visit))
+        on_sheet!(self.0, sheet => seams::union_of(sheet).faces_near(part, vertex, visit))
     }
 }

@@ -305,12 +305,12 @@ impl Places<'_> {
     }
 
     /// Place of a candidate in the plane of a group.
-    fn at(&self, group: &Group, index: usize) -> DVec2 {
+    fn place(&self, group: &Group, index: usize) -> DVec2 {
         group.over(self.point(index).point.point_b)
     }
 
     fn spot(&self, group: &Group, index: usize) -> Spot {
-        Spot { at: self.at(group, index), depth: self.point(index).point.depth }
+        Spot { at: self.place(group, index), depth: self.point(index).point.depth }
     }
 
     /// The group `index`, whose hull is appended to `hulls`, and the number of points that it has
@@ -332,11 +332,11 @@ impl Places<'_> {
         let deep = self.point(deepest).point.depth - SAME_DEPTH * self.body.reach;
         let tangents = [across, normal.cross(across)];
         let mut group = Group { index, corners: [hulls.len(), 0], deepest, deep, tangents, ..Group::default() };
-        hull(own, |index| self.at(&group, index), polygon);
-        group.whole = span(polygon, |index| self.at(&group, index));
+        hull(own, |index| self.place(&group, index), polygon);
+        group.whole = span(polygon, |index| self.place(&group, index));
         group.rest = self.rest(&group, own.iter().copied(), polygon);
         let kept = [self.deepest_of(&group, polygon)];
-        reduce(polygon, MAX_BODY_POINTS, &kept, |index| self.at(&group, index));
+        reduce(polygon, MAX_BODY_POINTS, &kept, |index| self.place(&group, index));
         group.corners[1] = polygon.len();
         hulls.extend_from_slice(polygon);
         let wanted = polygon.len() + usize::from(!polygon.contains(&kept[0]));
@@ -433,7 +433,7 @@ impl Places<'_> {
         self.reduce_to(group, most, without, kept);
         // With fewer points than that, several groups support the body.
         let is_wide = most < MAX_BODY_POINTS
-            || span(without, |index| self.at(group, index)).is_at_least(LEAST_AREA, &group.whole);
+            || span(without, |index| self.place(group, index)).is_at_least(LEAST_AREA, &group.whole);
         if is_wide {
             std::mem::swap(corners, without);
         }
@@ -444,7 +444,7 @@ impl Places<'_> {
     /// triangle on which it does.
     fn holds(&self, group: &Group, chosen: [&[usize]; 2]) -> bool {
         let rest = self.rest(group, chosen.into_iter().flatten().copied(), chosen[0]);
-        let below = |index: usize, rest: &Rest| self.point(index).point.depth - rest.depth(self.at(group, index));
+        let below = |index: usize, rest: &Rest| self.point(index).point.depth - rest.depth(self.place(group, index));
         rest.is_some_and(|rest| self.of_group(group.index).all(|index| below(index, &rest) <= self.may_be_left_out()))
     }
 
@@ -454,7 +454,7 @@ impl Places<'_> {
         if beside >= most {
             return corners.clear();
         }
-        reduce(corners, most - beside, kept.indices(), |index| self.at(group, index));
+        reduce(corners, most - beside, kept.indices(), |index| self.place(group, index));
     }
 
     /// The deepest of a few candidates of a group, or of all if these are less deep.
@@ -473,7 +473,7 @@ impl Places<'_> {
         hulls: &[usize],
         [best, last, without]: &'c mut [Vec<usize>; 3],
     ) -> &'c [usize] {
-        let at = |index: usize| self.at(group, index);
+        let at = |index: usize| self.place(group, index);
         let [start, count] = group.corners;
         best.clear();
         best.extend(hulls.iter().skip(start).take(count));

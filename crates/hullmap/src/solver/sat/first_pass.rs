@@ -477,7 +477,7 @@ mod tests {
             let offset = DVec3::from_array(rng.direction()) * distance;
             let pose = Pose::new(a.interior_point() + offset - rotation * b.interior_point(), rotation).unwrap();
             for instructions in [Instructions::Portable, Instructions::Avx2] {
-                if let Some(dispatch) = Dispatch::of(instructions) {
+                if let Some(dispatch) = Dispatch::detect(instructions) {
                     match a.vertex_count().max(b.vertex_count()) {
                         0..=8 => check::<1, 2>([&a, &b], pose, dispatch, &mut seen),
                         9..=16 => check::<2, 4>([&a, &b], pose, dispatch, &mut seen),

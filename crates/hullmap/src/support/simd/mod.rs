@@ -101,7 +101,7 @@ impl Dispatch {
     }
 
     /// The requested instruction set; `None` if this processor lacks it.
-    pub(crate) fn of(instructions: Instructions) -> Option<Self> {
+    pub(crate) fn detect(instructions: Instructions) -> Option<Self> {
         match instructions {
             Instructions::Portable => Some(Self::Portable),
             #[cfg(target_arch = "x86_64")]
@@ -254,7 +254,7 @@ mod tests {
         let less = (0..LANES).filter(|i| *i == 3 || points[0].0[0][*i] < THRESHOLD).map(|i| 1 << i).sum();
         seen[0] += near.len() as u32;
         seen[1] += u32::count_ones(less);
-        for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
+        for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect) {
             let mut all = Operations {
                 points: &points,
                 faces: &faces,
@@ -316,7 +316,7 @@ mod tests {
                 }
                 let flat = values.as_flattened();
                 let expected = (0..flat.len()).fold(0, |best, at| if flat[at] < flat[best] { at } else { best });
-                for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
+                for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect) {
                     assert_eq!(dispatch.argmin(&values), expected, "{:?} {values:?}", dispatch.instructions());
                 }
             }
