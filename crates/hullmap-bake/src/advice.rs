@@ -239,8 +239,8 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
 const BULGE: f64 = 0.01;
 
 /// Note on parts that extend beyond the convex hull of their mesh, by at most the length `outside`;
-/// `None` if it is short. Planes of the mesh's hull bound the parts as far as the number of vertices
-/// allows, so the hull is round there.
+/// `None` if it is short. Planes of the mesh's hull bound the parts as far as the number of
+/// vertices allows, so the hull is round there.
 pub fn bulge(name: &str, outside: f64, diagonal: f64, cover: &Cover) -> Option<Remark> {
     let share = outside / diagonal;
     // Written so that NaN is no remark.

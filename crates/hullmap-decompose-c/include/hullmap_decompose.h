@@ -86,7 +86,8 @@ typedef struct {
     // Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
     // Default: everywhere.
     double reachable;
-    // 1: every point of a closed mesh's solid is in a part, as far as max_parts allows. Default: 0.
+    // 1: every point of a closed mesh's solid is in a part, as far as max_parts allows.
+    // Default: 0.
     uint32_t fill;
 } HullmapDecomposeOptions;
 

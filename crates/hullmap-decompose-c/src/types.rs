@@ -52,7 +52,8 @@ pub struct Options {
     /// Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
     /// Default: everywhere.
     pub reachable: f64,
-    /// 1: every point of a closed mesh's solid is in a part, as far as max_parts allows. Default: 0.
+    /// 1: every point of a closed mesh's solid is in a part, as far as max_parts allows.
+    /// Default: 0.
     pub fill: u32,
 }
 

@@ -37,8 +37,9 @@ pub(crate) fn edge_distance(a: DVec2, b: DVec2) -> f64 {
 }
 
 /// Expands a triangle, counter-clockwise, by the corners that `next` returns for the nearest side,
-/// until it returns `None` or one that is not beyond the side, or the polygon is full. Returns the distance of the origin from the
-/// nearest side, which is negative outside; `None` if all corners coincide.
+/// until it returns `None` or one that is not beyond the side, or the polygon is full. Returns the
+/// distance of the origin from the nearest side, which is negative outside; `None` if all corners
+/// coincide.
 pub(crate) fn expand(corners: [DVec2; 3], mut next: impl FnMut(&Side) -> Option<DVec2>) -> Option<f64> {
     let mut polygon: ArrayVec<DVec2, MAX_CORNERS> = corners.into_iter().collect();
     loop {

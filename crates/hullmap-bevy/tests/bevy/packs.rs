@@ -30,8 +30,8 @@ pub fn cube(half: f32) -> Vec<u8> {
     pack(&[("cube", corners(Vec3::ZERO, Vec3::splat(half)))])
 }
 
-/// A pack with an L of height 1, as two bars that overlap in its corner. The L has a volume of 4, its
-/// bars have volumes of 2 and 3.
+/// A pack with an L of height 1, as two bars that overlap in its corner. The L has a volume of 4,
+/// its bars have volumes of 2 and 3.
 pub fn l() -> Vec<u8> {
     let set = |positions: Vec<[f32; 3]>, triangles| PointSet {
         name: "l".into(),

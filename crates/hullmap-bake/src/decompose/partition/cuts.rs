@@ -320,8 +320,8 @@ pub mod tests {
         }
     }
 
-    /// A gear has cuts in many directions that are as good. Without the extra cost, a slanted one is
-    /// best for 13 teeth.
+    /// A gear has cuts in many directions that are as good. Without the extra cost, a slanted one
+    /// is best for 13 teeth.
     #[test]
     fn cuts_across_an_axis_are_preferred() {
         with_search(&gear(13, 0.4), 0.02, |search, piece| {
