@@ -109,8 +109,8 @@ pub struct Neighbour<'n> {
 
 /// A union of convex parts, as [`weld`] queries it. Points and directions are in its frame.
 ///
-/// Implemented for every compound of this crate, by [`of`]. Implement it for the compounds of an
-/// engine.
+/// Implemented for every compound of this crate, by [`union_of`]. Implement it for the compounds of
+/// an engine.
 pub trait Union {
     /// Whether `test` returns true for a part whose box is within `reach` of `point`. Calls it for
     /// these parts, in any order, until one call returns true. Calling it for more parts does no
