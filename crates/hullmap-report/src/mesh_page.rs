@@ -10,7 +10,12 @@ const PAGE: Page = Page {
     generator: "bake report",
     style: "",
     contents: include_str!("page/mesh.html"),
-    scripts: &[include_str!("page/arrays.js"), include_str!("page/view3d.js"), include_str!("page/mesh.js")],
+    scripts: &[
+        include_str!("page/arrays.js"),
+        include_str!("page/webgl.js"),
+        include_str!("page/view3d.js"),
+        include_str!("page/mesh.js"),
+    ],
 };
 
 /// The page of a triangle mesh. `index` is the link from it to the page of its folder.

@@ -20,6 +20,7 @@ const PAGE: Page = Page {
     contents: include_str!("page/pack.html"),
     scripts: &[
         include_str!("page/arrays.js"),
+        include_str!("page/webgl.js"),
         include_str!("page/view3d.js"),
         include_str!("page/gauss.js"),
         include_str!("page/elements.js"),

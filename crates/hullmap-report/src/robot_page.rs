@@ -23,6 +23,7 @@ const PAGE: Page = Page {
     contents: include_str!("page/robot.html"),
     scripts: &[
         include_str!("page/arrays.js"),
+        include_str!("page/webgl.js"),
         include_str!("page/view3d.js"),
         include_str!("page/elements.js"),
         include_str!("page/chain.js"),

@@ -32,6 +32,7 @@ const script = [
   shared("faults.js"),
   shared("arrays.js"),
   shared("gauss.js"),
+  shared("webgl.js"),
   ...["samples.js", "view.js", "motion.js", "baker.js", "page.js", "level.js"].map((name) => text(`page/${name}`)),
 ].join("\n");
 const wasm = readFileSync(new URL("dist/page/hullmap_bg.wasm", here)).toString("base64");

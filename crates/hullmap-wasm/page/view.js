@@ -139,139 +139,111 @@ const SHADERS = {
   ],
 };
 
-/** A canvas that draws meshes; null where there is no WebGL2. */
-function openView(canvas) {
-  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: true });
-  if (!gl) return null;
-  const program = ([vertex, fragment]) => {
-    const made = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-      gl.attachShader(made, shader);
-    }
-    gl.bindAttribLocation(made, 0, "corner");
-    gl.linkProgram(made);
-    const places = new Map();
-    return {
-      made,
-      at(name) {
-        if (!places.has(name)) places.set(name, gl.getUniformLocation(made, name));
-        return places.get(name);
-      },
-    };
-  };
-  const solid = program(SHADERS.triangles), thin = program(SHADERS.lines);
-  gl.enable(gl.DEPTH_TEST);
-  gl.enable(gl.BLEND);
-  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  gl.polygonOffset(1, 2);
-  gl.enableVertexAttribArray(0);
+/** A canvas that draws meshes. */
+class View extends Surface {
+  constructor(canvas, gl) {
+    super(canvas, gl);
+    gl.polygonOffset(1, 2);
+    this.triangleProgram = new Program(gl, SHADERS.triangles);
+    this.lineProgram = new Program(gl, SHADERS.lines);
+    // Buffers of each mesh, and one for what changes with every frame.
+    this.uploads = new Map();
+    this.scratch = gl.createBuffer();
+    this.camera = null;
+  }
 
-  const known = new Map();
-  const buffer = (kind, data) => {
-    const made = gl.createBuffer();
-    gl.bindBuffer(kind, made);
-    gl.bufferData(kind, data, gl.STATIC_DRAW);
-    return made;
-  };
-  const uploaded = (mesh) => {
-    if (!known.has(mesh)) {
-      known.set(mesh, {
-        points: buffer(gl.ARRAY_BUFFER, mesh.points),
-        triangles: mesh.triangles && buffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles),
-        edges: mesh.edges && buffer(gl.ELEMENT_ARRAY_BUFFER, mesh.edges),
+  /** Clears the picture, which is then seen by this camera. */
+  begin(camera) {
+    this.camera = camera;
+    this.clear();
+  }
+
+  /**
+   * Translucent triangles show their front sides only, and hide nothing. Opaque ones are moved back
+   * a little: the faces of a hull lie in the faces of its mesh, and would show through in patches.
+   */
+  triangles(mesh, look) {
+    if (!mesh.triangles.length) return;
+    const { gl } = this, upload = this.uploaded(mesh), isClear = (look.opacity ?? 1) < 1;
+    this.use(this.triangleProgram, look);
+    this.bindCorners(upload.points);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, upload.triangles);
+    gl.depthMask(!isClear);
+    gl.enable(isClear ? gl.CULL_FACE : gl.POLYGON_OFFSET_FILL);
+    gl.drawElements(gl.TRIANGLES, mesh.triangles.length, gl.UNSIGNED_INT, 0);
+    gl.disable(isClear ? gl.CULL_FACE : gl.POLYGON_OFFSET_FILL);
+    gl.depthMask(true);
+  }
+
+  edges(mesh, look) {
+    if (!mesh.edges.length) return;
+    const { gl } = this, upload = this.uploaded(mesh);
+    this.useLines(look);
+    this.bindCorners(upload.points);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, upload.edges);
+    gl.drawElements(gl.LINES, mesh.edges.length, gl.UNSIGNED_INT, 0);
+  }
+
+  cloud(mesh, look) {
+    this.useLines(look);
+    this.bindCorners(this.uploaded(mesh).points);
+    this.gl.drawArrays(this.gl.POINTS, 0, mesh.points.length / 3);
+  }
+
+  /** Points or lines that change with every frame. */
+  loose(kind, points, look) {
+    if (!points.length) return;
+    const { gl } = this;
+    this.useLines(look);
+    this.bindCorners(this.scratch);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points.flat()), gl.STREAM_DRAW);
+    gl.drawArrays(kind === "lines" ? gl.LINES : gl.POINTS, 0, points.length);
+  }
+
+  /** Deletes the buffers of a mesh. */
+  forget(mesh) {
+    for (const buffer of Object.values(this.uploads.get(mesh) || {})) if (buffer) this.gl.deleteBuffer(buffer);
+    this.uploads.delete(mesh);
+  }
+
+  /** Waits until everything is drawn, for measurements. */
+  finish() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
+  /** Buffers of a mesh. */
+  uploaded(mesh) {
+    if (!this.uploads.has(mesh)) {
+      this.uploads.set(mesh, {
+        points: this.corners(mesh.points),
+        triangles: mesh.triangles && this.indices(mesh.triangles),
+        edges: mesh.edges && this.indices(mesh.edges),
       });
     }
-    return known.get(mesh);
-  };
-  const scratch = gl.createBuffer();
-  let camera;
-  const use = (of, { model = IDENTITY, colour, opacity = 1 }) => {
-    gl.useProgram(of.made);
-    gl.uniformMatrix4fv(of.at("model"), false, model);
-    gl.uniformMatrix4fv(of.at("toView"), false, camera.toView);
-    gl.uniformMatrix4fv(of.at("toClip"), false, camera.toClip(canvas.width / canvas.height));
-    gl.uniform3f(of.at("colour"), ...colour.map((c) => c / 255));
-    gl.uniform1f(of.at("opacity"), opacity);
-  };
-  const thinly = (look) => {
-    use(thin, look);
-    gl.uniform1f(thin.at("forward"), look.forward ?? 0.0004);
-    gl.uniform1f(thin.at("size"), (look.size ?? 1) * Math.max(1, devicePixelRatio || 1));
-    gl.uniform1i(thin.at("round"), look.size ? 1 : 0);
-  };
-  const corners = (made) => {
-    gl.bindBuffer(gl.ARRAY_BUFFER, made);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-  };
+    return this.uploads.get(mesh);
+  }
 
-  return {
-    canvas,
-    begin(seen) {
-      camera = seen;
-      const scale = Math.min(devicePixelRatio || 1, 2);
-      const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * scale)));
-      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-      gl.viewport(0, 0, width, height);
-      gl.clearColor(0, 0, 0, 0);
-      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    },
-    /**
-     * Translucent triangles show their front sides only, and hide nothing. Opaque ones are moved back a
-     * little: the faces of a hull lie in the faces of its mesh, and would show through in patches.
-     */
-    triangles(mesh, look) {
-      if (!mesh.triangles.length) return;
-      const made = uploaded(mesh), isClear = (look.opacity ?? 1) < 1;
-      use(solid, look);
-      corners(made.points);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.triangles);
-      gl.depthMask(!isClear);
-      gl.enable(isClear ? gl.CULL_FACE : gl.POLYGON_OFFSET_FILL);
-      gl.drawElements(gl.TRIANGLES, mesh.triangles.length, gl.UNSIGNED_INT, 0);
-      gl.disable(isClear ? gl.CULL_FACE : gl.POLYGON_OFFSET_FILL);
-      gl.depthMask(true);
-    },
-    edges(mesh, look) {
-      if (!mesh.edges.length) return;
-      const made = uploaded(mesh);
-      thinly(look);
-      corners(made.points);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.edges);
-      gl.drawElements(gl.LINES, mesh.edges.length, gl.UNSIGNED_INT, 0);
-    },
-    cloud(mesh, look) {
-      thinly(look);
-      corners(uploaded(mesh).points);
-      gl.drawArrays(gl.POINTS, 0, mesh.points.length / 3);
-    },
-    /** Points or lines that change with every frame. */
-    loose(kind, points, look) {
-      if (!points.length) return;
-      thinly(look);
-      gl.bindBuffer(gl.ARRAY_BUFFER, scratch);
-      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points.flat()), gl.STREAM_DRAW);
-      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-      gl.drawArrays(kind === "lines" ? gl.LINES : gl.POINTS, 0, points.length);
-    },
-    forget(mesh) {
-      for (const made of Object.values(known.get(mesh) || {})) if (made) gl.deleteBuffer(made);
-      known.delete(mesh);
-    },
-    /** Waits until everything is drawn, for measurements. */
-    finish() {
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    },
-    /** Share of the pixels that anything was drawn on. */
-    share() {
-      const pixels = new Uint8Array(4 * canvas.width * canvas.height);
-      gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-      let drawn = 0;
-      for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0 ? 1 : 0;
-      return (4 * drawn) / pixels.length;
-    },
-  };
+  use(program, { model = IDENTITY, colour, opacity = 1 }) {
+    const { gl, camera } = this;
+    program.use();
+    gl.uniformMatrix4fv(program.at("model"), false, model);
+    gl.uniformMatrix4fv(program.at("toView"), false, camera.toView);
+    gl.uniformMatrix4fv(program.at("toClip"), false, camera.toClip(this.aspect));
+    gl.uniform3f(program.at("colour"), ...colour.map((c) => c / 255));
+    gl.uniform1f(program.at("opacity"), opacity);
+  }
+
+  useLines(look) {
+    const { gl, lineProgram } = this;
+    this.use(lineProgram, look);
+    gl.uniform1f(lineProgram.at("forward"), look.forward ?? 0.0004);
+    gl.uniform1f(lineProgram.at("size"), (look.size ?? 1) * Math.max(1, devicePixelRatio || 1));
+    gl.uniform1i(lineProgram.at("round"), look.size ? 1 : 0);
+  }
+}
+
+/** Null where there is no WebGL2. */
+function openView(canvas) {
+  const gl = Surface.context(canvas);
+  return gl && new View(canvas, gl);
 }

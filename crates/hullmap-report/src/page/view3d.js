@@ -33,143 +33,128 @@ const LINE_SHADER = [
   }`,
 ];
 
-/** A canvas that draws layers of triangles, lines and dots; nothing where there is no WebGL. */
-function openView(canvas) {
-  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: true });
-  if (!gl) return null;
-  const program = ([vertex, fragment]) => {
-    const made = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-      gl.attachShader(made, shader);
-    }
-    gl.bindAttribLocation(made, 0, "corner");
-    gl.bindAttribLocation(made, 1, "tint");
-    gl.linkProgram(made);
-    return { made, at: (name) => gl.getUniformLocation(made, name) };
-  };
-  const solid = program(TRIANGLE_SHADER), thin = program(LINE_SHADER);
-  gl.enable(gl.DEPTH_TEST);
-  gl.enable(gl.BLEND);
-  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+/** A canvas that draws layers of triangles, lines and dots. */
+class View extends Surface {
+  constructor(canvas, gl) {
+    super(canvas, gl);
+    this.triangleProgram = new Program(gl, TRIANGLE_SHADER);
+    this.lineProgram = new Program(gl, LINE_SHADER);
+    // Buffers of each shape.
+    this.uploads = new Map();
+  }
 
-  const buffer = (kind, data) => {
-    const made = gl.createBuffer();
-    gl.bindBuffer(kind, made);
-    gl.bufferData(kind, data, gl.STATIC_DRAW);
-    return made;
-  };
-  let known = new Map();
-  const uploaded = (shape) => {
-    if (!known.has(shape)) {
-      known.set(shape, {
-        points: buffer(gl.ARRAY_BUFFER, shape.points),
-        triangles: buffer(gl.ELEMENT_ARRAY_BUFFER, shape.triangles),
-        edges: buffer(gl.ELEMENT_ARRAY_BUFFER, shape.edges),
+  begin() {
+    this.clear();
+  }
+
+  triangles(shape, camera, colour) {
+    const { gl, triangleProgram } = this, upload = this.uploaded(shape);
+    this.use(triangleProgram, camera);
+    gl.uniform3f(triangleProgram.at("colour"), ...colour.map((c) => c / 255));
+    this.bindCorners(upload.points);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, upload.triangles);
+    gl.drawElements(gl.TRIANGLES, shape.triangles.length, gl.UNSIGNED_SHORT, 0);
+  }
+
+  edges(shape, camera, look) {
+    const { gl } = this, upload = this.uploaded(shape);
+    this.useLines(camera, look);
+    this.bindCorners(upload.points);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, upload.edges);
+    gl.drawElements(gl.LINES, shape.edges.length, gl.UNSIGNED_SHORT, 0);
+  }
+
+  /** The corners of a shape. Without a colour, each has its own. */
+  dots(shape, camera, look) {
+    const upload = this.uploaded(shape);
+    this.useLines(camera, { round: true, forward: 0.0012, ...look });
+    this.bindCorners(upload.points);
+    if (!look.colour) {
+      upload.tints ||= this.corners(tintsOf(shape));
+      this.bindTints(upload.tints);
+    }
+    this.gl.drawArrays(this.gl.POINTS, 0, shape.points.length / 3);
+  }
+
+  /** A dot that nothing hides. */
+  spot(camera, at, colour) {
+    const { gl } = this, point = this.corners(new Float32Array(at));
+    this.useLines(camera, { colour, forward: 0.5, size: 11, round: true });
+    this.bindCorners(point);
+    gl.drawArrays(gl.POINTS, 0, 1);
+    gl.deleteBuffer(point);
+  }
+
+  /** A ray with a dot: a direction and its support vertex. */
+  mark(camera, from, to, vertex, colour) {
+    const { gl } = this, points = this.corners(new Float32Array([...from, ...to, ...vertex]));
+    this.useLines(camera, { colour, forward: 0.002 });
+    this.bindCorners(points);
+    gl.drawArrays(gl.LINES, 0, 2);
+    this.useLines(camera, { colour, forward: 0.5, size: 9, round: true });
+    gl.drawArrays(gl.POINTS, 2, 1);
+    gl.deleteBuffer(points);
+  }
+
+  /** Deletes the buffers of all shapes. */
+  forget() {
+    for (const upload of this.uploads.values()) {
+      for (const buffer of Object.values(upload)) if (buffer) this.gl.deleteBuffer(buffer);
+    }
+    this.uploads.clear();
+  }
+
+  /** Buffers of a shape. */
+  uploaded(shape) {
+    if (!this.uploads.has(shape)) {
+      this.uploads.set(shape, {
+        points: this.corners(shape.points),
+        triangles: this.indices(shape.triangles),
+        edges: this.indices(shape.edges),
         tints: null,
       });
     }
-    return known.get(shape);
-  };
-  const bindCorners = (made) => {
-    gl.bindBuffer(gl.ARRAY_BUFFER, made);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-  };
-  const set = (of, camera) => {
-    gl.useProgram(of.made);
-    gl.uniformMatrix4fv(of.at("toView"), false, camera.toView);
-    gl.uniformMatrix4fv(of.at("toClip"), false, camera.toClip(canvas.width / canvas.height));
-  };
-  const thinly = (camera, { colour, opacity = 1, forward = 0.0006, size = 1, round = false }) => {
-    set(thin, camera);
-    gl.uniform1f(thin.at("forward"), forward);
-    gl.uniform1f(thin.at("dot_size"), size * Math.max(1, devicePixelRatio));
-    gl.uniform1f(thin.at("opacity"), opacity);
-    gl.uniform1i(thin.at("round"), round ? 1 : 0);
+    return this.uploads.get(shape);
+  }
+
+  use(program, camera) {
+    program.use();
+    this.gl.uniformMatrix4fv(program.at("toView"), false, camera.toView);
+    this.gl.uniformMatrix4fv(program.at("toClip"), false, camera.toClip(this.aspect));
+  }
+
+  useLines(camera, { colour, opacity = 1, forward = 0.0006, size = 1, round = false }) {
+    const { gl, lineProgram } = this;
+    this.use(lineProgram, camera);
+    gl.uniform1f(lineProgram.at("forward"), forward);
+    gl.uniform1f(lineProgram.at("dot_size"), size * Math.max(1, devicePixelRatio));
+    gl.uniform1f(lineProgram.at("opacity"), opacity);
+    gl.uniform1i(lineProgram.at("round"), round ? 1 : 0);
     if (colour) {
       gl.disableVertexAttribArray(1);
       gl.vertexAttrib3f(1, ...colour.map((c) => c / 255));
     }
-  };
+  }
 
-  return {
-    canvas,
-    forget() {
-      for (const made of known.values()) {
-        for (const one of Object.values(made)) if (one) gl.deleteBuffer(one);
-      }
-      known = new Map();
-    },
-    begin() {
-      const scale = Math.min(devicePixelRatio || 1, 2);
-      const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * scale)));
-      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-      gl.viewport(0, 0, width, height);
-      gl.clearColor(0, 0, 0, 0);
-      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    },
-    triangles(shape, camera, colour) {
-      const made = uploaded(shape);
-      set(solid, camera);
-      gl.uniform3f(solid.at("colour"), ...colour.map((c) => c / 255));
-      bindCorners(made.points);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.triangles);
-      gl.drawElements(gl.TRIANGLES, shape.triangles.length, gl.UNSIGNED_SHORT, 0);
-    },
-    edges(shape, camera, look) {
-      const made = uploaded(shape);
-      thinly(camera, look);
-      bindCorners(made.points);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.edges);
-      gl.drawElements(gl.LINES, shape.edges.length, gl.UNSIGNED_SHORT, 0);
-    },
-    dots(shape, camera, look) {
-      const made = uploaded(shape);
-      thinly(camera, { round: true, forward: 0.0012, ...look });
-      bindCorners(made.points);
-      if (!look.colour) {
-        if (!made.tints) {
-          const tints = new Uint8Array(shape.points.length);
-          for (let at = 0; 3 * at < tints.length; at++) tints.set(colourOf(shape.number(at)), 3 * at);
-          made.tints = buffer(gl.ARRAY_BUFFER, tints);
-        }
-        gl.bindBuffer(gl.ARRAY_BUFFER, made.tints);
-        gl.enableVertexAttribArray(1);
-        gl.vertexAttribPointer(1, 3, gl.UNSIGNED_BYTE, true, 0, 0);
-      }
-      gl.drawArrays(gl.POINTS, 0, shape.points.length / 3);
-    },
-    /** A dot that nothing hides. */
-    spot(camera, at, colour) {
-      const made = buffer(gl.ARRAY_BUFFER, new Float32Array(at));
-      thinly(camera, { colour, forward: 0.5, size: 11, round: true });
-      bindCorners(made);
-      gl.drawArrays(gl.POINTS, 0, 1);
-      gl.deleteBuffer(made);
-    },
-    /** A ray with a dot: a direction and its support vertex. */
-    mark(camera, from, to, vertex, colour) {
-      const made = buffer(gl.ARRAY_BUFFER, new Float32Array([...from, ...to, ...vertex]));
-      thinly(camera, { colour, forward: 0.002 });
-      bindCorners(made);
-      gl.drawArrays(gl.LINES, 0, 2);
-      thinly(camera, { colour, forward: 0.5, size: 9, round: true });
-      gl.drawArrays(gl.POINTS, 2, 1);
-      gl.deleteBuffer(made);
-    },
-    /** Share of the pixels that anything was drawn on. */
-    share() {
-      const pixels = new Uint8Array(4 * canvas.width * canvas.height);
-      gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-      let drawn = 0;
-      for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0 ? 1 : 0;
-      return (4 * drawn) / pixels.length;
-    },
-  };
+  bindTints(buffer) {
+    const { gl } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(1);
+    gl.vertexAttribPointer(1, 3, gl.UNSIGNED_BYTE, true, 0, 0);
+  }
+}
+
+/** A colour for each vertex of a shape. */
+function tintsOf(shape) {
+  const tints = new Uint8Array(shape.points.length);
+  for (let at = 0; 3 * at < tints.length; at++) tints.set(colourOf(shape.number(at)), 3 * at);
+  return tints;
+}
+
+/** Null where there is no WebGL2. */
+function openView(canvas) {
+  const gl = Surface.context(canvas);
+  return gl && new View(canvas, gl);
 }
 
 /** Where the viewer stands. Angles in radians; `zoom` 1 shows the whole. */
