@@ -223,6 +223,7 @@ mod conversions {
                 point_b: answer.point_b,
                 iterations: answer.steps,
                 support_calls: answer.steps,
+                ..Self::default()
             })
         }
     }
@@ -247,6 +248,7 @@ mod conversions {
                 point_b: answer.point_b,
                 iterations: answer.steps,
                 support_calls: answer.steps,
+                ..Self::default()
             })
         }
     }
