@@ -118,136 +118,182 @@ fn open_horizon(w: vec3f, apex: u32, faces: u32, error: f32) -> vec2u {
     return vec2u(face_count, pending);
 }
 
+// State of the search. The polytope is in `cells`.
+struct EpaSearch {
+    out: Answer,
+    corner_count: u32,
+    face_count: u32,
+    // Triangles that become faces in the next step.
+    pending: u32,
+    // Direction of the next support call.
+    dir: vec3f,
+    // Height of the lowest face.
+    height: f32,
+    // The lowest face so far, of a closed surface with certain volumes, and its height. 0 for none.
+    lowest_face: u32,
+    lowest_height: f32,
+    depth_upper: f32,
+    depth_lower: f32,
+    // Whether the search still collects support points along the axes.
+    axes: bool,
+}
+
 fn epa(index: u32) {
     let pair = pairs[index];
-    var out = answers[index];
-    fuel = MAX_READS - out.reads;
-    let error = pair.rounding;
-    var depth_upper = progress[index].depth_upper;
-    var depth_lower = progress[index].depth_lower;
-    var dir = axis_direction(0u);
-    var corner_count = 0u;
-    var face_count = 0u;
-    var pending = 0u;
-    var height = 0.0;
-    // The lowest face so far, of a closed surface with certain volumes.
-    var lowest_face = 0u;
-    var lowest_height = 0.0;
-    var axes = out.status == AXES;
-    if !axes {
+    var search = start(index);
+    while search.out.status == RUNNING {
+        expand(&search, pair);
+    }
+    find_witness(&search, pair.rounding);
+    answers[index] = finish(&search, pair.rounding);
+}
+
+// Step 1.
+fn start(index: u32) -> EpaSearch {
+    var search: EpaSearch;
+    search.out = answers[index];
+    fuel = MAX_READS - search.out.reads;
+    search.depth_upper = progress[index].depth_upper;
+    search.depth_lower = progress[index].depth_lower;
+    search.dir = axis_direction(0u);
+    search.axes = search.out.status == AXES;
+    if !search.axes {
         for (var corner = 0u; corner < 4u; corner++) {
             let from_corner = progress[index].simplex[corner];
             let ijk = face_of(corner);
             cells[cell(corner)] = Cell(from_corner.w, triangle(ijk.x, ijk.y, ijk.z), from_corner.offset, 0.0);
         }
-        corner_count = 4u;
-        pending = 4u;
+        search.corner_count = 4u;
+        search.pending = 4u;
     }
-    out.status = RUNNING;
-    loop {
-        if pending > 0u {
-            for (var at = 0u; at < pending; at++) {
-                add_face(face_count + at, cells[cell(at)].word);
-            }
-            face_count += pending;
-            pending = 0u;
-            var lowest = 0u;
-            height = -LOWEST;
-            for (var face = 0u; face < face_count; face++) {
-                let found = cells[cell(MAX_VERTICES + face)].height;
-                if found < height {
-                    lowest = face;
-                    height = found;
-                }
-            }
-            // NaN takes the failing branch.
-            if !(height > 0.0) {
-                out.status = STALLED;
-                break;
-            }
-            if height - error > depth_lower {
-                depth_lower = height - error;
-            }
-            lowest_face = cells[cell(MAX_VERTICES + lowest)].word;
-            lowest_height = height;
-            dir = cells[cell(MAX_VERTICES + lowest)].first;
-        }
-        if out.steps >= parameters.max_steps {
-            out.status = BUDGET;
-            break;
-        }
-        out.steps += 1u;
-        let reached = reach(pair, dir);
-        if !reached.is_certain {
-            out.status = BUDGET;
-            break;
-        }
-        let w = reached.corner.w;
-        let along = dot_of(w, dir);
-        if along < depth_upper {
-            depth_upper = along;
-            out.normal = dir;
-        }
-        if -depth_upper > error {
-            out.status = SEPARATED;
-            break;
-        }
-        if !axes {
-            if depth_upper - height <= parameters.tolerance * depth_upper + 2.0 * error {
-                out.status = OVERLAPPING;
-                break;
-            }
-            if corner_count == MAX_VERTICES {
-                out.status = BUDGET;
-                break;
-            }
-            var known = false;
-            for (var corner = 0u; corner < corner_count; corner++) {
-                if all(cells[cell(corner)].first == w) {
-                    known = true;
-                }
-            }
-            if known {
-                out.status = STALLED;
-                break;
-            }
-        }
-        let apex = corner_count;
-        cells[cell(apex)] = Cell(w, 0u, reached.corner.offset, 0.0);
-        corner_count += 1u;
-        if axes {
-            if corner_count < 6u {
-                dir = axis_direction(corner_count);
-                continue;
-            }
-            axes = false;
-            pending = 8u;
-            for (var face = 0u; face < 8u; face++) {
-                let i = face & 1u;
-                var j = 2u + ((face >> 1u) & 1u);
-                var k = 4u + (face >> 2u);
-                if ((face ^ (face >> 1u) ^ (face >> 2u)) & 1u) != 0u {
-                    let other = j;
-                    j = k;
-                    k = other;
-                }
-                cells[cell(face)].word = triangle(i, j, k);
-            }
-            continue;
-        }
-        let left = open_horizon(w, apex, face_count, error);
-        face_count = left.x;
-        pending = left.y;
-        if pending == 0u {
-            out.status = STALLED;
-            break;
+    search.out.status = RUNNING;
+    return search;
+}
+
+// Steps 2 to 4. The search ends if its status is no longer RUNNING.
+fn expand(search: ptr<function, EpaSearch>, pair: PairRecord) {
+    let error = pair.rounding;
+    if search.pending > 0u && !add_faces(search, error) {
+        return;
+    }
+    if search.out.steps >= parameters.max_steps {
+        search.out.status = BUDGET;
+        return;
+    }
+    search.out.steps += 1u;
+    let reached = reach(pair, search.dir);
+    if !reached.is_certain {
+        search.out.status = BUDGET;
+        return;
+    }
+    let w = reached.corner.w;
+    if !bound_depth(search, w, error) {
+        return;
+    }
+    let apex = search.corner_count;
+    cells[cell(apex)] = Cell(w, 0u, reached.corner.offset, 0.0);
+    search.corner_count += 1u;
+    if search.axes {
+        turn_to_next_axis(search);
+        return;
+    }
+    let left = open_horizon(w, apex, search.face_count, error);
+    search.face_count = left.x;
+    search.pending = left.y;
+    if search.pending == 0u {
+        search.out.status = STALLED;
+    }
+}
+
+// Step 2: the pending triangles become faces. Returns false if the search has ended.
+fn add_faces(search: ptr<function, EpaSearch>, error: f32) -> bool {
+    for (var at = 0u; at < search.pending; at++) {
+        add_face(search.face_count + at, cells[cell(at)].word);
+    }
+    search.face_count += search.pending;
+    search.pending = 0u;
+    var lowest = 0u;
+    search.height = -LOWEST;
+    for (var face = 0u; face < search.face_count; face++) {
+        let found = cells[cell(MAX_VERTICES + face)].height;
+        if found < search.height {
+            lowest = face;
+            search.height = found;
         }
     }
-    // The closest point of the lowest face, and of those as low: a facet has several triangles.
-    let limit = lowest_height + (parameters.tolerance * depth_upper + 2.0 * error);
+    // NaN takes the failing branch.
+    if !(search.height > 0.0) {
+        search.out.status = STALLED;
+        return false;
+    }
+    if search.height - error > search.depth_lower {
+        search.depth_lower = search.height - error;
+    }
+    search.lowest_face = cells[cell(MAX_VERTICES + lowest)].word;
+    search.lowest_height = search.height;
+    search.dir = cells[cell(MAX_VERTICES + lowest)].first;
+    return true;
+}
+
+// Step 3: the plane at the support point w bounds the depth from above. Returns false if the search
+// has ended.
+fn bound_depth(search: ptr<function, EpaSearch>, w: vec3f, error: f32) -> bool {
+    let along = dot_of(w, search.dir);
+    if along < search.depth_upper {
+        search.depth_upper = along;
+        search.out.normal = search.dir;
+    }
+    if -search.depth_upper > error {
+        search.out.status = SEPARATED;
+    } else if !search.axes {
+        if search.depth_upper - search.height <= parameters.tolerance * search.depth_upper + 2.0 * error {
+            search.out.status = OVERLAPPING;
+        } else if search.corner_count == MAX_VERTICES {
+            search.out.status = BUDGET;
+        } else if is_corner(w, search.corner_count) {
+            search.out.status = STALLED;
+        }
+    }
+    return search.out.status == RUNNING;
+}
+
+fn is_corner(w: vec3f, corner_count: u32) -> bool {
+    var known = false;
+    for (var corner = 0u; corner < corner_count; corner++) {
+        if all(cells[cell(corner)].first == w) {
+            known = true;
+        }
+    }
+    return known;
+}
+
+// The next support point along the axes, or the octahedron of all six.
+fn turn_to_next_axis(search: ptr<function, EpaSearch>) {
+    if search.corner_count < 6u {
+        search.dir = axis_direction(search.corner_count);
+        return;
+    }
+    search.axes = false;
+    search.pending = 8u;
+    for (var face = 0u; face < 8u; face++) {
+        let i = face & 1u;
+        var j = 2u + ((face >> 1u) & 1u);
+        var k = 4u + (face >> 2u);
+        if ((face ^ (face >> 1u) ^ (face >> 2u)) & 1u) != 0u {
+            let other = j;
+            j = k;
+            k = other;
+        }
+        cells[cell(face)].word = triangle(i, j, k);
+    }
+}
+
+// Step 5: the closest point of the lowest face, and of those as low. A facet has several triangles.
+fn find_witness(search: ptr<function, EpaSearch>, error: f32) {
+    let limit = search.lowest_height + (parameters.tolerance * search.depth_upper + 2.0 * error);
     var square = -LOWEST;
-    for (var at = 0u; lowest_face != 0u && at <= face_count; at++) {
-        var word = lowest_face;
+    for (var at = 0u; search.lowest_face != 0u && at <= search.face_count; at++) {
+        var word = search.lowest_face;
         if at > 0u {
             let found = cells[cell(MAX_VERTICES + at - 1u)].height;
             if !(found > 0.0 && found <= limit) {
@@ -262,30 +308,38 @@ fn epa(index: u32) {
         let closest = on_triangle(0u, 1u, 2u);
         if closest.square < square {
             square = closest.square;
-            out.between = closest.y;
-            out.offset = vec3f();
+            search.out.between = closest.y;
+            search.out.offset = vec3f();
             for (var corner = 0u; corner < 3u; corner++) {
-                out.offset = simplex[corner].offset * closest.weights[corner] + out.offset;
+                search.out.offset = simplex[corner].offset * closest.weights[corner] + search.out.offset;
             }
         }
     }
-    out.lower = depth_lower;
+}
+
+// The answer, with its bounds widened by the rounding error.
+fn finish(search: ptr<function, EpaSearch>, error: f32) -> Answer {
+    var out = search.out;
+    out.lower = search.depth_lower;
     out.upper = 0.0;
-    if depth_upper + error > 0.0 {
-        out.upper = depth_upper + error;
+    if search.depth_upper + error > 0.0 {
+        out.upper = search.depth_upper + error;
     }
     if out.status == SEPARATED {
         out.lower = 0.0;
         out.upper = 0.0;
-    } else if !(depth_lower > 0.0) && out.status != BUDGET {
+    } else if !(search.depth_lower > 0.0) && out.status != BUDGET {
         out.status = OPEN;
     }
     out.reads = MAX_READS - fuel;
     if loops_end_early() {
-        let before = out.gjk_steps;
-        out = Answer(vec3f(1.0, 0.0, 0.0), 0.0, vec3f(), -LOWEST, vec3f(), BUDGET, out.steps, out.reads, before, 0u);
+        let before = out;
+        out = no_answer(BUDGET);
+        out.steps = before.steps;
+        out.reads = before.reads;
+        out.gjk_steps = before.gjk_steps;
     }
-    answers[index] = out;
+    return out;
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -38,273 +38,389 @@ fn restore(pair: PairRecord, state: State) -> u32 {
     return size;
 }
 
+// State of the search. Its corners are in `simplex`.
+struct GjkSearch {
+    // INTERSECTS, DISTANCE or CONTACT.
+    query: u32,
+    out: Answer,
+    size: u32,
+    // Direction of the next support call.
+    dir: vec3f,
+    // Bounds of the distance.
+    upper: f32,
+    lower: f32,
+    // Square of the upper bound.
+    square: f32,
+    // Whether the search continues across a face of a tetrahedron that may hold the origin.
+    outward: bool,
+    // Bounds of the depth.
+    depth_upper: f32,
+    depth_lower: f32,
+}
+
+// The point of the simplex closest to the origin, and where the origin is in a tetrahedron.
+struct Nearest {
+    closest: Closest,
+    // Whether the simplex is a tetrahedron that holds the origin.
+    inside: bool,
+    // Whether it holds the origin by more than the rounding error.
+    certain: bool,
+    // The face closest to the origin.
+    through: u32,
+    // The faces are oriented alike, outwards by this factor.
+    outwards: f32,
+}
+
+// A face of the tetrahedron. Lengths are in lengths of the normal.
+struct FaceInFront {
+    // Whether the origin is certainly behind the face.
+    is_certain: bool,
+    normal: vec3f,
+    height: f32,
+    // Height of the lowest corner.
+    lowest: f32,
+}
+
 fn gjk(index: u32) {
     let pair = pairs[index];
-    var out = Answer(vec3f(1.0, 0.0, 0.0), 0.0, vec3f(), -LOWEST, vec3f(), REJECTED, 0u, 0u, 0u, 0u);
     if pair.a == NO_INDEX {
-        answers[index] = out;
+        answers[index] = no_answer(REJECTED);
         return;
     }
-    fuel = MAX_READS;
-    let center = center_of(pair);
-    let error = pair.rounding;
-    let query = parameters.query;
-    let center_square = dot_of(center, center);
-    let far = sqrt(center_square);
-    var upper = far;
-    var lower = far - (hulls[pair.a].outer + hulls[pair.b].outer) * pair.scale;
-    var dir = vec3f(1.0, 0.0, 0.0);
-    if far > 0.0 {
-        dir = center * -(1.0 / far);
-    }
-    var size = 0u;
-    var square = -LOWEST;
-    var outward = false;
-    var depth_upper = -lower;
-    var depth_lower = 0.0;
-    // Whether the simplex comes from the last batch. Its closest point is then computed first.
-    var restored = false;
+    var search: GjkSearch;
     if (parameters.flags & FIRST) != 0u {
-        out.normal = dir;
-        out.between = center;
-        out.status = RUNNING;
-        let deep = (hulls[pair.a].inner + hulls[pair.b].inner) * pair.scale - far;
-        if deep > error {
-            depth_lower = deep - error;
-        }
-        if query != CONTACT && deep > error {
-            out.status = OVERLAPPING;
-        } else if query != DISTANCE && lower > error {
-            out.status = SEPARATED;
-        }
+        search = start(pair);
         if (parameters.flags & WARM) != 0u {
-            size = restore(pair, states[index]);
-            restored = size > 0u;
-        }
-        if size == 0u {
-            simplex[0] = Corner(center, CENTER, vec3f(), CENTER);
-            size = 1u;
-            square = center_square;
+            search.size = restore(pair, states[index]);
         }
     } else {
-        out = answers[index];
-        fuel = MAX_READS - out.reads;
-        for (var corner = 0u; corner < 4u; corner++) {
-            simplex[corner] = progress[index].simplex[corner];
-        }
-        dir = progress[index].dir;
-        square = progress[index].square;
-        upper = progress[index].upper;
-        lower = progress[index].lower;
-        depth_upper = progress[index].depth_upper;
-        depth_lower = progress[index].depth_lower;
-        size = progress[index].size;
-        outward = progress[index].outward != 0u;
+        search = resume(index);
     }
-    while out.status == RUNNING && (restored || out.steps < parameters.round_steps) {
+    search.query = parameters.query;
+    // Whether the simplex comes from the last batch. Its closest point is then computed first.
+    let restored = (parameters.flags & FIRST) != 0u && search.size > 0u;
+    if search.size == 0u {
+        start_at_center(&search, pair);
+    }
+    approach(&search, pair, restored);
+    finish(&search, index, pair);
+}
+
+// Steps 2 to 4, until the pair or the round ends: `extend` and `reduce` of the twin. The search
+// ends by breaks of this loop: compilers turn returns from its steps into conditions around all
+// that follows.
+fn approach(search: ptr<function, GjkSearch>, pair: PairRecord, starts_restored: bool) {
+    var restored = starts_restored;
+    while search.out.status == RUNNING && (restored || search.out.steps < parameters.round_steps) {
         if !restored {
-            out.steps += 1u;
-            let reached = reach(pair, dir);
+            search.out.steps += 1u;
+            let reached = reach(pair, search.dir);
             if !reached.is_certain {
-                out.status = BUDGET;
+                search.out.status = BUDGET;
                 break;
             }
-            let w = reached.corner.w;
-            let along = dot_of(w, dir);
-            if -along > lower {
-                lower = -along;
-                out.normal = dir;
-            }
-            if along < depth_upper {
-                depth_upper = along;
-                if query == CONTACT {
-                    out.normal = dir;
-                }
-            }
-            let apart = lower > error;
-            if apart && (query != DISTANCE || upper - lower <= parameters.tolerance * upper + 2.0 * error) {
-                out.status = SEPARATED;
+            search.out.status = bound_distance(search, reached.corner.w, pair.rounding);
+            if search.out.status != RUNNING {
                 break;
             }
-            var stuck = outward && !(along > 2.0 * error);
-            for (var corner = 0u; corner < size; corner++) {
-                if all(simplex[corner].w == w) {
-                    stuck = true;
-                }
-            }
-            if stuck {
-                out.status = select(select(OPEN, STALLED, apart), AXES, query == CONTACT);
-                break;
-            }
-            simplex[size] = reached.corner;
-            size += 1u;
+            simplex[search.size] = reached.corner;
+            search.size += 1u;
         }
         restored = false;
-
-        var closest = Closest(vec4f(1.0, 0.0, 0.0, 0.0), center, -LOWEST);
-        var inside = size == 4u;
-        var certain = true;
-        var least = -LOWEST;
-        var through = 0u;
-        var outwards = 1.0;
-        var face_count = 0u;
-        if size <= 2u {
-            closest = on_segment(0u, size - 1u);
-        } else if size == 3u {
-            face_count = 1u;
-        } else {
-            face_count = 4u;
-            let across = cross_of(simplex[1].w - simplex[0].w, simplex[2].w - simplex[0].w);
-            if dot_of(across, simplex[3].w - simplex[0].w) > 0.0 {
-                outwards = -1.0;
-            }
-        }
-        for (var face = 0u; face < face_count; face++) {
-            let ijk = face_of(face);
-            if size == 4u {
-                let p = simplex[ijk.x].w;
-                let e = simplex[ijk.y].w - p;
-                let f = simplex[ijk.z].w - p;
-                let normal = cross_of(e, f) * outwards;
-                let volume = dot_of(normal, p);
-                let long = dot_of(e, e) + dot_of(f, f);
-                if volume > CERTAIN * 0.5 * long * l1(p) {
-                    let length = sqrt(dot_of(normal, normal));
-                    var height = volume;
-                    let at_j = dot_of(normal, simplex[ijk.y].w);
-                    let at_k = dot_of(normal, simplex[ijk.z].w);
-                    if at_j < height {
-                        height = at_j;
-                    }
-                    if at_k < height {
-                        height = at_k;
-                    }
-                    if !(height > error * length) {
-                        certain = false;
-                    }
-                    let clearance = volume * (1.0 / length);
-                    if clearance < least {
-                        least = clearance;
-                        through = face;
-                        dir = normal * (1.0 / length);
-                    }
-                    continue;
-                }
-                inside = false;
-            }
-            closest = nearer(closest, on_triangle(ijk.x, ijk.y, ijk.z));
-        }
-        if inside {
-            if query == CONTACT {
-                if outwards < 0.0 {
-                    let first = simplex[0];
-                    simplex[0] = simplex[1];
-                    simplex[1] = first;
-                }
-                out.status = TETRAHEDRON;
-                break;
-            }
-            if certain {
-                out.status = OVERLAPPING;
-                break;
-            }
-            let ijk = face_of(through);
-            let i = simplex[ijk.x];
-            let j = simplex[ijk.y];
-            let k = simplex[ijk.z];
-            simplex[0] = i;
-            simplex[1] = j;
-            simplex[2] = k;
-            size = 3u;
-            outward = true;
+        let found = nearest(search, pair);
+        if found.inside {
+            end_or_go_outward(search, found);
             continue;
         }
-        outward = false;
-        if !(closest.square < square) || (query == CONTACT && !(closest.square > 0.0)) {
-            out.status = select(select(OPEN, STALLED, lower > error), AXES, query == CONTACT);
+        search.outward = false;
+        let square = found.closest.square;
+        if !(square < search.square) || (search.query == CONTACT && !(square > 0.0)) {
+            search.out.status = ended(search.query, search.lower > pair.rounding);
             break;
         }
-        square = closest.square;
-        upper = sqrt(square);
-        out.between = closest.y;
-        out.offset = vec3f();
-        var kept = 0u;
-        for (var corner = 0u; corner < size; corner++) {
-            let weight = closest.weights[corner];
-            if weight > 0.0 {
-                let kept_corner = simplex[corner];
-                out.offset = kept_corner.offset * weight + out.offset;
-                simplex[kept] = kept_corner;
-                kept += 1u;
-            }
-        }
-        size = kept;
-        if !(upper > 0.0) {
-            out.status = select(OPEN, AXES, query == CONTACT);
+        search.square = square;
+        search.upper = sqrt(square);
+        search.out.between = found.closest.y;
+        keep_corners(search, found.closest.weights);
+        if !(search.upper > 0.0) {
+            search.out.status = select(OPEN, AXES, search.query == CONTACT);
             break;
         }
-        dir = closest.y * -(1.0 / upper);
-        if size == 3u {
-            let e = simplex[1].w - simplex[0].w;
-            let f = simplex[2].w - simplex[0].w;
-            let normal = cross_of(e, f);
-            let long = dot_of(normal, normal);
-            if long > dot_of(e, e) * dot_of(f, f) * square && long > NO_NORMAL {
-                var by = 1.0 / sqrt(long);
-                if dot_of(normal, simplex[0].w) > 0.0 {
-                    by = -by;
-                }
-                dir = normal * by;
-            }
+        turn_to_origin(search, found.closest.y);
+    }
+}
+
+// Step 1.
+fn start(pair: PairRecord) -> GjkSearch {
+    fuel = MAX_READS;
+    var search: GjkSearch;
+    search.out = no_answer(RUNNING);
+    let center = center_of(pair);
+    let error = pair.rounding;
+    let far = sqrt(dot_of(center, center));
+    search.upper = far;
+    search.lower = far - (hulls[pair.a].outer + hulls[pair.b].outer) * pair.scale;
+    search.dir = vec3f(1.0, 0.0, 0.0);
+    if far > 0.0 {
+        search.dir = center * -(1.0 / far);
+    }
+    search.square = -LOWEST;
+    search.depth_upper = -search.lower;
+    search.out.normal = search.dir;
+    search.out.between = center;
+    let deep = (hulls[pair.a].inner + hulls[pair.b].inner) * pair.scale - far;
+    if deep > error {
+        search.depth_lower = deep - error;
+    }
+    if parameters.query != CONTACT && deep > error {
+        search.out.status = OVERLAPPING;
+    } else if parameters.query != DISTANCE && search.lower > error {
+        search.out.status = SEPARATED;
+    }
+    return search;
+}
+
+fn start_at_center(search: ptr<function, GjkSearch>, pair: PairRecord) {
+    let center = center_of(pair);
+    simplex[0] = Corner(center, CENTER, vec3f(), CENTER);
+    search.size = 1u;
+    search.square = dot_of(center, center);
+}
+
+// The search as the last round left it.
+fn resume(index: u32) -> GjkSearch {
+    var search: GjkSearch;
+    search.out = answers[index];
+    fuel = MAX_READS - search.out.reads;
+    for (var corner = 0u; corner < 4u; corner++) {
+        simplex[corner] = progress[index].simplex[corner];
+    }
+    search.dir = progress[index].dir;
+    search.square = progress[index].square;
+    search.upper = progress[index].upper;
+    search.lower = progress[index].lower;
+    search.depth_upper = progress[index].depth_upper;
+    search.depth_lower = progress[index].depth_lower;
+    search.size = progress[index].size;
+    search.outward = progress[index].outward != 0u;
+    return search;
+}
+
+// What the next round or EPA continues from.
+fn pause(search: ptr<function, GjkSearch>, index: u32) {
+    for (var corner = 0u; corner < 4u; corner++) {
+        progress[index].simplex[corner] = simplex[corner];
+    }
+    progress[index].dir = search.dir;
+    progress[index].square = search.square;
+    progress[index].upper = search.upper;
+    progress[index].lower = search.lower;
+    progress[index].depth_upper = search.depth_upper;
+    progress[index].depth_lower = search.depth_lower;
+    progress[index].size = search.size;
+    progress[index].outward = u32(search.outward);
+}
+
+// Outcome of a pair that makes no more progress.
+fn ended(query: u32, apart: bool) -> u32 {
+    return select(select(OPEN, STALLED, apart), AXES, query == CONTACT);
+}
+
+// Step 2: the plane at the support point w bounds the distance from below, and the depth from
+// above. Returns the status with which the search ends, or RUNNING.
+fn bound_distance(search: ptr<function, GjkSearch>, w: vec3f, error: f32) -> u32 {
+    let along = dot_of(w, search.dir);
+    if -along > search.lower {
+        search.lower = -along;
+        search.out.normal = search.dir;
+    }
+    if along < search.depth_upper {
+        search.depth_upper = along;
+        if search.query == CONTACT {
+            search.out.normal = search.dir;
         }
     }
-    out.reads = MAX_READS - fuel;
-    out.gjk_steps = out.steps;
-    if out.status == RUNNING && out.steps >= parameters.max_steps {
-        out.status = BUDGET;
+    var stuck = search.outward && !(along > 2.0 * error);
+    for (var corner = 0u; corner < search.size; corner++) {
+        if all(simplex[corner].w == w) {
+            stuck = true;
+        }
+    }
+    let apart = search.lower > error;
+    let narrow = search.upper - search.lower <= parameters.tolerance * search.upper + 2.0 * error;
+    if apart && (search.query != DISTANCE || narrow) {
+        return SEPARATED;
+    }
+    return select(RUNNING, ended(search.query, apart), stuck);
+}
+
+// If the tetrahedron holds the origin, `dir` becomes the normal of the closest face.
+fn nearest(search: ptr<function, GjkSearch>, pair: PairRecord) -> Nearest {
+    let size = search.size;
+    let none = Closest(vec4f(1.0, 0.0, 0.0, 0.0), center_of(pair), -LOWEST);
+    var found = Nearest(none, size == 4u, true, 0u, 1.0);
+    var face_count = 0u;
+    if size <= 2u {
+        found.closest = on_segment(0u, size - 1u);
+    } else if size == 3u {
+        face_count = 1u;
+    } else {
+        face_count = 4u;
+        let across = cross_of(simplex[1].w - simplex[0].w, simplex[2].w - simplex[0].w);
+        if dot_of(across, simplex[3].w - simplex[0].w) > 0.0 {
+            found.outwards = -1.0;
+        }
+    }
+    var least = -LOWEST;
+    // One call of on_triangle for triangles and tetrahedra, see `reach`.
+    for (var face = 0u; face < face_count; face++) {
+        let ijk = face_of(face);
+        if size == 4u {
+            let front = face_in_front(ijk, found.outwards);
+            if front.is_certain {
+                let length = sqrt(dot_of(front.normal, front.normal));
+                if !(front.lowest > pair.rounding * length) {
+                    found.certain = false;
+                }
+                let clearance = front.height * (1.0 / length);
+                if clearance < least {
+                    least = clearance;
+                    found.through = face;
+                    search.dir = front.normal * (1.0 / length);
+                }
+                continue;
+            }
+            found.inside = false;
+        }
+        found.closest = nearer(found.closest, on_triangle(ijk.x, ijk.y, ijk.z));
+    }
+    return found;
+}
+
+fn face_in_front(ijk: vec3u, outwards: f32) -> FaceInFront {
+    let p = simplex[ijk.x].w;
+    let e = simplex[ijk.y].w - p;
+    let f = simplex[ijk.z].w - p;
+    let normal = cross_of(e, f) * outwards;
+    let height = dot_of(normal, p);
+    let long = dot_of(e, e) + dot_of(f, f);
+    var lowest = height;
+    let at_j = dot_of(normal, simplex[ijk.y].w);
+    let at_k = dot_of(normal, simplex[ijk.z].w);
+    if at_j < lowest {
+        lowest = at_j;
+    }
+    if at_k < lowest {
+        lowest = at_k;
+    }
+    // NaN takes the failing branch.
+    return FaceInFront(height > CERTAIN * 0.5 * long * l1(p), normal, height, lowest);
+}
+
+// Step 4: the tetrahedron holds the origin.
+fn end_or_go_outward(search: ptr<function, GjkSearch>, found: Nearest) {
+    if search.query == CONTACT {
+        if found.outwards < 0.0 {
+            let first = simplex[0];
+            simplex[0] = simplex[1];
+            simplex[1] = first;
+        }
+        search.out.status = TETRAHEDRON;
+        return;
+    }
+    if found.certain {
+        search.out.status = OVERLAPPING;
+        return;
+    }
+    let ijk = face_of(found.through);
+    let i = simplex[ijk.x];
+    let j = simplex[ijk.y];
+    let k = simplex[ijk.z];
+    simplex[0] = i;
+    simplex[1] = j;
+    simplex[2] = k;
+    search.size = 3u;
+    search.outward = true;
+}
+
+// Keeps the corners with positive weights, and computes A's part of the closest point.
+fn keep_corners(search: ptr<function, GjkSearch>, weights: vec4f) {
+    search.out.offset = vec3f();
+    var kept = 0u;
+    for (var corner = 0u; corner < search.size; corner++) {
+        let weight = weights[corner];
+        if weight > 0.0 {
+            let kept_corner = simplex[corner];
+            search.out.offset = kept_corner.offset * weight + search.out.offset;
+            simplex[kept] = kept_corner;
+            kept += 1u;
+        }
+    }
+    search.size = kept;
+}
+
+// Turns `dir` from the closest point `y` to the origin.
+fn turn_to_origin(search: ptr<function, GjkSearch>, y: vec3f) {
+    search.dir = y * -(1.0 / search.upper);
+    if search.size == 3u {
+        let e = simplex[1].w - simplex[0].w;
+        let f = simplex[2].w - simplex[0].w;
+        let normal = cross_of(e, f);
+        let long = dot_of(normal, normal);
+        if long > dot_of(e, e) * dot_of(f, f) * search.square && long > NO_NORMAL {
+            var by = 1.0 / sqrt(long);
+            if dot_of(normal, simplex[0].w) > 0.0 {
+                by = -by;
+            }
+            search.dir = normal * by;
+        }
+    }
+}
+
+// Stores the answer, the state for the next batch and, if the pair continues, its progress.
+fn finish(search: ptr<function, GjkSearch>, index: u32, pair: PairRecord) {
+    search.out.reads = MAX_READS - fuel;
+    search.out.gjk_steps = search.out.steps;
+    if search.out.status == RUNNING && search.out.steps >= parameters.max_steps {
+        search.out.status = BUDGET;
     }
     var state: State;
-    for (var corner = 0u; corner < size; corner++) {
+    for (var corner = 0u; corner < search.size; corner++) {
         state.corners[corner] = vec2u(simplex[corner].a, simplex[corner].b);
     }
     states[index] = state;
-    if out.status >= RUNNING {
-        for (var corner = 0u; corner < 4u; corner++) {
-            progress[index].simplex[corner] = simplex[corner];
-        }
-        progress[index].dir = dir;
-        progress[index].square = square;
-        progress[index].upper = upper;
-        progress[index].lower = lower;
-        progress[index].depth_upper = depth_upper;
-        progress[index].depth_lower = depth_lower;
-        progress[index].size = size;
-        progress[index].outward = u32(outward);
-    } else if query == CONTACT {
-        out.lower = depth_lower;
-        out.upper = 0.0;
-        if depth_upper + error > 0.0 {
-            out.upper = depth_upper + error;
-        }
-        if out.status == SEPARATED {
-            out.lower = 0.0;
-            out.upper = 0.0;
-        }
+    if search.out.status >= RUNNING {
+        pause(search, index);
     } else {
-        out.lower = 0.0;
-        if lower > error {
-            out.lower = lower - error;
-        }
-        out.upper = upper + error;
-        if out.status == OVERLAPPING {
-            out.lower = 0.0;
-            out.upper = 0.0;
-        }
+        widen(search, pair.rounding);
     }
+    var out = search.out;
     if loops_end_early() {
-        out = Answer(vec3f(1.0, 0.0, 0.0), 0.0, vec3f(), -LOWEST, vec3f(), BUDGET, out.steps, out.reads, out.steps, 0u);
+        out = no_answer(BUDGET);
+        out.steps = search.out.steps;
+        out.reads = search.out.reads;
+        out.gjk_steps = search.out.steps;
     }
     answers[index] = out;
+}
+
+// The bounds of the answer, widened by the rounding error.
+fn widen(search: ptr<function, GjkSearch>, error: f32) {
+    search.out.lower = 0.0;
+    search.out.upper = 0.0;
+    if search.query == CONTACT {
+        if search.out.status != SEPARATED {
+            search.out.lower = search.depth_lower;
+            if search.depth_upper + error > 0.0 {
+                search.out.upper = search.depth_upper + error;
+            }
+        }
+    } else if search.out.status != OVERLAPPING {
+        if search.lower > error {
+            search.out.lower = search.lower - error;
+        }
+        search.out.upper = search.upper + error;
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -101,6 +101,10 @@ const EPSILON = 1.1920928955078125e-7;
 const CERTAIN = 16.0 * EPSILON;
 const NO_INDEX = 0xffffffffu;
 
+fn no_answer(status: u32) -> Answer {
+    return Answer(vec3f(1.0, 0.0, 0.0), 0.0, vec3f(), -LOWEST, vec3f(), status, 0u, 0u, 0u, 0u);
+}
+
 // Nodes and blocks that may still be read.
 var<private> fuel: u32;
 

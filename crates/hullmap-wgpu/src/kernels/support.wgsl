@@ -179,133 +179,182 @@ fn offset_of(center: vec3f, at: u32) -> vec3f {
 var<workgroup> stacks: array<vec2u, STACK * WORKGROUP>;
 var<private> local_thread: u32;
 
+// State of a support query. Entries of its stack in `stacks` are a word, or the range of a fan's
+// slots from the first number up to the second.
+struct SupportSearch {
+    hull: u32,
+    block_start: u32,
+    block_count: u32,
+    center: vec3f,
+    dir: vec3f,
+    // Half the width of the slab around a plane in which its side is uncertain.
+    doubt: f32,
+    found: Found,
+    // The greatest dot product.
+    greatest: f32,
+    // Entries on the stack.
+    height: u32,
+}
+
+// Blocks of a leaf.
+struct Leaf {
+    first: u32,
+    count: u32,
+}
+
 fn support_of(hull: u32, dir: vec3f) -> Found {
-    var found = Found(vec3f(), NO_INDEX, true);
-    let block_start = hulls[hull].block_start;
-    let block_count = hulls[hull].block_count;
-    let center = hulls[hull].center;
-    var greatest = LOWEST;
-    let doubt = PLANE_DOUBT * l1(dir);
-    var height = 0u;
-    var first = 0u;
-    var count = block_count;
-    var last_word = NO_INDEX;
+    var search: SupportSearch;
+    search.hull = hull;
+    search.block_start = hulls[hull].block_start;
+    search.block_count = hulls[hull].block_count;
+    search.center = hulls[hull].center;
+    search.dir = dir;
+    search.doubt = PLANE_DOUBT * l1(dir);
+    search.found = Found(vec3f(), NO_INDEX, true);
+    search.greatest = LOWEST;
+    var leaf = Leaf(0u, search.block_count);
     if hulls[hull].kind != SCAN {
-        count = 0u;
-        stacks[local_thread] = vec2u(descend(hull, dir), 0u);
-        height = 1u;
+        leaf = Leaf();
+        push(&search, vec2u(descend(hull, dir), 0u));
     }
+    var last_word = NO_INDEX;
     loop {
-        if first >= block_count || count > block_count - first {
-            found.is_certain = false;
-            count = 0u;
-        }
-        for (var block = 0u; block < count; block++) {
-            if fuel == 0u {
-                found.is_certain = false;
-                break;
-            }
-            fuel -= 1u;
-            let start = block_start + first + block;
-            for (var half = 0u; half < 2u; half++) {
-                let z = (blocks[start].z[half] - center.z) * dir.z;
-                let y = (blocks[start].y[half] - center.y) * dir.y;
-                let x = (blocks[start].x[half] - center.x) * dir.x;
-                let along = z + (y + x);
-                let at = start * BLOCK_WORDS + 4u * half;
-                if along.x > greatest {
-                    greatest = along.x;
-                    found.at = at;
-                }
-                if along.y > greatest {
-                    greatest = along.y;
-                    found.at = at + 1u;
-                }
-                if along.z > greatest {
-                    greatest = along.z;
-                    found.at = at + 2u;
-                }
-                if along.w > greatest {
-                    greatest = along.w;
-                    found.at = at + 3u;
-                }
-            }
-        }
-        count = 0u;
-        first = 0u;
-        if height == 0u {
+        scan(&search, leaf);
+        leaf = Leaf();
+        if search.height == 0u {
             break;
         }
         if fuel == 0u {
-            found.is_certain = false;
+            search.found.is_certain = false;
             break;
         }
         fuel -= 1u;
-        var word = stacks[(height - 1u) * WORKGROUP + local_thread].x;
-        let end = stacks[(height - 1u) * WORKGROUP + local_thread].y;
-        if end == 0u {
-            height -= 1u;
-        } else {
-            let at = word;
-            word = slot(hull, at);
-            stacks[(height - 1u) * WORKGROUP + local_thread].x = at + 1u;
-            if at + 1u >= end {
-                height -= 1u;
-            }
-        }
+        let word = pop(&search);
         if word == last_word {
+            // What is below it is visited already, or on the stack.
             continue;
         }
         last_word = word;
-        let payload = word & 0x3fffffffu;
-        let at = payload >> 2u;
-        let tag = word >> 30u;
-        if tag == 1u {
-            first = payload;
-            count = hulls[hull].leaf_blocks;
-        } else if tag == 3u {
-            first = slot(hull, payload);
-            count = slot(hull, payload + 1u);
-            if count == 0u {
-                found.is_certain = false;
+        leaf = visit(&search, word);
+    }
+    if search.found.at != NO_INDEX {
+        search.found.offset = offset_of(search.center, search.found.at);
+    }
+    return search.found;
+}
+
+// Step 3: the candidates of a leaf.
+fn scan(search: ptr<function, SupportSearch>, leaf: Leaf) {
+    var count = leaf.count;
+    if leaf.first >= search.block_count || count > search.block_count - leaf.first {
+        search.found.is_certain = false;
+        count = 0u;
+    }
+    for (var block = 0u; block < count; block++) {
+        if fuel == 0u {
+            search.found.is_certain = false;
+            break;
+        }
+        fuel -= 1u;
+        let start = search.block_start + leaf.first + block;
+        for (var half = 0u; half < 2u; half++) {
+            let z = (blocks[start].z[half] - search.center.z) * search.dir.z;
+            let y = (blocks[start].y[half] - search.center.y) * search.dir.y;
+            let x = (blocks[start].x[half] - search.center.x) * search.dir.x;
+            let along = z + (y + x);
+            let at = start * BLOCK_WORDS + 4u * half;
+            if along.x > search.greatest {
+                search.greatest = along.x;
+                search.found.at = at;
             }
-        } else if tag == 0u || height + 8u > STACK {
-            found.is_certain = false;
-        } else if (payload & 2u) != 0u {
-            let range = steps_of(hull, at, dir);
-            stacks[height * WORKGROUP + local_thread] = vec2u(at + 17u + range.x, at + 18u + range.y);
-            height += 1u;
-        } else if (payload & 1u) == 0u {
-            let sides = sides_of(hull, at, 2u, dir, doubt);
-            for (var side = 0u; side < 2u; side++) {
-                if ((sides >> side) & 1u) != 0u {
-                    stacks[height * WORKGROUP + local_thread] = vec2u(slot(hull, at + 6u + side), 0u);
-                    height += 1u;
-                }
+            if along.y > search.greatest {
+                search.greatest = along.y;
+                search.found.at = at + 1u;
             }
-        } else {
-            var sides = 0u;
-            for (var plane = 0u; plane < 7u; plane++) {
-                sides |= sides_of(hull, at + 2u * plane, 14u, dir, doubt) << (2u * plane);
+            if along.z > search.greatest {
+                search.greatest = along.z;
+                search.found.at = at + 2u;
             }
-            var previous = NO_INDEX;
-            for (var part = 0u; part < 8u; part++) {
-                let top = part >> 2u;
-                let middle = (part >> 1u) & 1u;
-                let low = part & 1u;
-                let possible = (sides >> top) & (sides >> (2u + 2u * top + middle))
-                    & (sides >> (6u + 4u * top + 2u * middle + low)) & 1u;
-                let below = slot(hull, at + 42u + part);
-                if possible != 0u && below != previous {
-                    stacks[height * WORKGROUP + local_thread] = vec2u(below, 0u);
-                    height += 1u;
-                    previous = below;
-                }
+            if along.w > search.greatest {
+                search.greatest = along.w;
+                search.found.at = at + 3u;
             }
         }
     }
-    if found.at != NO_INDEX {
-        found.offset = offset_of(center, found.at);
+}
+
+fn push(search: ptr<function, SupportSearch>, entry: vec2u) {
+    stacks[search.height * WORKGROUP + local_thread] = entry;
+    search.height += 1u;
+}
+
+// Takes the next word from the stack.
+fn pop(search: ptr<function, SupportSearch>) -> u32 {
+    let top = (search.height - 1u) * WORKGROUP + local_thread;
+    var word = stacks[top].x;
+    let end = stacks[top].y;
+    if end == 0u {
+        search.height -= 1u;
+    } else {
+        let at = word;
+        word = slot(search.hull, at);
+        stacks[top].x = at + 1u;
+        if at + 1u >= end {
+            search.height -= 1u;
+        }
     }
-    return found;
+    return word;
+}
+
+// Step 2: returns the leaf to which a word leads, or puts words below it on the stack.
+fn visit(search: ptr<function, SupportSearch>, word: u32) -> Leaf {
+    let hull = search.hull;
+    let payload = word & 0x3fffffffu;
+    let at = payload >> 2u;
+    let tag = word >> 30u;
+    var leaf = Leaf();
+    if tag == 1u {
+        leaf = Leaf(payload, hulls[hull].leaf_blocks);
+    } else if tag == 3u {
+        leaf = Leaf(slot(hull, payload), slot(hull, payload + 1u));
+        if leaf.count == 0u {
+            search.found.is_certain = false;
+        }
+    } else if tag == 0u || search.height + 8u > STACK {
+        search.found.is_certain = false;
+    } else if (payload & 2u) != 0u {
+        let range = steps_of(hull, at, search.dir);
+        push(search, vec2u(at + 17u + range.x, at + 18u + range.y));
+    } else if (payload & 1u) == 0u {
+        let sides = sides_of(hull, at, 2u, search.dir, search.doubt);
+        for (var side = 0u; side < 2u; side++) {
+            if ((sides >> side) & 1u) != 0u {
+                push(search, vec2u(slot(hull, at + 6u + side), 0u));
+            }
+        }
+    } else {
+        push_parts(search, at);
+    }
+    return leaf;
+}
+
+// Puts the parts of a bundle in which the direction may be on the stack.
+fn push_parts(search: ptr<function, SupportSearch>, at: u32) {
+    var sides = 0u;
+    for (var plane = 0u; plane < 7u; plane++) {
+        sides |= sides_of(search.hull, at + 2u * plane, 14u, search.dir, search.doubt) << (2u * plane);
+    }
+    var previous = NO_INDEX;
+    for (var part = 0u; part < 8u; part++) {
+        let top = part >> 2u;
+        let middle = (part >> 1u) & 1u;
+        let low = part & 1u;
+        let possible = (sides >> top) & (sides >> (2u + 2u * top + middle))
+            & (sides >> (6u + 4u * top + 2u * middle + low)) & 1u;
+        let word = slot(search.hull, at + 42u + part);
+        if possible != 0u && word != previous {
+            push(search, vec2u(word, 0u));
+            previous = word;
+        }
+    }
 }

@@ -106,7 +106,7 @@ pub(super) fn epa<const FUSED: bool>(
 ) -> AnswerRecord {
     let mut search = EpaSearch::<FUSED>::new(pair, tolerance, ended);
     search.out.status = loop {
-        if let Err(status) = search.step(run, max_steps) {
+        if let Err(status) = search.expand(run, max_steps) {
             break status;
         }
     };
@@ -160,7 +160,7 @@ impl<'p, const FUSED: bool> EpaSearch<'p, FUSED> {
     }
 
     /// Steps 2 to 4. An error is the status with which the search ends.
-    fn step(&mut self, run: &mut Run<'_>, max_steps: u32) -> Result<(), u32> {
+    fn expand(&mut self, run: &mut Run<'_>, max_steps: u32) -> Result<(), u32> {
         if !self.pending.is_empty() {
             self.add_faces()?;
         }

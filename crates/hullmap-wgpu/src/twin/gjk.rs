@@ -183,14 +183,25 @@ impl<'p, const FUSED: bool> GjkSearch<'p, FUSED> {
 
     /// Step 2. Returns false if the search has ended.
     fn extend(&mut self, run: &mut Run<'_>) -> bool {
-        let error = self.pair.rounding;
         self.out.steps += 1;
         let Some(reached) = reach::<FUSED>(run, self.pair, self.dir) else {
             self.out.status = code::BUDGET;
             return false;
         };
-        // The plane at the support point. `dir` is of unit length within the error.
-        let along = dot::<FUSED>(reached.w, self.dir);
+        self.out.status = self.bound_distance(reached.w);
+        if self.out.status != code::RUNNING {
+            return false;
+        }
+        self.push(reached);
+        true
+    }
+
+    /// Step 2: the plane at the support point `w` bounds the distance from below, and the depth
+    /// from above. Returns the status with which the search ends, or `RUNNING`.
+    fn bound_distance(&mut self, w: Vector) -> u32 {
+        let error = self.pair.rounding;
+        // `dir` is of unit length within the error.
+        let along = dot::<FUSED>(w, self.dir);
         if -along > self.lower {
             self.lower = -along;
             self.out.normal = self.dir;
@@ -201,24 +212,21 @@ impl<'p, const FUSED: bool> GjkSearch<'p, FUSED> {
                 self.out.normal = self.dir;
             }
         }
-        let apart = self.lower > error;
-        let narrow = self.upper - self.lower <= self.tolerance * self.upper + 2.0 * error;
-        if apart && (self.query != Query::Distance || narrow) {
-            self.out.status = code::SEPARATED;
-            return false;
-        }
         let mut stuck = self.outward && !(along > 2.0 * error);
         for corner in &self.simplex[..self.size] {
-            if corner.w == reached.w {
+            if corner.w == w {
                 stuck = true;
             }
         }
-        if stuck {
-            self.out.status = ended(self.query, apart);
-            return false;
+        let apart = self.lower > error;
+        let narrow = self.upper - self.lower <= self.tolerance * self.upper + 2.0 * error;
+        if apart && (self.query != Query::Distance || narrow) {
+            code::SEPARATED
+        } else if stuck {
+            ended(self.query, apart)
+        } else {
+            code::RUNNING
         }
-        self.push(reached);
-        true
     }
 
     /// Steps 3 and 4.
