@@ -188,5 +188,5 @@ fn parts_beyond_the_hull_of_a_round_mesh_are_noted() {
     let words = "beyond the convex hull of the mesh, because 64 vertices cannot follow its round faces";
     assert!(few.1.contains(words) && few.1.contains("increase --max-vertices"), "{few:?}");
     let many = outside("build in.obj --out many --decompose --max-vertices 256 --json");
-    assert!(!many.1.contains("beyond the convex hull") && many.0 < 0.2 * few.0, "{many:?} {few:?}");
+    assert!(!many.1.contains("beyond the convex hull") && many.0 < 0.6 * few.0, "{many:?} {few:?}");
 }
