@@ -226,19 +226,19 @@ class View extends Surface {
   use(program, { model = IDENTITY, colour, opacity = 1 }) {
     const { gl, camera } = this;
     program.use();
-    gl.uniformMatrix4fv(program.at("model"), false, model);
-    gl.uniformMatrix4fv(program.at("toView"), false, camera.toView);
-    gl.uniformMatrix4fv(program.at("toClip"), false, camera.toClip(this.aspect));
-    gl.uniform3f(program.at("colour"), ...colour.map((c) => c / 255));
-    gl.uniform1f(program.at("opacity"), opacity);
+    gl.uniformMatrix4fv(program.location("model"), false, model);
+    gl.uniformMatrix4fv(program.location("toView"), false, camera.toView);
+    gl.uniformMatrix4fv(program.location("toClip"), false, camera.toClip(this.aspect));
+    gl.uniform3f(program.location("colour"), ...colour.map((c) => c / 255));
+    gl.uniform1f(program.location("opacity"), opacity);
   }
 
   useLines(look) {
     const { gl, lineProgram } = this;
     this.use(lineProgram, look);
-    gl.uniform1f(lineProgram.at("forward"), look.forward ?? 0.0004);
-    gl.uniform1f(lineProgram.at("size"), (look.size ?? 1) * Math.max(1, devicePixelRatio || 1));
-    gl.uniform1i(lineProgram.at("round"), look.size ? 1 : 0);
+    gl.uniform1f(lineProgram.location("forward"), look.forward ?? 0.0004);
+    gl.uniform1f(lineProgram.location("size"), (look.size ?? 1) * Math.max(1, devicePixelRatio || 1));
+    gl.uniform1i(lineProgram.location("round"), look.size ? 1 : 0);
   }
 }
 

@@ -50,7 +50,7 @@ class View extends Surface {
   triangles(shape, camera, colour) {
     const { gl, triangleProgram } = this, upload = this.uploaded(shape);
     this.use(triangleProgram, camera);
-    gl.uniform3f(triangleProgram.at("colour"), ...colour.map((c) => c / 255));
+    gl.uniform3f(triangleProgram.location("colour"), ...colour.map((c) => c / 255));
     this.bindCorners(upload.points);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, upload.triangles);
     gl.drawElements(gl.TRIANGLES, shape.triangles.length, gl.UNSIGNED_SHORT, 0);
@@ -119,17 +119,17 @@ class View extends Surface {
 
   use(program, camera) {
     program.use();
-    this.gl.uniformMatrix4fv(program.at("toView"), false, camera.toView);
-    this.gl.uniformMatrix4fv(program.at("toClip"), false, camera.toClip(this.aspect));
+    this.gl.uniformMatrix4fv(program.location("toView"), false, camera.toView);
+    this.gl.uniformMatrix4fv(program.location("toClip"), false, camera.toClip(this.aspect));
   }
 
   useLines(camera, { colour, opacity = 1, forward = 0.0006, size = 1, round = false }) {
     const { gl, lineProgram } = this;
     this.use(lineProgram, camera);
-    gl.uniform1f(lineProgram.at("forward"), forward);
-    gl.uniform1f(lineProgram.at("dot_size"), size * Math.max(1, devicePixelRatio));
-    gl.uniform1f(lineProgram.at("opacity"), opacity);
-    gl.uniform1i(lineProgram.at("round"), round ? 1 : 0);
+    gl.uniform1f(lineProgram.location("forward"), forward);
+    gl.uniform1f(lineProgram.location("dot_size"), size * Math.max(1, devicePixelRatio));
+    gl.uniform1f(lineProgram.location("opacity"), opacity);
+    gl.uniform1i(lineProgram.location("round"), round ? 1 : 0);
     if (colour) {
       gl.disableVertexAttribArray(1);
       gl.vertexAttrib3f(1, ...colour.map((c) => c / 255));

@@ -24,7 +24,7 @@ class Program {
   }
 
   /** Location of a uniform. */
-  at(name) {
+  location(name) {
     if (!this.locations.has(name)) this.locations.set(name, this.gl.getUniformLocation(this.linked, name));
     return this.locations.get(name);
   }
