@@ -55,7 +55,8 @@ pub trait Words {
         decode_f64(self.word(at), self.word(at + 1))
     }
 
-    /// The f64 of index `index` at the front of the node at `at`: see [`fan`] for those of a fan.
+    /// The f64 of index `index` at the front of the node at `at`. [`fan`] names the indices in a
+    /// fan.
     fn node_number(&self, at: usize, index: usize) -> f64 {
         self.number(at + F64_WORDS as usize * index)
     }
