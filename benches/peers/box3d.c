@@ -6,12 +6,15 @@
  * positions, three indices for each triangle, the corners, and twice the poses of all bodies, each as
  * x y z qx qy qz qw. For each line that the program reads, it makes a world with all bodies at their
  * first poses, and prints two times in nanoseconds per body: of the contacts when they are new, and
- * after the bodies moved to their second poses; and the mean number of contact points of a body.
+ * after the bodies moved to their second poses; the mean number of contact points of a body; and the
+ * depth of the deepest contact at the first poses.
  *
  * Box3D itself measures the times, for its stage "collide". It runs on this thread.
  * Contacts are not recycled: each is computed. Bodies touch the ground only, and nothing moves them. */
 #include <box3d/box3d.h>
 #include <box3d/collision.h>
+#include <box3d/constants.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -46,14 +49,21 @@ static int read_poses(FILE *file, Placed *to, int count) {
   return 1;
 }
 
-/* The mean number of contact points of a body. */
-static double points(const b3BodyId *bodies, int count) {
+/* The mean number of contact points of a body. Raises a depth to that of the deepest one. Box3D adds an offset to
+ * depths on meshes, at which it keeps bodies off them. */
+static double points(const b3BodyId *bodies, int count, float *depth) {
   static b3ContactData contacts[64];
   long total = 0;
   for (int i = 0; i < count; i++) {
     int found = b3Body_GetContactData(bodies[i], contacts, 64);
     for (int c = 0; c < found; c++) {
-      for (int m = 0; m < contacts[c].manifoldCount; m++) total += contacts[c].manifolds[m].pointCount;
+      for (int m = 0; m < contacts[c].manifoldCount; m++) {
+        const b3Manifold *manifold = contacts[c].manifolds + m;
+        total += manifold->pointCount;
+        for (int p = 0; p < manifold->pointCount; p++) {
+          *depth = fmaxf(*depth, -manifold->points[p].separation - B3_MESH_REST_OFFSET);
+        }
+      }
     }
   }
   return (double)total / count;
@@ -82,7 +92,7 @@ static void measure(const b3MeshData *ground, const b3HullData *hull, const Plac
     bodies[i] = b3CreateBody(world, &body);
     b3CreateHullShape(bodies[i], &shape, hull);
   }
-  float times[2];
+  float times[2], depth = 0;
   double touching = 0;
   for (int step = 0; step < 2; step++) {
     for (int i = 0; step > 0 && i < count; i++) {
@@ -90,9 +100,9 @@ static void measure(const b3MeshData *ground, const b3HullData *hull, const Plac
     }
     b3World_Step(world, 1e-6f, 1);
     times[step] = b3World_GetProfile(world).collide;
-    if (step == 0) touching = points(bodies, count);
+    if (step == 0) touching = points(bodies, count, &depth);
   }
-  printf("%.1f %.1f %.3f\n", 1e6 * times[0] / count, 1e6 * times[1] / count, touching);
+  printf("%.1f %.1f %.3f %.9g\n", 1e6 * times[0] / count, 1e6 * times[1] / count, touching, depth);
   fflush(stdout);
   b3DestroyWorld(world);
 }

@@ -5,7 +5,7 @@
  * SCENE is as for `box3d.c`. For each line that the program reads, it computes the contacts of all
  * bodies at their second poses, and prints two times in nanoseconds of processor time per body: with
  * Jolt's default settings, which ignore edges that are not active, and with its enhanced removal of
- * internal edges. The third number is the mean number of contact points of a body.
+ * internal edges; the mean number of contact points of a body; and the depth of the deepest contact.
  *
  * The steps are as in PhysicsSystem::ProcessBodyPair, with reduction of manifolds, without Jolt's
  * broad phase and its contact cache. Jolt keeps the contacts of a pair that has hardly moved, and
@@ -66,8 +66,8 @@ public:
   StaticArray<Manifold, 32> found;
 };
 
-/* Contacts of one body, and their number of points. */
-static size_t collide(const Shape *hull, const Shape *ground, const Placed &pose, bool enhanced) {
+/* Contacts of one body, and their number of points. Raises a depth to that of the deepest one. */
+static size_t collide(const Shape *hull, const Shape *ground, const Placed &pose, bool enhanced, float &depth) {
   Collector collector;
   CollideShapeSettings settings;
   settings.mCollectFacesMode = ECollectFacesMode::CollectFaces;
@@ -89,6 +89,7 @@ static size_t collide(const Shape *hull, const Shape *ground, const Placed &pose
     Vec3 normal = manifold.sum.Normalized();
     if (manifold.on1.size() > 4) PruneContactPoints(normal, manifold.on1, manifold.on2);
     points += manifold.on1.size();
+    depth = max(depth, manifold.depth);
   }
   return points;
 }
@@ -150,15 +151,16 @@ int main(int argc, char **argv) {
     if (c != '\n') continue;
     double times[2];
     size_t points = 0;
+    float depth = 0.0f;
     for (int enhanced = 0; enhanced < 2; enhanced++) {
       double start = processor_time();
       points = 0;
       for (unsigned i = sizes[3]; i < 2 * sizes[3]; i++) {
-        points += collide(hull.Get(), ground.Get(), poses[i], enhanced);
+        points += collide(hull.Get(), ground.Get(), poses[i], enhanced, depth);
       }
       times[enhanced] = processor_time() - start;
     }
-    printf("%.1f %.1f %.3f\n", times[0] / sizes[3], times[1] / sizes[3], double(points) / sizes[3]);
+    printf("%.1f %.1f %.3f %.9g\n", times[0] / sizes[3], times[1] / sizes[3], double(points) / sizes[3], depth);
     fflush(stdout);
   }
   return 0;

@@ -6,14 +6,18 @@
 Each FOLDER holds OBJ files with one object for each part, for instance of `bake decompose` and of
 decompose.py. Only names that all folders have are used. The scene is the same as in `parts-table`
 of tests/scenes: bodies 1 m long, rotated at random, in layers above a pit; a step takes 1/120 s.
+First one body of two known boxes has the right mass, and the right depth in the floor.
 """
 
 import argparse
 import pathlib
+import tempfile
 import time
 
 import mujoco
 import numpy as np
+
+import known
 
 SPACING, MARGIN, STEP = 1.4, 0.3, 1 / 120
 
@@ -63,23 +67,47 @@ def world(meshes, count, half, seed):
     return spec.compile()
 
 
+def deepest(data):
+    """Depth of the deepest contact."""
+    return max(-data.contact.dist.min(), 0) if data.ncon else 0.0
+
+
+def prove():
+    """Ends the program if a body of the known boxes is not as heavy, or as deep in the floor, as it should be."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "boxes.obj")
+        path.write_text(known.obj("separated"))
+        parts = parts_of(path)
+    points = np.concatenate(known.placed("separated"))
+    scale = 1 / np.ptp(points, axis=0).max()
+    model = world([("boxes", parts)], 1, 1.0, 1)
+    data, depths = mujoco.MjData(model), []
+    # The pit is empty but for its floor; the body lies in it, and hangs above it.
+    for _, gap in known.POSES.values():
+        data.qpos[:] = [0, 0, scale * (gap + 0.5 * np.ptp(points[:, 2])), 1, 0, 0, 0]
+        mujoco.mj_forward(model, data)
+        depths.append((f"gap {gap:g}: depth", max(-gap, 0.0), deepest(data) / scale))
+    mass = model.body_mass.sum() / (1000 * scale**3)
+    known.require(f"MuJoCo {mujoco.__version__}", [("volume", sum(known.VOLUMES), mass), *depths])
+
+
 def run(model, steps):
     """Milliseconds a step in the first and the last quarter, deepest contact, speed at the end."""
     data = mujoco.MjData(model)
-    times, deepest = [], []
+    times, depths = [], []
     for _ in range(steps):
         start = time.process_time()
         mujoco.mj_step(model, data)
         times.append(1e3 * (time.process_time() - start))
-        deepest.append(-min(data.contact.dist.min(), 0) if data.ncon else 0.0)
+        depths.append(deepest(data))
     quarter = max(steps // 4, 1)
     speeds = np.linalg.norm(data.qvel.reshape(-1, 6)[:, :3], axis=1)
     middle = data.qpos.reshape(-1, 7)[:, :3]
     return {
         "ms first": np.mean(times[:quarter]),
         "ms last": np.mean(times[-quarter:]),
-        "deepest mm": 1e3 * max(deepest),
-        "deepest mm, last quarter": 1e3 * max(deepest[-quarter:]),
+        "deepest mm": 1e3 * max(depths),
+        "deepest mm, last quarter": 1e3 * max(depths[-quarter:]),
         "median speed mm/s": 1e3 * np.median(speeds),
         "slower than 10 mm/s": int((speeds < 0.01).sum()),
         "below the floor": int((middle[:, 2] < 0).sum()),
@@ -96,6 +124,7 @@ def main():
     parser.add_argument("--half-width", type=float, default=4.0)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
+    prove()
     names = set.intersection(*({path.stem for path in folder.glob("*.obj")} for folder in arguments.folders))
     for folder in arguments.folders:
         meshes = [(name, parts_of(folder / f"{name}.obj")) for name in sorted(names)]

@@ -15,6 +15,7 @@
 //! | [`solver`] | contact, intersects and distance beside parry3d |
 //! | [`mesh_peer`] | Box3D's and Jolt's narrow phase on a mesh |
 //! | [`peer_program`] | an engine in a C program of its own |
+//! | [`known`] | two boxes with known answers, which prove such a program |
 //! | [`scene`] | scenes of many different hulls |
 //! | [`comparison`] | chart and tables of benches/README.md, from a committed result |
 //! | [`collision`], [`fit`], [`chart`] | the paper's figures |
@@ -31,6 +32,7 @@ pub mod csv;
 pub mod directions;
 pub mod eviction;
 pub mod fit;
+pub mod known;
 pub mod machine;
 pub mod matrix;
 pub mod measure;

@@ -13,13 +13,18 @@ use glam::Vec3;
 use hullmap::Pose;
 use tempfile::TempDir;
 
-use crate::peer_program::{PeerProgram, compile};
+use crate::{
+    known::{Known, TRIANGLES},
+    peer_program::{PeerProgram, compile},
+};
 
 /// An engine, compiled.
 #[derive(Debug)]
 pub struct MeshPeer {
     folder: TempDir,
     program: PathBuf,
+    /// Its answers to two known boxes, in words.
+    pub proof: String,
 }
 
 /// What a program measures.
@@ -43,11 +48,13 @@ pub struct Times {
     pub us: [f64; 2],
     /// Mean number of contact points of a body.
     pub points: f64,
+    /// Depth of the deepest contact; 0 without one.
+    pub depth: f64,
 }
 
 impl MeshPeer {
     /// Compiles Box3D, whose source is in a folder, with `cc`. Fails if the folder has no such
-    /// source, or if the compiler fails.
+    /// source, if the compiler fails, or if the engine answers two known boxes wrongly.
     pub fn box3d(source: &Path) -> Result<Self, String> {
         let own = source.join("src");
         let mut files = Vec::new();
@@ -82,7 +89,22 @@ impl MeshPeer {
         // Libraries stand after the files that need them.
         command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers").join(main)).args(files).args(flags);
         compile(&mut command)?;
-        Ok(Self { folder, program })
+        let mut peer = Self { folder, program, proof: String::new() };
+        peer.proof = peer.prove(main)?;
+        Ok(peer)
+    }
+
+    /// The first box is the ground's triangles, the second one a body.
+    fn prove(&self, name: &str) -> Result<String, String> {
+        let known = Known::boxes();
+        let [ground, body] = known.corners;
+        known.prove(name, |pose| {
+            let poses = [vec![pose.b_in_a], vec![pose.b_in_a]];
+            let scene = Scene { positions: &ground, triangles: &TRIANGLES, hull: &body.map(Vec3::from), poses: &poses };
+            let times = self.start(&scene).and_then(|mut session| session.round());
+            let Times { points, depth, .. } = times.map_err(|error| error.to_string())?;
+            Ok((points != 0.0).then_some((depth, None)))
+        })
     }
 
     /// Starts the program. Fails with any error of the file system. The program ends if its engine
@@ -123,8 +145,8 @@ impl Session {
         let line = self.program.answer()?;
         let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         match numbers[..] {
-            [first, second, points] => Ok(Times { us: [1e-3 * first, 1e-3 * second], points }),
-            _ => Err(io::Error::other(format!("the engine's program: {line:?} is not three numbers"))),
+            [first, second, points, depth] => Ok(Times { us: [1e-3 * first, 1e-3 * second], points, depth }),
+            _ => Err(io::Error::other(format!("the engine's program: {line:?} is not four numbers"))),
         }
     }
 }

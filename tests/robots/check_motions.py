@@ -16,7 +16,7 @@ is not where a shape that turns has been: its hits without a contact are counted
 advancement is not measured: in python-fcl 0.7.0.11, along lines, it also reports no contact of two boxes that meet.
 coal itself has no continuous query, and MuJoCo's is not in its headers.
 
-Times are CPU microseconds a motion of one thread. They are printed, and decide nothing.
+First coal, Tesseract and FCL answer two known boxes. Times are CPU microseconds a motion of one thread. They are printed, and decide nothing.
 """
 
 import pathlib
@@ -32,6 +32,9 @@ try:
 except ImportError as error:
     print(f"skipped: motions: {error}")
     sys.exit()
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "benches/peers"))
+import known  # noqa: E402
 
 SEED = 41
 STEPS = 1000
@@ -104,6 +107,12 @@ class Truth:
         # How fast any point of B moves.
         reach = np.linalg.norm(b.vertices.astype(float), axis=1).max()
         self.speed = np.linalg.norm(motions.end - motions.start, axis=-1) + motions.angle * reach
+
+    @staticmethod
+    def prove(a, b):
+        """Ends the program if coal answers the known boxes wrongly."""
+        truth = Truth(a, b, Motions(1, 0.0, np.random.default_rng(SEED)))
+        known.require("coal", [(f"{name}: gap", gap, truth.gap(np.array(pose))) for name, (pose, gap) in known.POSES.items()])
 
     def gap(self, pose):
         """The signed distance."""
@@ -208,6 +217,13 @@ class Fcl:
         return (result.is_collide, time_of_contact if result.is_collide else np.inf)
 
 
+def prove(engine, a, b):
+    """Ends the program if an engine moves one known box into the other without a hit, or hits without a motion."""
+    own = engine(a, b)
+    apart, deep = (own.prepared(np.array([known.POSES[name][0]]))[0] for name in ("separated", "overlapping"))
+    known.require(engine.name, [("motion into the other, hit", True, own.cast(apart, deep)[0]), ("at rest, hit", False, own.cast(apart, apart)[0])])
+
+
 def cpu(run):
     start = time.process_time()
     return run(), time.process_time() - start
@@ -215,6 +231,8 @@ def cpu(run):
 
 def main():
     count, vertices, angle = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
+    boxes = [hullmap.bake(known.corners(box))[0] for box in "AB"]
+    Truth.prove(*boxes)
     rng = np.random.default_rng(SEED)
     a, b = rock(vertices, rng), rock(vertices, rng)
     motions = Motions(count, angle, rng)
@@ -238,6 +256,7 @@ def main():
     print(f"{line}; t off by {np.median(error):.1e} (median), {error.max():.1e}; {np.median(found.iterations):.0f} queries")
     for engine in (Tesseract, Fcl):
         try:
+            prove(engine, *boxes)
             own = engine(a, b)
         except ImportError as error:
             print(f"  skipped: {engine.name}: {error}")

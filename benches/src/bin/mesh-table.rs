@@ -191,6 +191,7 @@ fn main() -> ExitCode {
         println!("{found:?}");
         return ExitCode::SUCCESS;
     }
+    [&engines.box3d, &engines.jolt].into_iter().flatten().for_each(|peer| println!("{}", peer.proof));
     println!(
         "µs a body or a ray, {} triangles, {bodies} bodies, median of {rounds} rounds\n",
         ground.mesh.triangle_count()
@@ -204,9 +205,10 @@ fn main() -> ExitCode {
         let Times { ours: [plain, corrected], reduced, parry, touching, box3d, jolt } = found;
         // Not every engine supports every hull.
         let cells = |times: Option<mesh_peer::Times>| {
-            times.map_or(["–".to_owned(), "–".to_owned(), "–".to_owned()], |mesh_peer::Times { us, points }| {
-                [us[0], us[1], points].map(|number| format!("{number:.1}"))
-            })
+            times.map_or(
+                ["–".to_owned(), "–".to_owned(), "–".to_owned()],
+                |mesh_peer::Times { us, points, .. }| [us[0], us[1], points].map(|number| format!("{number:.1}")),
+            )
         };
         println!(
             "| {vertices} | {touching:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {reduced:.1} | {:.1} | {:.1} | {} | {} |",
@@ -288,7 +290,7 @@ fn manifolds(ground: &GroundMeshes, vertices: usize, count: usize, rounds: usize
     let [plain_new, plain_kept, new, kept, parry_new, parry_kept, reduced] = times.map(median);
     let [box3d, jolt] = peers.map(|(_, times): (_, Vec<mesh_peer::Times>)| {
         let us = |step: usize| median(times.iter().map(|times| times.us[step]).collect());
-        times.first().map(|first| mesh_peer::Times { us: [us(0), us(1)], points: first.points })
+        times.first().map(|first| mesh_peer::Times { us: [us(0), us(1)], ..*first })
     });
     Times {
         ours: [[plain_new, plain_kept], [new, kept]],

@@ -131,6 +131,8 @@ struct Differences {
 }
 
 fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
+    let proof = mujoco.prove()?;
+    println!("{proof}\n");
     let (mut cells, mut differences) = (Vec::new(), Differences::default());
     for &n in &arguments.n {
         eprintln!("{n} vertices");
@@ -151,7 +153,10 @@ fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
     println!("{facts}\n{head}");
     if let Some(path) = &arguments.out {
         let sections: Vec<String> = tables.iter().map(Matrix::to_markdown).collect();
-        output::write(path, &format!("# Contact beside MuJoCo\n\n{head}\n{facts}\n{}", sections.join("\n")))?;
+        output::write(
+            path,
+            &format!("# Contact beside MuJoCo\n\n{head}- {proof}\n\n{facts}\n{}", sections.join("\n")),
+        )?;
         output::write(&path.with_extension("csv"), to_csv(&cells).as_str())?;
     }
     Ok(())

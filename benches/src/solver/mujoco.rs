@@ -12,10 +12,14 @@ use std::{
 
 use glam::DVec3;
 use hullmap::Hull;
+use hullmap_testkit::packs::tree_pack;
 use tempfile::TempDir;
 
-use super::pairs::Placed;
-use crate::peer_program::{PeerProgram, compile};
+use super::pairs::{Class, Placed};
+use crate::{
+    known::Known,
+    peer_program::{PeerProgram, compile},
+};
 
 /// Maximum number of steps of GJK, and of EPA. MuJoCo's default is 35, with which EPA does not end
 /// on hulls of many vertices.
@@ -57,6 +61,18 @@ impl MuJoCo {
             .arg(format!("-Wl,-rpath,{}", package.display()));
         compile(&mut cc)?;
         Ok(Self { folder, program, version: version.to_owned() })
+    }
+
+    /// The line about its answers to two known boxes. Fails if one is wrong.
+    pub fn prove(&self) -> Result<String, String> {
+        let known = Known::boxes();
+        let packs = known.corners.map(|corners| tree_pack(&corners));
+        let hulls = packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"));
+        known.prove(&format!("MuJoCo {}", self.version), |pose| {
+            let placed = Placed::from_pose(Class::Penetrating, pose.b_in_a);
+            let session = self.start(hulls, &[&placed]).map_err(|error| error.to_string())?;
+            Ok(session.contacts[0].map(|(depth, normal)| (depth, Some(normal))))
+        })
     }
 
     /// Starts the program with two hulls, and poses of B in A's frame. Fails with any error of the

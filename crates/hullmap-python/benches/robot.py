@@ -8,7 +8,7 @@ called once a pose from a Python loop, as their users have to; the row `call` is
 spheres of the engine, most of which is the cost of the call. Runs are interleaved, and the median
 counts. On one thread, time is processor time, which other programs disturb less. Answers are
 compared. Where an engine differs most, and where it disagrees about a hit, separating axes judge:
-all normals of faces and all products of edges, in doubles.
+all normals of faces and all products of edges, in doubles. First each engine answers two known boxes.
 
 With --pairs N, a robot of 30 links, copies of the two in other sizes, moves for 200 steps, and N of
 its pairs are queried by a call for each pair, and by one call for all.
@@ -20,6 +20,7 @@ import argparse
 import os
 import platform
 import statistics
+import sys
 import time
 from importlib import metadata
 from pathlib import Path
@@ -27,6 +28,9 @@ from pathlib import Path
 import numpy as np
 
 import hullmap
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "benches/peers"))
+import known  # noqa: E402
 
 
 def random_poses(count, reach, seed):
@@ -212,6 +216,18 @@ class Fcl:
         return self._distance(self.balls, places)
 
 
+def prove(engine):
+    """Ends the program if an engine answers the known boxes wrongly."""
+    made = engine(*(hullmap.bake(known.corners(box))[0] for box in "AB"))
+    answers = []
+    for name, (pose, gap) in known.POSES.items():
+        places = made.prepare(hullmap.poses([pose[:3]], [pose[3:]]))
+        if hasattr(made, "intersects"):
+            answers.append((f"{name}: hit", gap < 0, made.intersects(places)[0]))
+        answers.append(("depth", -gap, made.contact(places)[0]) if gap < 0 else ("distance", gap, made.distance(places)[0]))
+    known.require(f"{engine.package} {metadata.version(engine.package)}", answers)
+
+
 def overlap(a, b, pose):
     """The least overlap over all separating axes, which is the depth; negative without contact."""
     turn = frames(pose[None])[0]
@@ -305,6 +321,7 @@ def main():
     engines = []
     for engine in (Coal, MuJoCo, Fcl):
         try:
+            prove(engine)
             made = engine(a, b)
             engines.append((f"{engine.package} {metadata.version(engine.package)}", made, made.prepare(some)))
         except ImportError:

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! PEER holds the other tool's parts of each mesh, as the objects of an OBJ file of the mesh's
-//! name, and `seconds.tsv` with the processor time of each mesh. Ours has at most as many parts.
+//! name, `seconds.tsv` with the processor time of each mesh, and `proof.txt` with the tool's parts of
+//! two known boxes, which stands above the table. Ours has at most as many parts.
 //! Without it, the limit is a maximum error. A cell has our figure and the other's; lengths are in
 //! percent of the diagonal. Both are measured by the same code.
 //!
@@ -62,6 +63,13 @@ const MEASURES: [&str; 8] =
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Some(file) = arguments.peer.as_ref().map(|folder| folder.join("proof.txt")) {
+        let Ok(proof) = std::fs::read_to_string(&file) else {
+            eprintln!("decompose-table: {} is missing; run benches/peers/decompose.py again", file.display());
+            return ExitCode::from(2);
+        };
+        println!("{proof}");
+    }
     let seconds = arguments.peer.as_ref().map(|folder| seconds_of(folder)).unwrap_or_default();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
     let mut is_refuted = false;
