@@ -60,7 +60,7 @@ impl MeshPeer {
         let mut files = Vec::new();
         sources(&own, "c", &mut files)?;
         let flags = ["-O2", "-DNDEBUG", "-std=gnu17", "-lm", "-lpthread"];
-        Self::compile("cc", "box3d.c", &[&source.join("include"), &own], &files, &flags)
+        Self::compile("Box3D", "cc", "box3d.c", &[&source.join("include"), &own], &files, &flags)
     }
 
     /// Compiles Jolt, whose source is in a folder, with `c++`, for the vector instructions of this
@@ -69,10 +69,11 @@ impl MeshPeer {
         let mut files = Vec::new();
         sources(&source.join("Jolt"), "cpp", &mut files)?;
         let flags = ["-O3", "-DNDEBUG", "-std=c++17", "-march=native", "-ffp-contract=off", "-pthread"];
-        Self::compile("c++", "jolt.cpp", &[source], &files, &flags)
+        Self::compile("Jolt", "c++", "jolt.cpp", &[source], &files, &flags)
     }
 
     fn compile(
+        name: &str,
         compiler: &str,
         main: &str,
         includes: &[&Path],
@@ -90,7 +91,7 @@ impl MeshPeer {
         command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers").join(main)).args(files).args(flags);
         compile(&mut command)?;
         let mut peer = Self { folder, program, proof: String::new() };
-        peer.proof = peer.prove(main)?;
+        peer.proof = peer.prove(name)?;
         Ok(peer)
     }
 
