@@ -1,11 +1,12 @@
-//! Two boxes whose depths and distances are known, in `benches/peers/known.txt`. Every engine in a program of its own
-//! answers them before it is measured: one that gets its input in another layout than it expects still has figures.
+//! Two boxes whose depths and distances are known, in `benches/peers/known.txt`. Every engine in a
+//! program of its own answers them before it is measured: one that gets its input in another layout
+//! than it expects still has figures.
 
 use glam::{DQuat, DVec3};
 use hullmap::Pose;
 
-/// Allowed difference of a depth, for boxes of some metres, and of a unit normal. Engines in single precision stay far
-/// below it; input in a wrong layout does not.
+/// Allowed difference of a depth, for boxes of some metres, and of a unit normal. Engines in single
+/// precision stay far below it; input in a wrong layout does not.
 const TOLERANCE: f64 = 1e-3;
 
 /// Triangles of a box. Its corners are numbered by the signs of x, y and z, from the lowest bit on.
@@ -35,7 +36,8 @@ pub struct KnownPose {
     pub direction: DVec3,
 }
 
-/// An engine's contact: its depth, and the unit normal from A to B if the engine's program states it.
+/// An engine's contact: its depth, and the unit normal from A to B if the engine's program states
+/// it.
 pub type Found = (f64, Option<DVec3>);
 
 impl Known {
@@ -67,8 +69,8 @@ impl Known {
         if has_both { Ok(Self { corners, poses }) } else { Err("expected both kinds of poses".to_owned()) }
     }
 
-    /// The line that proves an engine, from its answer to each pose; `None` without a contact. Fails if an answer is
-    /// wrong or missing.
+    /// The line that proves an engine, from its answer to each pose; `None` without a contact.
+    /// Fails if an answer is wrong or missing.
     pub fn prove(
         &self,
         engine: &str,

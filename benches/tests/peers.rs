@@ -1,5 +1,5 @@
-//! The harness of decompositions, with tools of the test's own: it passes V-HACD groups of four numbers, and refuses
-//! to go on with parts that are not the known boxes.
+//! The harness of decompositions, with tools of the test's own: it passes V-HACD groups of four
+//! numbers, and refuses to go on with parts that are not the known boxes.
 #![cfg(unix)]
 
 use std::{fs, path::Path, process::Command};
@@ -13,8 +13,8 @@ class load:
         self.faces = [[int(i) - 1 for i in row[1:]] for row in rows if row[0] == 'f']
 ";
 
-/// A tool that reads faces as V-HACD's package does, and returns the two boxes that they form. If they do not, it
-/// returns slivers.
+/// A tool that reads faces as V-HACD's package does, and returns the two boxes that they form. If
+/// they do not, it returns slivers.
 const VHACDX: &str = "
 def compute_vhacd(points, faces, maxConvexHulls):
     faces = [int(i) for i in faces]
@@ -25,7 +25,8 @@ def compute_vhacd(points, faces, maxConvexHulls):
     return [(points[:4], [[0, 1, 2]])] * 64
 ";
 
-/// Runs the harness on an empty folder. Returns its status, what it printed, and its errors; `None` without Python.
+/// Runs the harness on an empty folder. Returns its status, what it printed, and its errors; `None`
+/// without Python.
 fn run(harness: &str) -> Option<(bool, String, String)> {
     let folder = tempfile::tempdir().unwrap();
     let peers = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers");

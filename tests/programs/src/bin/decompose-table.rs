@@ -7,10 +7,10 @@
 //! ```
 //!
 //! PEER holds the other tool's parts of each mesh, as the objects of an OBJ file of the mesh's
-//! name, `seconds.tsv` with the processor time of each mesh, and `proof.txt` with the tool's parts of
-//! two known boxes, which stands above the table. Ours has at most as many parts.
-//! Without it, the limit is a maximum error. A cell has our figure and the other's; lengths are in
-//! percent of the diagonal. Both are measured by the same code.
+//! name, `seconds.tsv` with the processor time of each mesh, and `proof.txt` with the tool's parts
+//! of two known boxes, which stands above the table. Ours has at most as many parts. Without it,
+//! the limit is a maximum error. A cell has our figure and the other's; lengths are in percent of
+//! the diagonal. Both are measured by the same code.
 //!
 //! One thread decomposes. Seconds are its processor time, where the system states it. With
 //! `--samples`, random points try to refute the bounds of our parts ([`hullmap_tests::sampler`]);
