@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::cache::Cache;
-use super::cast::{Impact, cast, cast_sharp};
+use super::cast::{Impact, cast_by_support, cast_sharp};
 use super::motion::{CastSettings, Ray};
+use super::ray_polytope::ray_polytope;
 use super::status::Status;
 use crate::pose::Pose;
 use crate::support::{SupportMap, SupportPoint};
@@ -52,7 +53,8 @@ pub struct RayHit {
     ///   normal is any unit vector.
     /// - [`Exact`](Status::Exact), [`Within`](Status::Within): a hit in the interval.
     /// - [`Touching`](Status::Touching): the ray grazes the shape, and rounding error decides
-    ///   between hit and miss. If it hits, it does so in the interval.
+    ///   between hit and miss. If it hits, it does so in the interval. Rays at hulls, boxes and
+    ///   triangles never end so: they are decided exactly.
     /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): a hit, in an
     ///   interval that is wider than the tolerance.
     pub status: Status,
@@ -76,15 +78,36 @@ pub struct RayHit {
     pub support_calls: u32,
 }
 
+impl RayHit {
+    /// The answer for a ray that certainly misses.
+    pub(crate) fn miss(ray: &Ray) -> Self {
+        Self {
+            hit: false,
+            status: Status::Separated,
+            t: f64::INFINITY,
+            t_lower: f64::INFINITY,
+            t_upper: f64::INFINITY,
+            point: ray.origin(),
+            normal: DVec3::X,
+            iterations: 0,
+            support_calls: 0,
+        }
+    }
+}
+
 /// Where `ray` first enters `shape`.
 ///
 /// Points and directions are in the shape's frame and unit, and t is a factor of the direction. A
 /// ray that starts inside hits at t = 0, with the status [`Overlapping`](Status::Overlapping). A
 /// ray whose direction is zero hits only the shape that its origin is in.
 ///
+/// A shape is closed, and so is the ray at both ends, from t = 0 to `max_t`. If rounding error might
+/// decide, the vertices of a hull, a box or a triangle decide exactly.
+///
 /// # Complexity
 /// No support call if the ray misses the bounding ball of the shape, 10 to 20 for most hits. The
-/// number of steps is bounded by `settings`. No allocation.
+/// number of steps is bounded by `settings`. A ray that grazes a polytope takes a few passes over
+/// its vertices more. No allocation.
 ///
 /// # Reference
 /// Snethen, "XenoCollide" (portal refinement along a ray). docs/intervals.md proves the interval.
@@ -113,11 +136,15 @@ pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings
     let start = Pose::from_checked(ray.origin());
     let found = match ray.motion().path() {
         Some(path) if !(shape.convex_radius() > 0.0) => cast_sharp((shape, &Dot, start), path, settings, None),
-        _ => cast(shape, &Dot, start, ray.motion(), settings, &mut Cache::new()),
+        _ => cast_by_support((shape, &Dot, start), ray.motion(), settings, &mut Cache::new()),
     };
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
     let point = if hit { ray.point_at(t) } else { ray.origin() };
-    RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
+    let found = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
+    if status == Status::Touching && shape.polytope_vertex(0).is_some() {
+        return ray_polytope(&|index| shape.polytope_vertex(index), ray, settings, found);
+    }
+    found
 }
 
 /// Tolerance of an entry, relative to the outer radius: ten times the rounding error of f32
