@@ -50,7 +50,7 @@ pub(crate) fn ray_problem(pack: &Pack, seed: u64) -> Option<(usize, String)> {
     let size = pack.hulls().map(|hull| hull.outer_radius()).fold(0.0, f64::max);
     (0..count.min(MAX_RAYS)).find_map(|round| {
         let index = random.below(pack.hull_count());
-        let hull = pack.hull(index)?;
+        let hull = pack.hull(index).ok()?;
         let mut vertex = || hull.vertex(random.below(hull.vertex_count()) as u32).map(|v| v.as_dvec3());
         let (a, b) = (vertex()?, vertex()?);
         let target = if round % 2 == 0 { a } else { exact_middle(a, b) };
@@ -67,4 +67,30 @@ pub(crate) fn ray_problem(pack: &Pack, seed: u64) -> Option<(usize, String)> {
         (!aimed.is_met_by(&found))
             .then(|| (index, format!("a ray from {origin} along {direction} meets a part at t = 1, found t = {t}")))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap::Status;
+
+    use super::*;
+
+    #[test]
+    fn an_answer_behind_the_point_is_wrong() {
+        let (target, from) = (DVec3::new(f64::from(0.1_f32), 2.0, 1.0), DVec3::new(3.0, 0.7, 9.0));
+        let aimed = AimedRay::at(target, from).expect("an exact ray");
+        let found = |hit: bool, t: f64| RayHit {
+            hit,
+            status: Status::Exact,
+            t,
+            t_lower: t,
+            t_upper: t,
+            point: aimed.origin + aimed.direction * t,
+            normal: DVec3::X,
+            iterations: 0,
+            support_calls: 0,
+        };
+        assert!(aimed.is_met_by(&found(true, 1.0)) && aimed.is_met_by(&found(true, 0.5)));
+        assert!(!aimed.is_met_by(&found(true, 1.2)) && !aimed.is_met_by(&found(false, f64::INFINITY)));
+    }
 }

@@ -54,7 +54,7 @@ fn shifted(number: f64, power: i32) -> BigInt {
 
 /// The least exponent of the coordinates, at most 0.
 fn power(points: impl IntoIterator<Item = DVec3>) -> i32 {
-    points.into_iter().flat_map(DVec3::to_array).map(|c| decoded(c).1).fold(0, i32::min)
+    points.into_iter().flat_map(|point| point.to_array()).map(|c| decoded(c).1).fold(0, i32::min)
 }
 
 fn minus(a: &Whole, b: &Whole) -> Whole {

@@ -16,7 +16,7 @@ use super::line::{Entry, LineQuery, enter};
 use super::minkowski::Minkowski;
 use super::motion::{CastSettings, Motion, Path, Ray};
 use super::queries::{distance, intersects};
-use super::ray::RayHit;
+use super::ray_hit::RayHit;
 use super::ray_polytope::{Vertices, ray_polytope};
 use super::rounded::enter_rounded;
 use super::settings::Settings;
@@ -130,7 +130,7 @@ pub fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Impact {
     let found = cast_by_support((a, b, b_in_a), motion, settings, cache);
-    if found.status != Status::Touching {
+    if found.status != Status::Touching && !(found.hit && found.t_upper > settings.limit()) {
         return found;
     }
     // A point at the origin of its frame, where no rotation rounds, moves as a ray.

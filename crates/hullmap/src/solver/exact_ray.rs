@@ -40,7 +40,9 @@ impl Measured {
 /// The volume that three vectors span, and a bound of its rounding error.
 #[inline]
 pub(super) fn volume(a: Measured, b: Measured, c: Measured) -> (f64, f64) {
-    (a.0.dot(b.0.cross(c.0)), VOLUME_ERROR * a.1 * b.1 * c.1)
+    let error = VOLUME_ERROR * a.1 * b.1 * c.1;
+    // The square of a length has underflowed: nothing is known.
+    (a.0.dot(b.0.cross(c.0)), if error > 0.0 { error } else { f64::INFINITY })
 }
 
 /// The volume that three vectors span, with its rounding error. The sign is exact.

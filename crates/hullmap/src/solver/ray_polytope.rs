@@ -21,17 +21,25 @@ use glam::DVec3;
 
 use super::exact_ray::{ExactRay, Meeting};
 use super::motion::{CastSettings, Ray};
-use super::ray::RayHit;
+use super::ray_hit::RayHit;
 use super::status::Status;
 
 /// Maximum number of triangles on the way to the surface. Most rays need 1 to 5.
 const MAX_PIVOTS: u32 = 100;
 
+/// After so many triangles, the next vertex and the corner that it replaces are varied: where
+/// several triangles meet the line in one point, the farthest vertex may lead around in a circle.
+const STEADY_PIVOTS: u32 = 20;
+
+/// Width of an interval relative to t, up to which a bound that was not reached counts as within
+/// the tolerance.
+const NARROW: f64 = 1e-9;
+
 /// Vertices of a polytope, from the index 0 on.
 pub(super) type Vertices<'v> = &'v dyn Fn(u32) -> Option<DVec3>;
 
-/// What `grazing`, an answer for a ray that grazes a polytope, is in exact arithmetic. It stays if
-/// the search reaches its limit without a decision.
+/// What `grazing`, an answer for a ray that grazes a polytope or meets it near its end, is in exact
+/// arithmetic. It stays if the search reaches its limit without a decision.
 #[cold]
 #[inline(never)]
 pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSettings, grazing: RayHit) -> RayHit {
@@ -50,16 +58,12 @@ pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSet
     let [mut t_lower, t, t_upper] = found.entry(&search.line);
     let mut status = Status::Exact;
     if !is_first && !found.is_behind {
-        (t_lower, status) = (grazing.t_lower.min(t_lower), Status::Stalled);
+        t_lower = grazing.t_lower.min(t_lower);
+        status = if t_upper - t_lower <= NARROW * t_upper { Status::Within } else { Status::Stalled };
     }
-    let [a, b, c] = entry;
-    let outward = (b - a).cross(c - a).normalize_or_zero() * -f64::from(search.line.facing(entry));
-    let normal = match () {
-        () if found.is_behind => search.line.against(),
-        () if outward == DVec3::ZERO => grazing.normal,
-        () => outward,
-    };
-    RayHit { hit: true, status, t, t_lower, t_upper, point: ray.point_at(t), normal, ..miss }
+    let point = ray.point_at(t);
+    let normal = if found.is_behind { search.line.against() } else { search.outward(entry, point, grazing.normal) };
+    RayHit { hit: true, status, t, t_lower, t_upper, point, normal, ..miss }
 }
 
 /// A side of a triangle, seen along the ray.
@@ -119,21 +123,37 @@ impl Search<'_> {
         pairs.find(|triangle| line.pierces(*triangle))
     }
 
+    /// The normal of a triangle on the front, or another one if the polytope extends less beyond its
+    /// plane through a point: the normal of a sliver is rounding error.
+    fn outward(&self, triangle: [DVec3; 3], point: DVec3, other: DVec3) -> DVec3 {
+        let [a, b, c] = triangle;
+        let own = (b - a).cross(c - a).normalize_or(other) * -f64::from(self.line.facing(triangle));
+        let beyond = |normal: DVec3| self.each().map(|v| (v - point).dot(normal)).fold(0.0, f64::max);
+        if beyond(own) <= beyond(other) { own } else { other }
+    }
+
     /// Step 2 or 3: moves a triangle to the front or the back of the polytope. Returns whether it
     /// is there; it stops before if it is known that the ray starts inside.
     fn refine(&self, triangle: &mut [DVec3; 3], side: Side, found: &mut Meeting) -> bool {
-        for _ in 0..MAX_PIVOTS {
+        for round in 0..MAX_PIVOTS {
             self.line.meet(*triangle, found);
             let is_enough = if side == Side::Front { found.is_behind } else { found.is_ahead };
             let facing = self.line.facing(*triangle);
             let sense = if side == Side::Front { -1.0 } else { 1.0 };
-            let farther = self.each().map(|vertex| (sense * self.line.beyond(*triangle, facing, vertex), vertex));
-            let farthest = farther.filter(|(height, _)| *height > 0.0).max_by(|p, q| p.0.total_cmp(&q.0));
-            let Some((_, vertex)) = farthest.filter(|_| !is_enough) else { return true };
+            let heights = self.each().map(|vertex| (sense * self.line.beyond(*triangle, facing, vertex), vertex));
+            let farther = heights.filter(|(height, _)| *height > 0.0);
+            let vertex = if round < STEADY_PIVOTS {
+                farther.max_by(|p, q| p.0.total_cmp(&q.0))
+            } else {
+                // The last of the first few.
+                farther.take(1 + round as usize % 3).last()
+            };
+            let Some((_, vertex)) = vertex.filter(|_| !is_enough) else { return true };
             let [a, b, c] = *triangle;
-            let mut next = [[vertex, b, c], [a, vertex, c], [a, b, vertex]].into_iter();
+            let mut next = [[vertex, b, c], [a, vertex, c], [a, b, vertex]];
+            next.rotate_left(round as usize % 3);
             // One of the three always does.
-            let Some(next) = next.find(|next| self.line.pierces(*next)) else { return false };
+            let Some(next) = next.into_iter().find(|next| self.line.pierces(*next)) else { return false };
             *triangle = next;
         }
         false
