@@ -49,7 +49,8 @@ pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSet
     let Some(start) = search.start() else { return miss };
     let (mut found, mut entry, mut exit) = (Meeting::new(), start, start);
     let is_first = search.refine(&mut entry, Side::Front, &mut found);
-    if !found.is_ahead && search.refine(&mut exit, Side::Back, &mut found) && !found.is_ahead {
+    let is_last = found.is_ahead || search.refine(&mut exit, Side::Back, &mut found);
+    if is_last && !found.is_ahead {
         return miss;
     }
     if !found.is_hit() {
