@@ -6,6 +6,7 @@
 //! | [`triangle_mesh`] | verification of a triangle mesh |
 //! | [`index`] | proofs of direction indices |
 //! | [`support`], [`truth`], [`directions`] | support queries against every point of the source |
+//! | `joints` | rays at vertices, edges and seams |
 //! | [`outside`] | simplified hulls: how far they extend beyond their source |
 //! | [`fit`], [`soup`] | cover and protrusion of parts, by samples of the surface |
 //! | [`mass`], `primitive` | recorded mass, voids and primitives |
@@ -23,6 +24,7 @@ pub mod estimates;
 pub mod fit;
 pub mod geometry;
 pub mod index;
+mod joints;
 pub mod mass;
 pub mod measure;
 pub mod outside;

@@ -10,7 +10,8 @@
 //! 5. The recorded mass must be the mass of the mesh, and the recorded voids the voids of the
 //!    parts. A primitive must contain the surface in its part, and protrude no farther than
 //!    recorded.
-//! 6. Parts that a physics engine cannot use well pass with warnings.
+//! 6. Rays at vertices and seams of the parts must not reach a surface behind.
+//! 7. Parts that a physics engine cannot use well pass with warnings.
 
 use std::collections::HashSet;
 
@@ -29,6 +30,7 @@ use crate::estimates::PartsEstimates;
 use crate::fit::{Judge, Witness};
 use crate::geometry::polygons;
 use crate::index;
+use crate::joints;
 use crate::mass;
 use crate::measure::{solid_of, stand_for_one};
 use crate::outside::measure_outside;
@@ -211,6 +213,12 @@ pub fn verify_hulls(
                 result.pass = false;
             }
         }
+    }
+    if let Some((index, problem)) = joints::ray_problem(pack, seed)
+        && let Some(result) = results.get_mut(index)
+    {
+        result.problems.push(problem);
+        result.pass = false;
     }
     Ok(results)
 }

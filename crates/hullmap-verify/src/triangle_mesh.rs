@@ -4,7 +4,8 @@
 //! 1. Compare each triangle with the one of the source that it names, and the materials.
 //! 2. Recompute counts, neighbours and classes of edges and vertices: by maps instead of a sort,
 //!    and by angles instead of heights.
-//! 3. Compare rays and nearest points with all triangles of the source, one by one.
+//! 3. Compare rays and nearest points with all triangles of the source, one by one. Every other ray
+//!    is aimed at a vertex or an edge, and its coordinates are chosen so that it meets it exactly.
 //!
 //! # Reference
 //! Möller, Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
@@ -19,6 +20,7 @@ use hullmap_import::{Materials, Polygons};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::joints::{AimedRay, exact_middle};
 use crate::random::SplitMix;
 use crate::soup::closest;
 
@@ -348,30 +350,39 @@ fn compare_rays(
     mut random: SplitMix,
     findings: &mut Findings,
 ) -> usize {
-    let rays: Vec<[DVec3; 2]> = (0..count)
+    let rays: Vec<AimedRay> = (0..count)
         .map(|index| {
             let origin = space.center + random.in_ball_f64() * (1.5 * space.radius);
-            // Two of three rays are aimed at a triangle.
             let [a, b, c] = triangles[random.below(triangles.len())];
+            let free = random.in_ball_f64();
+            let joint = if index % 4 == 0 { a } else { exact_middle(a, b) };
+            if index % 2 == 0
+                && let Some(aimed) = AimedRay::at(joint, origin)
+            {
+                return aimed;
+            }
+            // Two of three other rays are aimed at a triangle.
             let [u, v] = [(); 2].map(|()| 0.5 + 0.5 * random.signed());
             let target = a + (b - a) * (u * (1.0 - v)) + (c - a) * (u * v);
-            let free = random.in_ball_f64();
-            [origin, if index % 3 == 0 { free } else { (target - origin).normalize_or(free) }]
+            let direction = if index % 3 == 0 { free } else { (target - origin).normalize_or(free) };
+            AimedRay { origin, direction, meets: f64::INFINITY }
         })
         .collect();
-    let answer = |[origin, direction]: &[DVec3; 2]| {
+    let answer = |AimedRay { origin, direction, .. }: &AimedRay| {
         let ray = Ray::new(*origin, *direction).ok()?;
         Some(compound::ray(mesh, &ray, &CastSettings::default()).answer)
     };
     let judged: Vec<(Option<hullmap::RayHit>, bool)> = rays
         .par_iter()
         .map(|ray| {
-            let (truth, found) = (ray_truth(triangles, *ray, space.scale), answer(ray));
-            let is_right = found.is_some_and(|found| is_right(&found, &truth));
+            let (truth, found) = (ray_truth(triangles, [ray.origin, ray.direction], space.scale), answer(ray));
+            let is_right = found.is_some_and(|found| ray.is_met_by(&found) && is_right(&found, &truth));
             (found, is_right)
         })
         .collect();
-    for ([origin, direction], (found, _)) in rays.iter().zip(&judged).filter(|(_, (_, is_right))| !is_right) {
+    for (AimedRay { origin, direction, .. }, (found, _)) in
+        rays.iter().zip(&judged).filter(|(_, (_, is_right))| !is_right)
+    {
         findings.add(|| {
             let t = found.map_or(f64::NAN, |found| found.t);
             format!("ray from {origin} along {direction}: wrong answer, t = {t}")

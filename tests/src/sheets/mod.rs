@@ -4,11 +4,15 @@
 //! |---|---|
 //! | [`scene`] | meshes of all kinds, and bodies beside them |
 //! | [`exact`] | truths in integers, where all coordinates are whole |
+//! | [`joints`] | rays at edges, vertices and seams of meshes, fields and parts |
+//! | [`rational`] | truths of rays in rational numbers, for any coordinates |
 //!
 //! Truths in f64 have a slack for their own rounding error. Where a truth is within it, and the
 //! coordinates are whole, integers decide; other such cases are counted as unsure.
 
 pub mod exact;
+pub mod joints;
+pub mod rational;
 pub mod scene;
 
 use std::cmp::Ordering;

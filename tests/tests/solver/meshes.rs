@@ -24,3 +24,18 @@ fn meshes_answer_as_brute_force_does() {
         assert!(count(query, outcome) >= least, "{query} {outcome}: {}", count(query, outcome));
     }
 }
+
+#[test]
+fn rays_at_edges_vertices_and_seams_never_reach_the_surface_behind() {
+    const SEED: u64 = 63;
+    let mut tally = Tally::default();
+    (0..60).for_each(|index| tally.judge_joints(SEED, index));
+    println!("seed {SEED}\n{tally}");
+    assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
+    for query in ["edge", "seam"] {
+        for outcome in ["miss", "one", "several"] {
+            let count = tally.counts.get(&(query, outcome)).copied().unwrap_or_default();
+            assert!(count >= 300, "{query} {outcome}: {count}");
+        }
+    }
+}

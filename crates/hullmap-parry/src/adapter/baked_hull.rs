@@ -207,6 +207,10 @@ impl hullmap::SupportMap for BakedHull {
         on_form!(self, shape => shape.point(feature))
     }
 
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        on_form!(self, shape => shape.polytope_vertex(index))
+    }
+
     #[inline]
     fn facets(&self) -> Option<hullmap::Facets<'_>> {
         on_form!(self, shape => shape.facets())

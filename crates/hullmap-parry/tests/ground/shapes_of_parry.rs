@@ -72,6 +72,31 @@ fn rays_and_points_agree_with_brute_force() {
     }
 }
 
+/// Rays from above at the ridge of a roof over a floor: parry's own mesh agrees.
+#[test]
+fn rays_at_a_ridge_hit_the_roof_as_in_parry() {
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+    let roof = [(0.0, 1.0), (5.0, 0.5), (-5.0, 0.5)].map(|(x, z)| [at(x, -5.0, z), at(x, 5.0, z)]);
+    let floor = [at(-9.0, -9.0, 0.0), at(9.0, -9.0, 0.0), at(9.0, 9.0, 0.0), at(-9.0, 9.0, 0.0)];
+    let positions = [roof.as_flattened(), &floor].concat();
+    let corners = [[0, 2, 3], [0, 3, 1], [0, 1, 5], [0, 5, 4], [6, 7, 8], [6, 8, 9]];
+    let surface = BakedSurface::new(mesh(&positions, &corners));
+    let vertices = positions.iter().map(|p| p.as_vec3()).collect();
+    let of_parry = TriMesh::new(vertices, corners.to_vec()).unwrap();
+    let joined = BakedSurface::joined([(Pose::IDENTITY, surface.clone())]).unwrap();
+    for i in 0..40 {
+        let y = -4.9 + 0.25 * i as f32;
+        let ray = Ray::new(Vector::new(0.0, y, 5.0), Vector::new(0.0, 0.0, -1.0));
+        for own in [&surface, &joined, &surface.clone().one_sided()] {
+            let found = own.cast_local_ray_and_get_normal(&ray, 9.0, true).unwrap();
+            assert_eq!((found.time_of_impact, own.cast_local_ray(&ray, 9.0, true)), (4.0, Some(4.0)), "y {y}");
+            assert!(found.normal.z > 0.9 && found.subshape < 4, "y {y}: {found:?}");
+        }
+        let theirs = of_parry.cast_local_ray(&ray, 9.0, true).unwrap();
+        assert!((theirs - 4.0).abs() < 1e-5, "y {y}: {theirs}");
+    }
+}
+
 #[test]
 fn boxes_contain_all_triangles() {
     for NamedSurface { name, surface, triangles } in grounds(2) {

@@ -196,8 +196,7 @@ pub(super) fn first_meeting<T: Bodies>(bodies: &mut T, goal: &mut Goal) -> Compo
         if goal.budget == 0 && first.pairs > 0 {
             // Whatever is left may meet from here on.
             let t_lower = start.min(least);
-            first.add(&impact(TimeOfImpact { t: t_lower, t_lower, ..TimeOfImpact::default() }), pair);
-            first.pairs -= 1;
+            first.add_undecided(&impact(TimeOfImpact { t: t_lower, t_lower, ..TimeOfImpact::default() }), pair);
             break;
         }
         if let Some(found) = bodies.search_parts(pair, goal, [start, until]) {

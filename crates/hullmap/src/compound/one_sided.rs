@@ -23,9 +23,9 @@ use crate::shapes::triangle::VisitTriangle;
 /// - If the interior point is in front, but the shortest way out leads through the back of the
 ///   triangle, the contact is the one with the half-space behind the triangle's plane: the body is
 ///   pushed out to the front, by the depth of its lowest point, and the interval bounds this depth.
-/// - Rays and casts ignore triangles whose front they do not move towards: the computed dot
-///   product of velocity and normal must be negative. A cast also ignores triangles that the body
-///   is behind at its start.
+/// - Rays and casts ignore triangles whose front they do not move towards: the dot product of
+///   velocity and normal must be negative, for rays its exact value. A cast also ignores triangles
+///   that the body is behind at its start.
 /// - `distance`, `signed_distance`, `clear` and `cast_motion` count both sides.
 ///
 /// At a border, a contact may lean backwards, as on any edge.

@@ -212,6 +212,10 @@ impl SupportMap for SharedHull {
         self.hull().point(feature)
     }
 
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        self.hull().polytope_vertex(index)
+    }
+
     #[inline(always)]
     fn fetch_ahead(&self) {
         self.hull().fetch_ahead();

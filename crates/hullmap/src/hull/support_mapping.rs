@@ -294,6 +294,10 @@ impl SupportMap for Hull<'_> {
         self.position(feature)
     }
 
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        self.position(index)
+    }
+
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {
         Some(Facets::of_hull(self.facets?, self))

@@ -71,6 +71,9 @@ impl SupportMap for Cuboid {
     fn outer_radius(&self) -> f64 {
         self.half.length()
     }
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        (index < 8).then(|| self.corner(index).point)
+    }
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {
         Facets::of_box(self.half)

@@ -117,6 +117,9 @@ impl<S: SupportMap> SupportMap for Scaled<S> {
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.shape.point(feature).map(|p| p * self.scale)
     }
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        self.shape.polytope_vertex(index).map(|p| p * self.scale)
+    }
     fn support_error(&self) -> f64 {
         self.scaled_radii([0.0, self.shape.support_error()])[1]
     }

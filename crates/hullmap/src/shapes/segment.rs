@@ -81,6 +81,9 @@ impl SupportMap for Segment {
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.ends.get(feature as usize).copied()
     }
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        self.point(index)
+    }
 }
 
 impl Shape for Segment {

@@ -4,7 +4,6 @@ use super::direction;
 use super::error::{ShapeError, point};
 use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
-use crate::solver::ray::entry;
 use crate::solver::ray_triangle::ray_triangle;
 use crate::solver::{CastSettings, Ray};
 use crate::support::{SupportMap, SupportPoint};
@@ -138,6 +137,9 @@ impl SupportMap for Triangle {
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.corners.get(feature as usize).copied()
     }
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        self.point(index)
+    }
 }
 
 impl Shape for Triangle {
@@ -145,10 +147,10 @@ impl Shape for Triangle {
         Some(self.corners)
     }
 
-    /// By the signs of volumes, or by support queries where a ray grazes the triangle.
+    /// By the signs of volumes.
     fn entry(&self, ray: &Ray, _near: u32) -> Option<f64> {
-        let sure = ray_triangle(self.corners, ray, &CastSettings::default());
-        sure.map_or_else(|| entry(self, ray), |found| found.hit.then_some(found.t))
+        let found = ray_triangle(self.corners, ray, &CastSettings::default());
+        found.hit.then_some(found.t)
     }
 
     /// The support corner, and the corners whose edge to it is within [`TILT`] of perpendicular to

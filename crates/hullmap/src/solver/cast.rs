@@ -9,13 +9,15 @@
 //! 2. Shapes without convex radius: portal refinement along the line of motion (`line`).
 //! 3. Rounded shapes: Newton's method on the distance of the cores (`rounded`).
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::cache::Cache;
 use super::line::{Entry, LineQuery, enter};
 use super::minkowski::Minkowski;
-use super::motion::{CastSettings, Motion, Path};
+use super::motion::{CastSettings, Motion, Path, Ray};
 use super::queries::{distance, intersects};
+use super::ray_hit::RayHit;
+use super::ray_polytope::{Vertices, ray_polytope};
 use super::rounded::enter_rounded;
 use super::settings::Settings;
 use super::status::{Overlap, Status};
@@ -123,6 +125,48 @@ pub fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
+    motion: Motion,
+    settings: &CastSettings,
+    cache: &mut Cache,
+) -> Impact {
+    let found = cast_by_support((a, b, b_in_a), motion, settings, cache);
+    if found.status != Status::Touching && !(found.hit && found.t_upper > settings.limit()) {
+        return found;
+    }
+    // A point at the origin of its frame, where no rotation rounds, moves as a ray.
+    let is_point = |radius: f64, center: DVec3| radius == 0.0 && center == DVec3::ZERO;
+    let (start, velocity) = (b_in_a.translation(), motion.velocity());
+    if is_point(b.outer_radius(), b.interior_point()) && a.polytope_vertex(0).is_some() {
+        return cast_point(&|index| a.polytope_vertex(index), [start, velocity], settings, found);
+    }
+    let is_turned = b_in_a.rotation() != DQuat::IDENTITY;
+    if is_point(a.outer_radius(), a.interior_point()) && !is_turned && b.polytope_vertex(0).is_some() {
+        let seen_from_b = Impact { normal: -found.normal, ..found };
+        let found = cast_point(&|index| b.polytope_vertex(index), [-start, -velocity], settings, seen_from_b);
+        return Impact { normal: -found.normal, point_a: DVec3::ZERO, point_b: DVec3::ZERO, ..found };
+    }
+    found
+}
+
+/// What `grazing`, the cast of a point that starts at `start` and grazes a polytope, is exactly.
+#[cold]
+fn cast_point(
+    vertices: Vertices<'_>,
+    [start, velocity]: [DVec3; 2],
+    settings: &CastSettings,
+    grazing: Impact,
+) -> Impact {
+    let Ok(ray) = Ray::new(start, velocity) else { return grazing };
+    let Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, iterations, support_calls, .. } = grazing;
+    let as_ray = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
+    let RayHit { hit, status, t, t_lower, t_upper, point, normal, .. } = ray_polytope(vertices, &ray, settings, as_ray);
+    let point = if hit { point } else { DVec3::ZERO };
+    Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, point_b: point, ..grazing }
+}
+
+/// The cast by support queries: grazing shapes touch.
+pub(super) fn cast_by_support<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
     motion: Motion,
     settings: &CastSettings,
     cache: &mut Cache,

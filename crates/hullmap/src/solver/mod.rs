@@ -16,6 +16,7 @@
 //! | `line` | where a line enters the difference: rays and shape casts |
 //! | `rounded` | the same for rounded shapes, by Newton's method on the distance of the cores |
 //! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
+//! | `ray_triangle`, `ray_polytope` | rays that graze, decided by `exact_ray` and `long_accumulator` |
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for polytopes, also for threads with a small stack |
@@ -38,14 +39,18 @@ pub(crate) mod cast;
 mod contact;
 mod distance;
 mod epa;
+mod exact_ray;
 mod gjk;
 mod intersection;
 mod line;
+mod long_accumulator;
 pub(crate) mod minkowski;
 pub(crate) mod motion;
 mod mpr;
 pub(crate) mod queries;
 pub(crate) mod ray;
+mod ray_hit;
+mod ray_polytope;
 pub(crate) mod ray_triangle;
 mod rounded;
 mod sat;
@@ -68,7 +73,7 @@ pub use intersection::Intersection;
 pub(crate) use intersection::IntersectionQuery;
 pub use minkowski::{Minkowski, Vertex};
 pub use motion::{CastSettings, Motion, Ray, VectorError};
-pub use ray::RayHit;
+pub use ray_hit::RayHit;
 pub use scratch::Scratch;
 pub use settings::Settings;
 pub use signed_distance::SignedDistance;

@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use super::cache::Cache;
-use super::cast::{Impact, cast, cast_sharp};
+use super::cast::{Impact, cast_by_support, cast_sharp};
 use super::motion::{CastSettings, Ray};
+use super::ray_hit::RayHit;
+use super::ray_polytope::ray_polytope;
 use super::status::Status;
 use crate::pose::Pose;
 use crate::support::{SupportMap, SupportPoint};
@@ -35,56 +37,19 @@ impl SupportMap for Dot {
     }
 }
 
-/// Answer of [`ray`](crate::ray()): where a ray first enters a shape.
-///
-/// Points and directions are in the shape's frame. t is a factor of the ray's direction, which
-/// need not be of unit length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RayHit {
-    /// False only if it is certain that the ray misses the shape up to
-    /// [`CastSettings::max_t`](crate::CastSettings::max_t).
-    pub hit: bool,
-    /// How the query ended.
-    ///
-    /// - [`Separated`](Status::Separated): certainly no hit. t and its interval are infinite.
-    /// - [`Overlapping`](Status::Overlapping): the origin is inside the shape. t is 0, the point is
-    ///   the origin, and the normal is opposite to the direction. If the direction is zero, the
-    ///   normal is any unit vector.
-    /// - [`Exact`](Status::Exact), [`Within`](Status::Within): a hit in the interval.
-    /// - [`Touching`](Status::Touching): the ray grazes the shape, and rounding error decides
-    ///   between hit and miss. If it hits, it does so in the interval.
-    /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): a hit, in an
-    ///   interval that is wider than the tolerance.
-    pub status: Status,
-    /// The ray enters the shape at `origin + t direction`; infinite if there is no hit.
-    pub t: f64,
-    /// Lower bound of t, at least 0, with allowance for rounding error.
-    pub t_lower: f64,
-    /// Upper bound of t, with allowance for rounding error. It may exceed `max_t` if the interval
-    /// does.
-    pub t_upper: f64,
-    /// The point at t. If the ray grazes the shape, the point need not be on the shape. The origin
-    /// if there is no hit.
-    pub point: DVec3,
-    /// Unit outward normal of a support plane of the shape, which the ray crosses at `t_lower`. On
-    /// a polytope, it is the normal of the face at the point. If there is no hit, normal of a plane
-    /// that takes part in the proof.
-    pub normal: DVec3,
-    /// Number of steps of the search.
-    pub iterations: u32,
-    /// Number of support calls.
-    pub support_calls: u32,
-}
-
 /// Where `ray` first enters `shape`.
 ///
 /// Points and directions are in the shape's frame and unit, and t is a factor of the direction. A
 /// ray that starts inside hits at t = 0, with the status [`Overlapping`](Status::Overlapping). A
 /// ray whose direction is zero hits only the shape that its origin is in.
 ///
+/// A shape is closed, and so is the ray at both ends, from t = 0 to `max_t`. If rounding error might
+/// decide, the vertices of a hull, a box or a triangle decide exactly.
+///
 /// # Complexity
 /// No support call if the ray misses the bounding ball of the shape, 10 to 20 for most hits. The
-/// number of steps is bounded by `settings`. No allocation.
+/// number of steps is bounded by `settings`. A ray that grazes a polytope takes a few passes over
+/// its vertices more. No allocation.
 ///
 /// # Reference
 /// Snethen, "XenoCollide" (portal refinement along a ray). docs/intervals.md proves the interval.
@@ -113,11 +78,17 @@ pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings
     let start = Pose::from_checked(ray.origin());
     let found = match ray.motion().path() {
         Some(path) if !(shape.convex_radius() > 0.0) => cast_sharp((shape, &Dot, start), path, settings, None),
-        _ => cast(shape, &Dot, start, ray.motion(), settings, &mut Cache::new()),
+        _ => cast_by_support((shape, &Dot, start), ray.motion(), settings, &mut Cache::new()),
     };
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
     let point = if hit { ray.point_at(t) } else { ray.origin() };
-    RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
+    let found = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
+    // Rounding error decides between hit and miss, or whether the hit is before the end.
+    let is_open = status == Status::Touching || hit && t_upper > settings.limit();
+    if is_open && shape.polytope_vertex(0).is_some() {
+        return ray_polytope(&|index| shape.polytope_vertex(index), ray, settings, found);
+    }
+    found
 }
 
 /// Tolerance of an entry, relative to the outer radius: ten times the rounding error of f32

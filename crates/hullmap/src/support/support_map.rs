@@ -154,6 +154,15 @@ pub trait SupportMap {
         None
     }
 
+    /// The vertex with this index, from 0 on, if the shape is the convex hull of its vertices;
+    /// `None` beyond the last one. Rays that graze are decided by them. The default is `None`: the
+    /// shape is not known to be a polytope.
+    #[doc(hidden)]
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        let _ = index;
+        None
+    }
+
     /// [`support_point`](Self::support_point) with a hint: the feature that a recent query in a
     /// similar direction returned. The hint may save time. The answer is as exact with it as
     /// without, and may be another of several points with the same dot product. The default ignores
@@ -323,6 +332,9 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn point(&self, feature: u32) -> Option<DVec3> {
         (**self).point(feature)
+    }
+    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
+        (**self).polytope_vertex(index)
     }
     #[inline(always)]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {

@@ -154,7 +154,8 @@ fn rays_at_hulls() {
     }
     println!("seed {SEED}: {tally:?}");
     assert!(tally.hits * 3 > tally.answers && tally.misses * 8 > tally.answers, "one-sided: {tally:?}");
-    assert!(tally.grazing * 20 > tally.answers && tally.stalled * 100 < tally.answers, "{tally:?}");
+    // Many graze: exact arithmetic decides them.
+    assert!(tally.grazing == 0 && tally.stalled * 100 < tally.answers, "{tally:?}");
 }
 
 #[test]
@@ -413,9 +414,12 @@ fn rays_that_start_on_the_surface() {
     assert!(into.normal.distance(DVec3::X) < 1e-12);
     // It touches the surface at the start.
     let out = at([1.0, 0.2, 0.1], [1.0, 0.0, 0.0]);
-    assert!(out.hit && out.status == Status::Touching && out.t == 0.0 && out.t_upper < 1e-12, "{out:?}");
+    assert!(out.hit && out.status == Status::Exact && out.t == 0.0 && out.t_upper == 0.0, "{out:?}");
     let along = at([1.0, 0.2, 0.1], [0.0, 1.0, 0.0]);
-    assert!(along.hit && along.status == Status::Touching && along.t == 0.0, "{along:?}");
+    assert!(along.hit && along.status == Status::Exact && along.t == 0.0, "{along:?}");
+    // One unit in the last place outside.
+    assert_eq!(at([1.0_f64.next_up(), 0.2, 0.1], [1.0, 0.0, 0.0]).status, Status::Separated);
+    assert_eq!(at([1.0_f64.next_up(), 0.2, 0.1], [0.0, 1.0, 0.0]).status, Status::Separated);
 }
 
 #[test]
@@ -424,8 +428,7 @@ fn rays_along_faces_edges_and_through_vertices() {
     let at = |origin: [f64; 3], direction: [f64; 3]| {
         ray(&cube, &Ray::new(origin.into(), direction.into()).unwrap(), &CastSettings::default())
     };
-    // In the plane of a face, along an edge, past a vertex: neither hit nor miss is certain, and
-    // the interval has the time of the closed cube.
+    // In the plane of a face, along an edge, past a vertex: the cube is closed.
     for (origin, direction, t) in [
         ([-3.0, 0.0, 1.0], [1.0, 0.0, 0.0], 2.0),
         ([-3.0, 0.25, 1.0], [1.0, 0.0, 0.0], 2.0),
@@ -435,7 +438,8 @@ fn rays_along_faces_edges_and_through_vertices() {
     ] {
         let found = at(origin, direction);
         assert!(found.hit && found.t_lower <= t && t <= found.t_upper, "{origin:?} {direction:?} {found:?}");
-        assert!((found.t - t).abs() < 1e-9, "{origin:?} {direction:?} {found:?}");
+        assert!(found.status == Status::Exact && found.t == t, "{origin:?} {direction:?} {found:?}");
+        assert!(found.t_upper - found.t_lower < 1e-14, "{origin:?} {direction:?} {found:?}");
     }
     // Into a vertex, an edge, the middle of a face and its diagonal: certain hits.
     for (origin, direction, t) in [
@@ -471,20 +475,20 @@ fn flat_hulls_of_every_rank() {
     }
     assert_eq!(ray(&hull, &line([1.5, 0.0, 3.5], [0.0, 0.0, -1.0]), &settings).status, Status::Separated);
     let along = ray(&hull, &line([-3.0, 0.0, 0.5], [1.0, 0.0, 0.0]), &settings);
-    assert!(along.status == Status::Touching && along.t_lower <= 2.0 && 2.0 <= along.t_upper, "{along:?}");
+    assert!(along.status == Status::Exact && along.t == 2.0 && along.t_upper < 2.000_001, "{along:?}");
 
     let pack = tree_pack(&segment);
     let hull = pack.hull(0).unwrap();
     let across = ray(&hull, &line([0.5, 0.0, 2.0], [0.0, 0.0, -1.0]), &settings);
-    assert!(across.status == Status::Touching && (across.t - 2.0).abs() < 1e-12, "{across:?}");
+    assert!(across.status == Status::Exact && (across.t - 2.0).abs() < 1e-12, "{across:?}");
     let along = ray(&hull, &line([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), &settings);
-    assert!(along.status == Status::Touching && along.t_lower <= 2.0 && 2.0 <= along.t_upper, "{along:?}");
+    assert!(along.status == Status::Exact && along.t == 2.0 && along.t_upper < 2.000_001, "{along:?}");
     assert_eq!(ray(&hull, &line([0.5, 0.1, 2.0], [0.0, 0.0, -1.0]), &settings).status, Status::Separated);
 
     let pack = tree_pack(&point);
     let hull = pack.hull(0).unwrap();
     let through = ray(&hull, &line([0.5, 0.25, 2.0], [0.0, 0.0, -1.0]), &settings);
-    assert!(through.status == Status::Touching && (through.t - 1.875).abs() < 1e-12, "{through:?}");
+    assert!(through.status == Status::Exact && (through.t - 1.875).abs() < 1e-12, "{through:?}");
     assert_eq!(ray(&hull, &line([0.5, 0.26, 2.0], [0.0, 0.0, -1.0]), &settings).status, Status::Separated);
 }
 
@@ -631,7 +635,7 @@ fn without_motion_only_the_start_counts() {
     assert_eq!(at(DVec3::splat(0.5)).status, Status::Overlapping);
     assert_eq!(at(DVec3::splat(1.5)).status, Status::Separated);
     let on = at(DVec3::new(1.0, 0.5, 0.0));
-    assert!(on.hit && on.status == Status::Touching && on.t == 0.0 && on.t_upper == 0.0, "{on:?}");
+    assert!(on.hit && on.status == Status::Exact && on.t == 0.0 && on.t_upper == 0.0, "{on:?}");
     // The points of a cast were zero.
     let (ball, start) = (Sphere::new(0.5).unwrap(), DVec3::new(1.25, 0.5, 0.75));
     for (x, status) in [(1.25, Status::Overlapping), (1.5, Status::Touching)] {

@@ -25,6 +25,9 @@ struct Arguments {
     /// Seed of all meshes
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Only rays at edges, vertices and seams of meshes, height fields and packs
+    #[arg(long)]
+    joints: bool,
     /// Maximum number of wrong answers to print in full
     #[arg(long, default_value_t = 20)]
     report: usize,
@@ -34,7 +37,7 @@ struct Arguments {
 const BLOCK: u64 = 1_000;
 
 fn main() -> ExitCode {
-    let Arguments { queries, first, seed, report } = Arguments::parse();
+    let Arguments { queries, first, seed, joints, report } = Arguments::parse();
     let (mut tally, start, mut next) = (Tally::default(), Instant::now(), first);
     while tally.queries() < queries {
         let until = next + if queries == 1 { 1 } else { BLOCK };
@@ -42,7 +45,11 @@ fn main() -> ExitCode {
             .into_par_iter()
             .map(|index| {
                 let mut tally = Tally::default();
-                tally.judge(seed, index);
+                if joints {
+                    tally.judge_joints(seed, index)
+                } else {
+                    tally.judge(seed, index)
+                }
                 tally
             })
             .collect();
