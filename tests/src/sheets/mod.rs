@@ -4,11 +4,13 @@
 //! |---|---|
 //! | [`scene`] | meshes of all kinds, and bodies beside them |
 //! | [`exact`] | truths in integers, where all coordinates are whole |
+//! | [`manifolds`] | manifolds of bodies of all kinds: every point is on both surfaces |
 //!
 //! Truths in f64 have a slack for their own rounding error. Where a truth is within it, and the
 //! coordinates are whole, integers decide; other such cases are counted as unsure.
 
 pub mod exact;
+pub mod manifolds;
 pub mod scene;
 
 use std::cmp::Ordering;

@@ -35,7 +35,28 @@ pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     true
 }
 
-/// The same for the surface of B alone. `near` is a vertex of B close to the point.
+/// The contact's own `point` on both surfaces, from `above` them; `None` if a surface is not there.
+///
+/// If the contact has stalled, its two points are not on a line along the normal. Then the support
+/// point of one shape is taken, and the place on the other surface on the line through it.
+pub(super) fn witness<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    (frame, features): (&Frame, &[Feature; 2]),
+    above: f64,
+    point: PatchPoint,
+) -> Option<PatchPoint> {
+    let at = |top: DVec3, exact: [bool; 2]| {
+        let heights = [(top - frame.origin).dot(frame.normal); 2];
+        PatchPoint { at: frame.projected(top), heights, exact, ..point }
+    };
+    let settled = |mut point: PatchPoint| settle((a, b, b_in_a), frame, features, above, &mut point).then_some(point);
+    let dir_b = b_in_a.inverse_transform_vector(-frame.normal);
+    let on_b = || at(b_in_a.transform_point(b.support_point(dir_b).point), [false, true]);
+    let on_a = || at(a.support_point(frame.normal).point, [true, false]);
+    settled(point).or_else(|| settled(on_b())).or_else(|| settled(on_a()))
+}
+
+/// [`settle`] for the surface of B alone. `near` is a vertex of B close to the point.
 pub(super) fn settle_b<B: Shape + ?Sized>(
     (b, b_in_a): (&B, Pose),
     frame: &Frame,

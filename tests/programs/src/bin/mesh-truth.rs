@@ -19,6 +19,9 @@ struct Arguments {
     /// Minimum number of queries
     #[arg(long, default_value_t = 1_000_000)]
     queries: u64,
+    /// Judge contact manifolds instead, of bodies of all kinds
+    #[arg(long)]
+    manifolds: bool,
     /// Index of the first mesh; with --queries 1, that mesh alone
     #[arg(long, default_value_t = 0)]
     first: u64,
@@ -34,7 +37,7 @@ struct Arguments {
 const BLOCK: u64 = 1_000;
 
 fn main() -> ExitCode {
-    let Arguments { queries, first, seed, report } = Arguments::parse();
+    let Arguments { queries, manifolds, first, seed, report } = Arguments::parse();
     let (mut tally, start, mut next) = (Tally::default(), Instant::now(), first);
     while tally.queries() < queries {
         let until = next + if queries == 1 { 1 } else { BLOCK };
@@ -42,7 +45,7 @@ fn main() -> ExitCode {
             .into_par_iter()
             .map(|index| {
                 let mut tally = Tally::default();
-                tally.judge(seed, index);
+                if manifolds { tally.judge_manifolds(seed, index) } else { tally.judge(seed, index) }
                 tally
             })
             .collect();
