@@ -13,12 +13,13 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::compound::{Joined, Parts, Tile, seams};
+use hullmap::height_field::{Diagonal, Layout};
 use hullmap::manifold::{FeatureId, Manifold};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Sphere};
 use hullmap::{
     Compound, CompoundManifolds, HeightField, ManifoldSettings, Pack, Pose, Prediction, Shape, Status, TriangleMesh,
 };
-use hullmap_bake::height_field::{Diagonal, HeightGrid, Layout, bake_height_field, write_height_field};
+use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, point_set};
@@ -37,6 +38,9 @@ const F64: f64 = 64.0 * f64::EPSILON;
 
 /// Distance of corners of a hull's face from its plane, relative to its size: rounding to f32.
 const F32: f64 = f32::EPSILON as f64;
+
+/// Tolerance of points on curved surfaces, relative to the body's own radius.
+const CURVED: f64 = 1e-10;
 
 /// Updates of each body.
 const FRAMES: u32 = 3;
@@ -110,9 +114,7 @@ impl<S: Parts> AnySheet for S {
             (Solid::Convex(b), Way::Joined) => found.update_joined(&joined, 1, self, &**b, pose, settings),
             (Solid::Parts(b), Way::First) => found.update(self, &Compound::new(b), pose, settings),
             (Solid::Parts(b), Way::Second) => found.update(&Compound::new(b), self, pose.inverse(), settings),
-            (Solid::Parts(b), Way::Joined) => {
-                found.update_joined(&joined, 1, self, &Compound::new(b), pose, settings)
-            }
+            (Solid::Parts(b), Way::Joined) => found.update_joined(&joined, 1, self, &Compound::new(b), pose, settings),
         };
     }
 }
@@ -168,12 +170,12 @@ fn loose(rng: &mut SplitMix64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 
 fn sheet(rng: &mut SplitMix64, ground: Ground) -> Sheet {
     if ground == Ground::Field {
-        let (columns, rows) = (2 + rng.below(5) as u32, 2 + rng.below(5) as u32);
+        let (columns, rows) = (2 + rng.below(5), 2 + rng.below(5));
         let diagonal = [Diagonal::Rising, Diagonal::Falling][rng.below(2)];
         let layout = Layout { columns, rows, origin: [-1.0, 2.0], spacing: [1.0, 1.0], diagonal };
         let steep = rng.between(0.0, 1.5);
         let heights: Vec<f32> = (0..columns * rows).map(|_| (steep * rng.unit()) as f32).collect();
-        let cells = ((columns - 1) * (rows - 1)) as usize;
+        let cells = (columns - 1) * (rows - 1);
         let holes: Vec<bool> = (0..cells).map(|cell| cell > 0 && rng.below(5) == 0).collect();
         let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &holes, materials: &[] });
         let file = write_height_field(baked.expect("a field"), &Default::default()).expect("a file");
@@ -209,7 +211,7 @@ fn body(rng: &mut SplitMix64, size: f64) -> Body {
     let s = |rng: &mut SplitMix64| size * rng.between(0.2, 1.0);
     let convex = |name, shape: Box<dyn Shape>, model: Model| {
         let radius = model.greatest;
-        Body { name, solid: Solid::Convex(shape), models: vec![model], radius, rough: 0.0 }
+        Body { name, solid: Solid::Convex(shape), models: vec![model], radius, rough: CURVED * radius }
     };
     let hull = |rng: &mut SplitMix64, middle: DVec3| -> Vec<[f32; 3]> {
         let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * DVec3::from_array(rng.direction())).as_vec3();

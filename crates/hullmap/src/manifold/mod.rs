@@ -473,8 +473,10 @@ impl Manifold {
         let frame = Frame::new(point, normal);
         let dir_b = b_in_a.inverse_transform_vector(-normal);
         let tops = [a.support_point(normal).point, b_in_a.transform_point(b.support_point(dir_b).point)];
-        let farthest = tops.map(|top| (top - point).dot(normal).abs()).into_iter().fold(0.0, f64::max);
-        let lengths = Lengths { depth: farthest, width: 0.0, prediction: settings.prediction.length(reach), reach };
+        let [on_a, on_b] = tops.map(|top| (top - point).dot(normal));
+        let prediction = settings.prediction.length(reach);
+        let lengths = Lengths { depth: on_a - on_b, width: 0.0, prediction, reach };
+        let above = on_a.abs().max(on_b.abs()) + reach;
         let mut features = [Feature::new(), Feature::new()];
         a.feature(normal, &mut features[0]);
         b.feature(dir_b, &mut features[1]);
@@ -487,9 +489,7 @@ impl Manifold {
             // The surface may face the other body below the point itself.
             let exact = &mut found.exact[usize::from(body == Body::B)];
             *exact = *exact && is_witness;
-            if settle((a, b, b_in_a), &frame, &features, lengths.height_above(), &mut found)
-                && found.depth() >= -lengths.prediction
-            {
+            if settle((a, b, b_in_a), &frame, &features, above, &mut found) && found.depth() >= -prediction {
                 patch.push(found);
                 break;
             }

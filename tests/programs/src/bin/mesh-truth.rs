@@ -45,7 +45,11 @@ fn main() -> ExitCode {
             .into_par_iter()
             .map(|index| {
                 let mut tally = Tally::default();
-                if manifolds { tally.judge_manifolds(seed, index) } else { tally.judge(seed, index) }
+                if manifolds {
+                    tally.judge_manifolds(seed, index)
+                } else {
+                    tally.judge(seed, index)
+                }
                 tally
             })
             .collect();
