@@ -38,7 +38,7 @@ fn judge_cube(ground: &TriangleMesh, half: f64, at: DVec3, prediction: f64) -> [
     alone.set_welding(false);
     [&mut welded, &mut alone].map(|found| found.update(ground, &cube, pose, &within(prediction)));
     for (pair, manifold) in welded.iter().chain(alone.iter()) {
-        let corners = ground.corners(pair[0]).unwrap();
+        let corners = ground.triangle(pair[0]).unwrap().corners();
         judge(manifold, corners, |p| (p.abs() - half).max_element(), half, prediction);
     }
     let is_corrected = |pair| welded.get(pair).map(Manifold::normal) != alone.get(pair).map(Manifold::normal);
