@@ -26,8 +26,9 @@
 //!    other body penetrates below them.
 //! 3. Take the face of least depth that is exposed, either at the place of the other body or at the
 //!    contact.
-//! 4. Compute the manifold along its normal. If it has no points, the part does not support the
-//!    body; the neighbouring part does, with its own manifold.
+//! 4. Compute the manifold along its normal. If it has no points, but no other part holds the body,
+//!    try the place of the face nearest to the body. If the body is not above it, the part does not
+//!    support the body; the neighbouring part does, with its own manifold.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (enhanced internal edge
@@ -679,8 +680,8 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             }
         }
         // The body entered through an exposed face, but its lowest point is beside the part. If
-        // that point is in another part, this part holds the body. Otherwise the point is outside
-        // the union, beyond one of its edges.
+        // that point is in another part, that part holds the body. Otherwise the point is outside
+        // the union, beyond one of its edges, and the nearest place of this part may hold it.
         match beside {
             Some((face, _)) if contact.depth > self.seam && !self.is_held(self.lowest(face.normal)) => {
                 Choice::Point(witness, face.normal)

@@ -217,8 +217,10 @@ impl fmt::Display for PointId {
 
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 ///
-/// The two points lie on the surfaces, as far as the points of the contact do. Where the surfaces
-/// overlap deeper than the reported contact, within its interval, both give way by half of the
+/// The two points lie on the surfaces, whatever the status of the manifold is: off by at most 2e-6
+/// of the smaller shape's outer radius, plus the rounding of coordinates (for curved surfaces also
+/// 1e-10 of their own radius). A hull's faces are flat up to the rounding of its vertices to f32.
+/// Where points are deeper than the contact, within these bounds, both give way by half of the
 /// excess.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
@@ -231,7 +233,8 @@ pub struct ManifoldPoint {
     /// The point on B's surface, in B's frame.
     pub local_b: DVec3,
     /// Penetration depth at this point along the manifold's normal n, (`point_a` − `point_b`) · n;
-    /// negative if the surfaces are separated there. At most the depth of the contact.
+    /// negative if the surfaces are separated there, by at most the prediction. At most the depth
+    /// of the contact, or its upper bound if the interval is wide.
     pub depth: f64,
     /// Owned by the caller: 0 in a new point and unchanged while the point is kept. Made for the
     /// accumulated impulse along the normal and two tangents, with which the next frame's solver

@@ -36,7 +36,9 @@ fn judge_cube(ground: &TriangleMesh, half: f64, at: DVec3, prediction: f64) -> [
     let (cube, pose) = (Cuboid::new(DVec3::splat(half)).unwrap(), Pose::from_translation(at).unwrap());
     let (mut welded, mut alone) = (CompoundManifolds::new(8), CompoundManifolds::new(8));
     alone.set_welding(false);
-    [&mut welded, &mut alone].map(|found| found.update(ground, &cube, pose, &within(prediction)));
+    for found in [&mut welded, &mut alone] {
+        found.update(ground, &cube, pose, &within(prediction));
+    }
     for (pair, manifold) in welded.iter().chain(alone.iter()) {
         let corners = ground.triangle(pair[0]).unwrap().corners();
         judge(manifold, corners, |p| (p.abs() - half).max_element(), half, prediction);
