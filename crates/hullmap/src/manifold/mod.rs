@@ -336,14 +336,11 @@ impl Manifold {
     }
 
     /// How the query ended that found the normal: of the contact, or of the distance if the shapes
-    /// are separated by at most the prediction. [`Exact`](Status::Exact) if the normal is that of a
-    /// face, as after a correction by [`weld`](crate::compound::seams::weld()). Without points,
-    /// [`Separated`](Status::Separated), unless the shapes overlap: then no point was found that is
-    /// on both surfaces.
-    ///
-    /// Points are on the surfaces whatever it is. With [`Stalled`](Status::Stalled) and
-    /// [`IterationLimit`](Status::IterationLimit), the depths along the normal may be far above the
-    /// least ones.
+    /// are separated. [`Exact`](Status::Exact) if the normal is that of a face, as after a
+    /// correction by [`weld`](crate::compound::seams::weld()). Without points,
+    /// [`Separated`](Status::Separated), unless the shapes overlap, but no point on both surfaces
+    /// was found. With [`Stalled`](Status::Stalled) and [`IterationLimit`](Status::IterationLimit),
+    /// the depths along the normal may be far above the least ones.
     pub fn status(&self) -> Status {
         self.status
     }
@@ -409,7 +406,7 @@ impl Manifold {
         // Between the corners of a feature that is not flat, the surface may be less deep.
         let deep = choice.indices().iter().map(|i| patch.points()[*i].depth()).fold(f64::NEG_INFINITY, f64::max);
         if depth > deep + lengths.slight()
-            && let Some(point) = witness((a, b, b_in_a), (&frame, &features), lengths.height_above(), point)
+            && let Some(point) = witness((a, b, b_in_a), (&frame, &features), [lengths.height_above(), reach], point)
             && point.depth() >= -prediction
         {
             let index = patch.put(point);
@@ -461,10 +458,9 @@ impl Manifold {
         self.replace(&patch, choice, &frame, b_in_a, &lengths);
     }
 
-    /// Replaces the points by at most one, along the unit normal `normal` from A to B: of the face
-    /// of the other body, the place nearest to `point`, which is on the surface of `body`. There is
-    /// none if the surface of `body` is not there, or farther than the prediction. All are in A's
-    /// frame.
+    /// Replaces the points by at most one, along the unit normal `normal` from A to B: the place of
+    /// the other body's face nearest to `point`, which is on the surface of `body`. There is none if
+    /// `body` is not there, or farther than the prediction. All are in A's frame.
     pub(crate) fn update_at<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         (a, b, b_in_a): (&A, &B, Pose),

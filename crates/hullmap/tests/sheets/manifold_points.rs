@@ -63,7 +63,7 @@ fn corrected_normals_have_points_on_the_mesh() {
         ([-0.25, 0.5, 0.25, -0.5], DVec3::new(1.375, 1.625, 0.0625)),
     ] {
         let [points, corrected] = judge_cube(&folded(heights), 0.5, at, 0.02);
-        assert!(points >= 3 && corrected >= 1, "{points} points, {corrected} corrected");
+        assert!(points >= 2 && corrected >= 1, "{points} points, {corrected} corrected");
     }
 }
 
@@ -102,12 +102,12 @@ fn a_ball_whose_middle_is_nearly_in_a_large_triangle() {
 fn a_capsule_that_leans_has_points_on_its_side() {
     let (half, radius) = (0.5, 1.0);
     let (floor, capsule) = (Cuboid::new(DVec3::new(9.0, 9.0, 1.0)).unwrap(), Capsule::new(half, radius).unwrap());
-    for tilt in [0.0, 1e-3, 0.03, 0.3, 0.46, 1.2, 1.57] {
+    for tilt in [0.0, 1e-3, 0.03, 0.3, 0.42, 1.2, 1.57] {
         let turn = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2 - tilt);
-        let at = Pose::new(DVec3::Z * (1.9 + radius + half * tilt.sin()), turn).unwrap();
+        let at = Pose::new(DVec3::Z * (0.9 + radius + half * tilt.sin()), turn).unwrap();
         let mut manifold = Manifold::new();
         manifold.update(&floor, &capsule, at, &within(0.45), &mut Cache::new());
-        assert_eq!(manifold.points().len(), if tilt.sin() < 0.45 { 2 } else { 1 }, "{tilt}");
+        assert_eq!(manifold.points().len() >= 2, tilt < 0.45, "{tilt}: {manifold:?}");
         for point in manifold.points() {
             let core = DVec3::Z * point.local_b.z.clamp(-half, half);
             let off = point.local_b.distance(core) - radius;
