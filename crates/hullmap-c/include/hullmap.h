@@ -962,7 +962,8 @@ typedef struct {
     uint32_t vertices[2];
 } HullmapFeature;
 
-// A point of a manifold. Points and normal are in A's frame unless stated otherwise.
+// A point of a manifold. Points and normal are in A's frame unless stated otherwise. Both points
+// are on the surfaces, and separated by at most the prediction.
 //
 // The caller may write impulse and user_data: the next update keeps them if it keeps the point.
 // Changes to other fields are ignored.
@@ -992,6 +993,8 @@ typedef struct {
     HullmapFeature feature_a;
     // The feature of B.
     HullmapFeature feature_b;
+    // How the query ended that found the normal; the same for all points of a pair of hulls.
+    HullmapStatus status;
 } HullmapManifoldPoint;
 
 // The points of a manifold after an update, and what the update cost.

@@ -341,6 +341,7 @@ fn show(manifold: &hullmap::Manifold, hulls: [usize; 2], shown: &mut Vec<Manifol
         hull_b,
         feature_a: point.id.on_a().into(),
         feature_b: point.id.on_b().into(),
+        status: manifold.status().into(),
     }));
 }
 

@@ -4,7 +4,7 @@
 use hullmap::compound::{CompoundManifolds, ManifoldCounts, Parts};
 use hullmap::glam::DVec3;
 use hullmap::manifold::{MAX_POINTS, Manifold, ManifoldPoint, ManifoldSettings, Prediction};
-use hullmap::{Compound, Pose, Settings};
+use hullmap::{Compound, Pose, Settings, Status};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,6 +15,7 @@ use crate::pairs::Queried;
 use crate::pose::PoseArrays;
 use crate::query::{self, convex};
 use crate::shape::Side;
+use crate::solve::code;
 use crate::task::{Cut, Task, fill};
 use crate::threads::Threads;
 
@@ -33,7 +34,7 @@ columns!(
     /// Answers of `manifolds`: `max_pairs` rows for each pose. The counts are in the first one.
     PairManifolds, PairRows {
         touching: u32 = 1, dropped: u32 = 1, parts: u32 = 2, count: u8 = 1, normal: f64 = 3, point_a: f64 = 12,
-        point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4,
+        point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4, status: u8 = 1,
     }
 );
 
@@ -81,7 +82,8 @@ pub fn manifold<'py>(
         |_| None,
         |rows, at, found| {
             let (manifold, contact) = &found.answer;
-            put_fields!(rows, at, contact; normal, hit, status);
+            put_fields!(rows, at, contact; normal, hit);
+            put(rows.status, at, code(manifold.status()));
             put_points!(rows, at, Some(manifold));
         },
     )
@@ -185,6 +187,7 @@ fn write(rows: &mut PairRows<'_>, first: usize, count: usize, found: &CompoundMa
         let parts = pair.map_or([u32::MAX; 2], |(parts, _)| parts.map(|part| u32::try_from(part).unwrap_or(u32::MAX)));
         put_all(rows.parts, at, &parts);
         put_vector(rows.normal, at, pair.map_or(DVec3::NAN, |(_, manifold)| manifold.normal()));
+        put(rows.status, at, code(pair.map_or(Status::Separated, |(_, manifold)| manifold.status())));
         put_points!(rows, at, pair.map(|(_, manifold)| *manifold));
     }
 }

@@ -146,6 +146,8 @@ def test_a_manifold_carries_a_cube(cube):
     floor = hullmap.Box([5, 5, 1])
     found = floor.manifold(cube, hullmap.poses([[0, 0, 1.99], [0, 0, 2.02], [0, 0, 3]]))
     assert found.count.tolist() == [4, 4, 0]
+    # Of the contact, of the distance, and of a proof that the two are apart.
+    assert hullmap.Status.words(found.status) == ["exact", "exact", "separated"]
     assert np.allclose(found.depth[0], 0.01) and np.allclose(found.depth[1], -0.02) and np.isnan(found.depth[2]).all()
     assert np.allclose(found.normal[0], [0, 0, 1])
     corners = np.unique(found.point_b[0].round(6), axis=0)
@@ -310,6 +312,7 @@ def test_manifolds_of_packs_are_those_of_their_hulls(pair_of_cubes):
             assert np.allclose(getattr(found, field)[row, pair], getattr(alone, field)[row], atol=1e-9, equal_nan=True)
     unused = found.count == 0
     assert (found.parts[unused] == 2**32 - 1).all() and np.isnan(found.depth[unused]).all()
+    assert found.status.shape == (400, 4) and np.array_equal(found.status == hullmap.Status.SEPARATED, unused)
     assert np.isnan(found.normal[unused]).all()
     # The other way around, and without memory for all pairs.
     turned = probe.manifolds(pack, hullmap.relative(poses, hullmap.poses([0, 0, 0])))

@@ -72,6 +72,8 @@ export interface ManifoldPoint {
     normal: Float64Array;
     /** Indices of the hulls or triangles of A and B that touch there. */
     parts: Uint32Array;
+    /** How the query of these two ended that found the normal. */
+    status: Status;
 }
 
 /** Contact manifold of two bodies, in A's frame. */
@@ -470,6 +472,7 @@ impl QueryPair {
                     ("pointA", Field::Vector(point.point_a)),
                     ("pointB", Field::Vector(point.point_b)),
                     ("depth", Field::Number(point.depth)),
+                    ("status", Field::Word(manifold.status().as_str())),
                 ];
                 let plain = Plain::from_fields(&fields).with("normal", &normal).with("parts", &parts);
                 points.push(&plain.done::<JsValue>());

@@ -6,6 +6,7 @@
 //! | [`exact`] | truths in integers, where all coordinates are whole |
 //! | [`joints`] | rays at edges, vertices and seams of meshes, fields and parts |
 //! | [`rational`] | truths of rays in rational numbers, for any coordinates |
+//! | [`manifolds`] | manifolds of bodies of all kinds: every point is on both surfaces |
 //!
 //! Truths in f64 have a slack for their own rounding error. Where a truth is within it, and the
 //! coordinates are whole, integers decide; other such cases are counted as unsure.
@@ -13,6 +14,7 @@
 pub mod exact;
 pub mod joints;
 pub mod rational;
+pub mod manifolds;
 pub mod scene;
 
 use std::cmp::Ordering;

@@ -108,12 +108,15 @@ impl Model {
                 let height = |(n, offset): &(DVec3, f64)| (n.dot(q) - offset) / (*n / self.scale).length();
                 planes.iter().map(height).fold(f64::NEG_INFINITY, more)
             }
-            Core::Cuboid(half) => ((q.abs() - *half) * size).max_element(),
+            Core::Cuboid(half) => to_corner((q.abs() - *half) * size),
             Core::Segment(half) => {
                 let end = DVec3::Z * (*half * self.scale.z);
                 to_segment(p, end, -end)
             }
-            Core::Cylinder(half, radius) => ((q.z.abs() - half) * size.z).max((across - radius) * size.x.min(size.y)),
+            Core::Cylinder(half, radius) => {
+                let beside = (across - radius) * size.x.min(size.y);
+                to_corner(DVec3::new(beside, (q.z.abs() - half) * size.z, f64::NEG_INFINITY))
+            }
             Core::Cone(half, radius) => {
                 let slant = (4.0 * half * half + radius * radius).sqrt();
                 let side = if slant > 0.0 {
@@ -217,6 +220,12 @@ fn reach(points: &[DVec3], dir: DVec3) -> f64 {
         }
     }
     rest.iter().map(|p| p.dot(dir)).chain(greatest).fold(f64::NEG_INFINITY, more)
+}
+
+/// Distance from the inside of a right angle: `heights` are those above its planes.
+fn to_corner(heights: DVec3) -> f64 {
+    let highest = heights.max_element();
+    if highest > 0.0 { heights.max(DVec3::ZERO).length() } else { highest }
 }
 
 fn to_segment(p: DVec3, q: DVec3, r: DVec3) -> f64 {

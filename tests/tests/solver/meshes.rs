@@ -39,3 +39,30 @@ fn rays_at_edges_vertices_and_seams_never_reach_the_surface_behind() {
         }
     }
 }
+
+/// Bodies of all kinds on sheets of all kinds, a part of the run of `mesh-truth --manifolds`.
+#[test]
+fn every_point_of_a_manifold_is_on_both_surfaces() {
+    const SEED: u64 = 63;
+    let mut tally = Tally::default();
+    (0..320).for_each(|index| tally.judge_manifolds(SEED, index));
+    println!("seed {SEED}\n{tally}");
+    assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
+    let count = |what, kind| tally.counts.get(&(what, kind)).copied().unwrap_or_default();
+    for body in ["cuboid", "ball", "capsule", "cylinder", "cone", "rounded disc", "hull", "compound"] {
+        assert!(count("point", body) >= 2000, "{body}: {}", count("point", body));
+    }
+    for (what, kind, least) in [
+        ("clipped", "cuboid", 5000),
+        ("clipped", "hull", 500),
+        ("welding", "corrected", 5000),
+        ("welding", "removed", 2000),
+        ("welded", "yes", 20_000),
+        ("welded", "no", 20_000),
+        ("status", "within", 2000),
+        ("status", "touching", 100),
+        ("status", "stalled", 10),
+    ] {
+        assert!(count(what, kind) >= least, "{what} {kind}: {}", count(what, kind));
+    }
+}

@@ -179,7 +179,7 @@ fn same_points(found: &types::ManifoldPoints, expected: &[([usize; 2], &hullmap:
         assert_eq!(bits(found.local_b), point.local_b.to_array().map(f64::to_bits));
         assert_eq!(found.depth.to_bits(), point.depth.to_bits());
         assert_eq!((found.impulse, found.user_data, found.age), (point.impulse, point.user_data, point.age));
-        assert_eq!(found.feature_a, point.id.on_a().into());
+        assert_eq!((found.feature_a, found.status), (point.id.on_a().into(), manifold.status().into()));
     }
     found.len()
 }

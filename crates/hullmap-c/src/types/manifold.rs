@@ -1,6 +1,7 @@
 //! Points of contact manifolds.
 
 use super::geometry::Vec3;
+use super::status::Status;
 
 /// Kind of feature that a manifold point lies on.
 #[repr(u32)]
@@ -35,7 +36,8 @@ impl From<hullmap::manifold::FeatureId> for Feature {
     }
 }
 
-/// A point of a manifold. Points and normal are in A's frame unless stated otherwise.
+/// A point of a manifold. Points and normal are in A's frame unless stated otherwise. Both points
+/// are on the surfaces, and separated by at most the prediction.
 ///
 /// The caller may write impulse and user_data: the next update keeps them if it keeps the point.
 /// Changes to other fields are ignored.
@@ -67,6 +69,8 @@ pub struct ManifoldPoint {
     pub feature_a: Feature,
     /// The feature of B.
     pub feature_b: Feature,
+    /// How the query ended that found the normal; the same for all points of a pair of hulls.
+    pub status: Status,
 }
 
 /// The points of a manifold after an update, and what the update cost.

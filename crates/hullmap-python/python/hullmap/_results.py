@@ -248,8 +248,8 @@ class Contact(_Answer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Manifold(_Answer):
-    """Contact manifolds: up to four points each. Unused points are NaN. Points and directions are in
-    A's frame."""
+    """Contact manifolds: up to four points each, on both surfaces, and separated by at most the
+    prediction. Unused points are NaN. Points and directions are in A's frame."""
 
     count: Codes
     """Number of points."""
@@ -266,7 +266,8 @@ class Manifold(_Answer):
     hit: Flags
     """As in `Contact`."""
     status: Codes
-    """Codes of `Status`, for the contact."""
+    """Codes of `Status`: of the contact, or of the distance of separated shapes with points.
+    ``SEPARATED`` without points, unless the shapes overlap."""
 
     @classmethod
     def _of_points(cls, columns: Columns, lead: Tuple[int, ...]) -> Manifold:
@@ -298,13 +299,16 @@ class PairManifolds(_Answer):
     """The points on B, in B's frame; (..., P, 4, 3)."""
     depth: Floats
     """Penetration depth at each point, negative where the surfaces are separated; (..., P, 4)."""
+    status: Codes
+    """Codes of `Status` for each pair, as in `Manifold`; (..., P). ``EXACT`` where the normal is that
+    of a face of the union, ``SEPARATED`` for unused pairs."""
 
     @classmethod
     def _of_points(cls, columns: Columns, lead: Tuple[int, ...], pairs: int) -> PairManifolds:
         # The counts are in the first row of each pose.
         counts = {name: columns[name][::pairs] for name in ("touching", "dropped")}
         points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3)}
-        of_pairs = {"parts": (pairs, 2), "count": (pairs,), "normal": (pairs, 3), "depth": (pairs, 4)}
+        of_pairs = {"parts": (pairs, 2), "normal": (pairs, 3), "depth": (pairs, 4), "count": (pairs,), "status": (pairs,)}
         return cls._of({**columns, **counts}, lead, {**points, **of_pairs})
 
 

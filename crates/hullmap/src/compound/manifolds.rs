@@ -31,7 +31,8 @@ use glam::DVec3;
 /// ordered pair (A, B).
 ///
 /// Parts *touch* if they have manifold points: they overlap, or are separated by at most the
-/// prediction. Points and normals are in A's frame, as in [`Manifold`].
+/// prediction. Points and normals are in A's frame, as in [`Manifold`]. Each point is on the
+/// surfaces of the two parts of its pair, also where its normal is corrected.
 ///
 /// It holds a [`Manifold`] and a [`Cache`] for each pair of parts that touch, about 2 KB, and a
 /// [`CompoundCache`] for the other pairs. All memory is allocated by [`new`](Self::new).

@@ -26,8 +26,9 @@
 //!    other body penetrates below them.
 //! 3. Take the face of least depth that is exposed, either at the place of the other body or at the
 //!    contact.
-//! 4. Compute the manifold along its normal. If it has no points, the part does not support the
-//!    body; the neighbouring part does, with its own manifold.
+//! 4. Compute the manifold along its normal. If it has no points, but no other part holds the body,
+//!    try the place of the face nearest to the body. If the body is not above it, the part does not
+//!    support the body; the neighbouring part does, with its own manifold.
 //!
 //! # Reference
 //! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (enhanced internal edge
@@ -46,7 +47,7 @@
 use super::bvh::Child;
 use super::parts::Parts;
 use crate::hull::Hull;
-use crate::manifold::{Manifold, ManifoldPoint, ManifoldSettings};
+use crate::manifold::{Body, Manifold, ManifoldPoint, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::triangle::closest_of_triangle;
 use crate::shapes::{Feature, Shape, Triangle};
@@ -141,9 +142,9 @@ pub struct Side<'s, S: ?Sized> {
 /// `manifold` has just been updated for the two shapes. `before` is the same manifold before that
 /// update: points that it had keep their impulses, user data and ages.
 ///
-/// # Complexity One descent of the union's BVH for the first point, and a support query for each
-/// part whose box is near it. A replacement costs at most 128 support queries and 8 manifolds. No
-/// allocation.
+/// # Complexity
+/// One descent of the union's BVH for the first point, and a support query for each part whose box
+/// is near it. A replacement costs at most 128 support queries and 8 manifolds. No allocation.
 ///
 /// # Examples
 /// Two cubes side by side, and a small box that has sunk 1 mm into the left one, 0.5 mm from the
@@ -562,36 +563,36 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
             let points = |p: &ManifoldPoint| [p.point_a, p.point_b];
             let part = Part { own: self.a, other: self.b.shape, other_in_own: b_in_a, seam: self.seam, prediction };
             let choice = part.choose(manifold, before, points, to_a, update, |trial| self.b_allows(trial));
-            self.take(choice, manifold, before, |[on_a, on_b]| [on_a, on_b], to_a)
+            self.take(choice, manifold, before, |point| (point, Body::B), to_a, settings)
         } else {
             let a_in_b = b_in_a.inverse();
             let to_a = |normal: DVec3| b_in_a.transform_vector(-normal);
             let points = |p: &ManifoldPoint| [p.local_b, a_in_b.transform_point(p.point_a)];
             let part = Part { own: self.b, other: self.a.shape, other_in_own: a_in_b, seam: self.seam, prediction };
             let choice = part.choose(manifold, before, points, to_a, update, |trial| self.a_allows(trial));
-            let order = |[own, other]: [DVec3; 2]| [b_in_a.transform_point(other), b_in_a.transform_point(own)];
-            self.take(choice, manifold, before, order, to_a)
+            let of_other = |point: DVec3| (b_in_a.transform_point(point), Body::A);
+            self.take(choice, manifold, before, of_other, to_a, settings)
         }
     }
 
-    /// Applies a choice. `order` converts a point of the part and one of the other body to points
-    /// of A and of B, in A's frame.
+    /// Applies a choice. `of_other` converts a point of the other body to one in A's frame.
     fn take(
         &self,
         choice: Choice,
         manifold: &mut Manifold,
         before: &Manifold,
-        order: impl Fn([DVec3; 2]) -> [DVec3; 2],
+        of_other: impl Fn(DVec3) -> (DVec3, Body),
         to_a: impl Fn(DVec3) -> DVec3,
+        settings: &ManifoldSettings,
     ) -> bool {
         match choice {
             Choice::NoFaces => return false,
             Choice::Nothing => manifold.clear(),
             Choice::Manifold(chosen) => *manifold = chosen,
-            Choice::Point(points, normal) => {
-                let reach = self.a.shape.outer_radius().min(self.b.shape.outer_radius());
+            Choice::Point(point, normal) => {
                 *manifold = before.clone();
-                manifold.update_to(order(points), to_a(normal), self.b_in_a, reach);
+                let pair = (self.a.shape, self.b.shape, self.b_in_a);
+                manifold.update_at(pair, to_a(normal), of_other(point), settings);
             }
         }
         true
@@ -606,8 +607,8 @@ enum Choice {
     /// The part does not hold the body.
     Nothing,
     Manifold(Manifold),
-    /// A point of the part and one of the other body, and the normal of the face.
-    Point([DVec3; 2], DVec3),
+    /// A point of the other body near the part, and the normal of the face.
+    Point(DVec3, DVec3),
 }
 
 /// The part whose normal is replaced, and the other body. All points and directions are in the
@@ -679,12 +680,11 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             }
         }
         // The body entered through an exposed face, but its lowest point is beside the part. If
-        // that point is in another part, this part holds the body. Otherwise the point is outside
-        // the union, beyond one of its edges.
+        // that point is in another part, that part holds the body. Otherwise the point is outside
+        // the union, beyond one of its edges, and the nearest place of this part may hold it.
         match beside {
             Some((face, _)) if contact.depth > self.seam && !self.is_held(self.lowest(face.normal)) => {
-                let height = face.normal * (face.height - witness.dot(face.normal));
-                Choice::Point([witness + height, witness], face.normal)
+                Choice::Point(witness, face.normal)
             }
             _ => Choice::Nothing,
         }

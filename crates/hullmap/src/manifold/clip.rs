@@ -20,8 +20,9 @@
 //! 4. The depth of a corner is the height of A's surface above B's there, along the normal.
 //!
 //! # Deviations
-//! - Corners within [`SIDE_SLACK`] outside of a side are kept, so that coincident features do not
-//!   flicker.
+//! - Corners within a slack outside of a side are kept, so that coincident features do not flicker.
+//!   It is relative to the smaller shape: a body is beside a triangle of 20 km as soon as it is
+//!   beside a small one.
 
 #![forbid(unsafe_code)]
 
@@ -34,8 +35,9 @@ use glam::{DVec2, DVec3};
 /// Maximum number of points of a patch: each side adds at most one corner.
 pub(super) const MAX_POINTS: usize = 2 * MAX_CORNERS;
 
-/// Distance outside a side up to which a corner counts as on it, relative to the reference's
-/// extent. Above the rounding error of f32 (6e-8) and invisibly small.
+/// Distance outside a side up to which a corner counts as on it, relative to the reference's extent
+/// or the smaller shape's outer radius, whichever is smaller. Above the rounding error of f32
+/// (6e-8) and invisibly small.
 const SIDE_SLACK: f64 = 1e-6;
 
 /// A feature whose area is at most this multiple of its squared extent is an edge.
@@ -185,6 +187,12 @@ impl Outline {
         &self.corners
     }
 
+    /// Distance outside a side up to which a corner counts as on it, where `reach` is the smaller
+    /// outer radius.
+    fn slack(&self, reach: f64) -> f64 {
+        SIDE_SLACK * self.extent.min(reach)
+    }
+
     /// Its point nearest to `at`.
     fn nearest(&self, at: DVec2) -> DVec2 {
         let corners = self.corners();
@@ -285,19 +293,19 @@ struct Clipped {
 
 /// One of the two shapes of a manifold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Body {
+pub(crate) enum Body {
     A,
     B,
 }
 
 /// Adds the points where features `a` and `b` (in one frame) meet to `out`. Adds nothing if only
-/// the contact point is common.
+/// the contact point is common. `reach` is the smaller outer radius.
 ///
 /// Returns a body whose feature is reduced if the whole one is needed, and then adds nothing.
 ///
 /// If the corners of a reduced feature lie inside the other one, they are the points. The four of
 /// a reduced face span more area than any other four, hence more than any four of a common part.
-pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) -> Option<Body> {
+pub(super) fn meet([a, b]: [&Feature; 2], frame: &Frame, reach: f64, out: &mut Patch) -> Option<Body> {
     if a.corners().len() < 2 || b.corners().len() < 2 {
         return None;
     }
@@ -309,21 +317,21 @@ pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) -> 
     let is_reduced = |body: &Body| if *body == Body::A { a.is_reduced() } else { b.is_reduced() };
     // The reference first: often the reduced incident feature lies inside the whole reference.
     if let Some(wanted) = bodies.into_iter().find(is_reduced)
-        && !(reference.area > 0.0 && is_inside(incident.corners(), reference))
+        && !(reference.area > 0.0 && is_inside(incident.corners(), reference, reach))
     {
         return Some(wanted);
     }
     if reference.area == 0.0 {
         edges(&on_a, &on_b, out);
     } else {
-        clip(incident, reference, reference_is_a, out);
+        clip([incident, reference], reference_is_a, reach, out);
     }
     None
 }
 
 /// Whether all `points` lie inside `reference`, which is counter-clockwise.
-fn is_inside(points: &[Flat], reference: &Outline) -> bool {
-    let slack = SIDE_SLACK * reference.extent;
+fn is_inside(points: &[Flat], reference: &Outline, reach: f64) -> bool {
+    let slack = reference.slack(reach);
     let corners = reference.corners();
     corners.iter().enumerate().all(|(i, start)| {
         let along = corners[(i + 1) % corners.len()].at - start.at;
@@ -332,26 +340,27 @@ fn is_inside(points: &[Flat], reference: &Outline) -> bool {
     })
 }
 
-/// Adds a `vertex` of B if it is over A's face, and returns whether it is.
-pub(super) fn vertex_over(a: &Feature, vertex: &Corner, frame: &Frame, out: &mut Patch) -> bool {
-    point_over(a, vertex, frame).map(|point| out.push(point)).is_some()
-}
-
-/// The same with A and B exchanged.
-pub(super) fn vertex_over_swapped(b: &Feature, vertex: &Corner, frame: &Frame, out: &mut Patch) -> bool {
-    point_over(b, vertex, frame).map(|point| out.push(point.swapped())).is_some()
-}
-
-/// The point of a `vertex` of B over a face of A; `None` if it is not over it.
-fn point_over(a: &Feature, vertex: &Corner, frame: &Frame) -> Option<PatchPoint> {
-    let (face, vertex) = (Outline::new(a, frame), frame.flattened(vertex));
-    if !(face.area > 0.0 && is_inside(&[vertex], &face)) {
+/// The point of a face nearest to a `corner` of `body`, along the normal; `None` if the feature of
+/// the other body is not a face. The point is moved if the corner is not over the face.
+pub(super) fn nearest_on(
+    face: &Feature,
+    (corner, body): (&Corner, Body),
+    frame: &Frame,
+    reach: f64,
+) -> Option<PatchPoint> {
+    let (face, corner) = (Outline::new(face, frame), frame.flattened(corner));
+    if !(face.area > 0.0) {
         return None;
     }
+    let nearest = face.nearest(corner.at);
+    // NaN takes the failing branch.
+    let is_moved = !(nearest.distance(corner.at) <= face.slack(reach));
+    let at = if is_moved { nearest } else { corner.at };
     let (origin, slope) = face.plane();
-    let height = origin.height + slope.dot(vertex.at - origin.at);
-    let (exact, parts) = ([face.is_exact(slope), true], [FACE, pair(vertex.vertex, vertex.vertex)]);
-    Some(PatchPoint { at: vertex.at, heights: [height, vertex.height], exact, is_moved: false, parts })
+    let heights = [origin.height + slope.dot(at - origin.at), corner.height];
+    let (exact, parts) = ([face.is_exact(slope), !is_moved], [FACE, pair(corner.vertex, corner.vertex)]);
+    let point = PatchPoint { at, heights, exact, is_moved, parts };
+    Some(if body == Body::A { point.swapped() } else { point })
 }
 
 /// Adds the ends of the common length of two parallel edges.
@@ -384,7 +393,7 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
 }
 
 /// Clips `incident` by the sides of `reference` (Sutherland-Hodgman).
-fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
+fn clip([incident, reference]: [&Outline; 2], reference_is_a: bool, reach: f64, out: &mut Patch) {
     let sides = reference.corners();
     let mut polygons = [const { ArrayVec::<Clipped, MAX_POINTS>::new_const() }; 2];
     // Exchanged after each side, as references: the arrays are large.
@@ -396,7 +405,7 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         let parts = [pair(c.vertex, c.vertex), FACE];
         polygon.push(Clipped { at: c.at, height: c.height, parts, side: Side::Incident, edge });
     }
-    let slack = SIDE_SLACK * reference.extent;
+    let slack = reference.slack(reach);
     // Whether any corner was outside of a side.
     let mut crosses = false;
     for (index, start) in sides.iter().enumerate() {

@@ -12,7 +12,7 @@ use super::surface::settle_b;
 use super::{Lengths, Manifold, ManifoldSettings, SAME_DEPTH, farther_out, middle, part, tips};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, HalfSpace, Shape};
-use crate::solver::Contact;
+use crate::solver::{Contact, Status};
 use crate::support::SupportPoint;
 use glam::DVec3;
 
@@ -76,7 +76,7 @@ impl Manifold {
             self.clear();
             return contact;
         }
-        let lengths = Lengths { depth, prediction, reach };
+        let lengths = Lengths { depth, width: 0.0, prediction, reach };
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, normal);
         let dir = b_in_a.inverse_transform_vector(-normal);
         let mut patch = Patch::default();
@@ -117,7 +117,8 @@ impl Manifold {
         } else {
             choice.with_deepest(&patch.spots(), lengths.slight() - (depth - patch.deepest()).max(0.0))
         };
-        self.replace(&patch, choice, &frame, b_in_a, depth, reach);
+        self.replace(&patch, choice, &frame, b_in_a, &lengths);
+        self.status = if contact.hit { contact.status } else { Status::Exact };
         contact
     }
 }

@@ -21,7 +21,8 @@
 //!    of the prediction, as on curved surfaces and crossing edges.
 //! 5. Select the four points that support the body best (`select`). If its centre is not over them,
 //!    so that it tips, consider vertices farther out.
-//! 6. Move points to the surfaces where features are not flat (`surface`).
+//! 6. Move points to the surfaces where features are not flat (`surface`). A point stays only if it
+//!    is on both surfaces, and if they are separated there by at most the prediction.
 //! 7. Match each point with one of the last frame, by feature or else by position. A matched point
 //!    keeps the caller's data.
 //!
@@ -37,6 +38,7 @@
 mod clip;
 mod half_space;
 pub(crate) mod matching;
+mod near;
 #[doc(hidden)]
 pub mod select;
 mod surface;
@@ -44,16 +46,17 @@ mod surface;
 use crate::pose::Pose;
 use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Corner, Feature, Shape, TILT};
-use crate::solver::triangle_face::{self, FaceContact};
-use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
+use crate::solver::{Cache, Contact, Settings, Status};
 use crate::support::SupportPoint;
 use arrayvec::ArrayVec;
-use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet, vertex_over, vertex_over_swapped};
+pub(crate) use clip::Body;
+use clip::{FACE, Frame, Part, Patch, PatchPoint, meet, nearest_on};
 use glam::{DVec2, DVec3};
 use matching::{Likeness, match_points};
+use near::{Near, near_contact};
 use select::{Choice, SAME_PLACE, SLIGHT};
 use std::fmt;
-use surface::settle;
+use surface::{settle, witness};
 
 /// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 4;
@@ -61,6 +64,10 @@ pub const MAX_POINTS: usize = 4;
 /// Depths that differ by less than this count as equal in any case, relative to the smaller shape's
 /// outer radius. Larger than the solver's tolerance on any depth below that radius.
 pub(crate) const SAME_DEPTH: f64 = 1e-4;
+
+/// Maximum distance of a point from a surface, relative to the smaller shape's outer radius, beyond
+/// the rounding error of coordinates: the slack of clipping.
+const ON_SURFACE: f64 = 1e-6;
 
 /// Maximum height of the corners of a face above its plane, relative to the length of its sides:
 /// the rounding error of f32 vertices, about.
@@ -210,8 +217,10 @@ impl fmt::Display for PointId {
 
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 ///
-/// The two points lie on the surfaces, as far as the points of the contact do. Where the surfaces
-/// overlap deeper than the reported contact, within its interval, both give way by half of the
+/// The two points lie on the surfaces, whatever the status of the manifold is: off by at most 2e-6
+/// of the smaller shape's outer radius, plus the rounding of coordinates (for curved surfaces also
+/// 1e-10 of their own radius). A hull's faces are flat up to the rounding of its vertices to f32.
+/// Where points are deeper than the contact, within these bounds, both give way by half of the
 /// excess.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
@@ -224,7 +233,8 @@ pub struct ManifoldPoint {
     /// The point on B's surface, in B's frame.
     pub local_b: DVec3,
     /// Penetration depth at this point along the manifold's normal n, (`point_a` − `point_b`) · n;
-    /// negative if the surfaces are separated there. At most the depth of the contact.
+    /// negative if the surfaces are separated there, by at most the prediction. At most the depth
+    /// of the contact, or its upper bound if the interval is wide.
     pub depth: f64,
     /// Owned by the caller: 0 in a new point and unchanged while the point is kept. Made for the
     /// accumulated impulse along the normal and two tangents, with which the next frame's solver
@@ -270,6 +280,7 @@ pub struct ManifoldPoint {
 pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
+    status: Status,
 }
 
 impl ManifoldPoint {
@@ -306,7 +317,7 @@ impl Default for Manifold {
 impl Manifold {
     /// A manifold without points.
     pub const fn new() -> Self {
-        Self { points: ArrayVec::new_const(), normal: DVec3::X }
+        Self { points: ArrayVec::new_const(), normal: DVec3::X, status: Status::Separated }
     }
 
     /// The points; empty if the shapes are separated by more than the prediction.
@@ -324,9 +335,20 @@ impl Manifold {
         self.normal
     }
 
+    /// How the query ended that found the normal: of the contact, or of the distance if the shapes
+    /// are separated. [`Exact`](Status::Exact) if the normal is that of a face, as after a
+    /// correction by [`weld`](crate::compound::seams::weld()). Without points,
+    /// [`Separated`](Status::Separated), unless the shapes overlap, but no point on both surfaces
+    /// was found. With [`Stalled`](Status::Stalled) and [`IterationLimit`](Status::IterationLimit),
+    /// the depths along the normal may be far above the least ones.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
     /// Removes all points.
     pub fn clear(&mut self) {
         self.points.clear();
+        self.status = Status::Separated;
     }
 
     /// Updates the points for `a` and for `b` placed at `b_in_a`, and returns the contact of the
@@ -354,19 +376,22 @@ impl Manifold {
     ) -> Contact {
         let reach = a.outer_radius().min(b.outer_radius());
         let prediction = settings.prediction.length(reach);
-        let (contact, depth) = near_contact((a, b, b_in_a), &settings.contact, prediction, cache);
+        let Near { contact, depth, width, status } = near_contact((a, b, b_in_a), &settings.contact, prediction, cache);
         // NaN takes the branch that clears.
         if !(depth >= -prediction) {
             self.clear();
             return contact;
         }
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
-        let lengths = Lengths { depth, prediction, reach };
+        let lengths = Lengths { depth, width, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
-        let mut patch = clipped((a, b, b_in_a), &frame, prediction, &mut features);
+        let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
         let heights = [depth * 0.5, -depth * 0.5];
         let parts = features.each_ref().map(part);
-        let point = PatchPoint { heights, exact: [true; 2], parts, ..PatchPoint::default() };
+        let aside = contact.point_a - contact.point_b - contact.normal * depth;
+        // NaN takes the failing branch.
+        let exact = [aside.length() <= ON_SURFACE * reach && width <= ON_SURFACE * reach; 2];
+        let point = PatchPoint { heights, exact, parts, ..PatchPoint::default() };
         if depth > patch.deepest() + lengths.slight() {
             patch.push(point);
         }
@@ -380,11 +405,15 @@ impl Manifold {
         choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
         // Between the corners of a feature that is not flat, the surface may be less deep.
         let deep = choice.indices().iter().map(|i| patch.points()[*i].depth()).fold(f64::NEG_INFINITY, f64::max);
-        if depth > deep + lengths.slight() {
+        if depth > deep + lengths.slight()
+            && let Some(point) = witness((a, b, b_in_a), (&frame, &features), [lengths.height_above(), reach], point)
+            && point.depth() >= -prediction
+        {
             let index = patch.put(point);
             choice.insert(&patch.spots(), index);
         }
-        self.replace(&patch, choice, &frame, b_in_a, depth, reach);
+        self.replace(&patch, choice, &frame, b_in_a, &lengths);
+        self.status = status;
         contact
     }
 
@@ -412,33 +441,61 @@ impl Manifold {
             return;
         }
         let frame = Frame::new(corner_b.point, normal);
-        let lengths = Lengths { depth, prediction, reach };
+        let lengths = Lengths { depth, width: 0.0, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
-        let mut patch = clipped((a, b, b_in_a), &frame, prediction, &mut features);
+        let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
         if depth > patch.deepest() + lengths.slight() {
             // The support point of a curved surface may be over the other body's face, but no
             // corner.
             let [feature_a, feature_b] = &features;
-            if !vertex_over(feature_a, &corner_b, &frame, &mut patch) {
-                vertex_over_swapped(feature_b, &corner_a, &frame, &mut patch);
-            }
+            let over = |face, corner| nearest_on(face, corner, &frame, reach).filter(|point| !point.is_moved);
+            let on_a = || over(feature_b, (&corner_a, Body::A));
+            over(feature_a, (&corner_b, Body::B)).or_else(on_a).into_iter().for_each(|point| patch.push(point));
             patch.retain(|p| p.depth() >= -prediction);
         }
         let choice = self.choose(&patch, &frame, b_in_a, center((a, b, b_in_a), &frame), &lengths);
         let choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
-        self.replace(&patch, choice, &frame, b_in_a, depth, reach);
+        self.replace(&patch, choice, &frame, b_in_a, &lengths);
     }
 
-    /// Replaces the points by one, with a point of A and a point of B on a line along the unit
-    /// normal from A to B. All are in A's frame; `reach` is the smaller outer radius.
-    pub(crate) fn update_to(&mut self, [point_a, point_b]: [DVec3; 2], normal: DVec3, b_in_a: Pose, reach: f64) {
-        let frame = Frame::new(point_b, normal);
-        let depth = (point_a - point_b).dot(normal);
+    /// Replaces the points by at most one, along the unit normal `normal` from A to B: the place of
+    /// the other body's face nearest to `point`, which is on the surface of `body`. There is none if
+    /// `body` is not there, or farther than the prediction. All are in A's frame.
+    pub(crate) fn update_at<A: Shape + ?Sized, B: Shape + ?Sized>(
+        &mut self,
+        (a, b, b_in_a): (&A, &B, Pose),
+        normal: DVec3,
+        (point, body): (DVec3, Body),
+        settings: &ManifoldSettings,
+    ) {
+        let reach = a.outer_radius().min(b.outer_radius());
+        let frame = Frame::new(point, normal);
+        let dir_b = b_in_a.inverse_transform_vector(-normal);
+        let tops = [a.support_point(normal).point, b_in_a.transform_point(b.support_point(dir_b).point)];
+        let [on_a, on_b] = tops.map(|top| (top - point).dot(normal));
+        let prediction = settings.prediction.length(reach);
+        let lengths = Lengths { depth: on_a - on_b, width: 0.0, prediction, reach };
+        let above = on_a.abs().max(on_b.abs()) + reach;
+        let mut features = [Feature::new(), Feature::new()];
+        a.feature(normal, &mut features[0]);
+        b.feature(dir_b, &mut features[1]);
+        place(&mut features[1], b_in_a);
+        let face = &features[usize::from(body == Body::A)];
+        let corner = Corner { point, vertex: u32::MAX };
         let mut patch = Patch::default();
-        patch.push(PatchPoint { heights: [depth, 0.0], exact: [true; 2], parts: [FACE; 2], ..PatchPoint::default() });
+        for is_witness in [false, true] {
+            let Some(mut found) = nearest_on(face, (&corner, body), &frame, reach) else { break };
+            // The surface may face the other body below the point itself.
+            let exact = &mut found.exact[usize::from(body == Body::B)];
+            *exact = *exact && is_witness;
+            if settle((a, b, b_in_a), &frame, &features, above, &mut found) && found.depth() >= -prediction {
+                patch.push(found);
+                break;
+            }
+        }
         let mut choice = Choice::default();
-        choice.push(0);
-        self.replace(&patch, choice, &frame, b_in_a, depth, reach);
+        (0..patch.points().len()).for_each(|index| choice.push(index));
+        self.replace(&patch, choice, &frame, b_in_a, &lengths);
     }
 
     /// The best four points in `patch`, preferably last frame's.
@@ -469,16 +526,17 @@ impl Manifold {
     }
 
     /// Replaces the points by the chosen ones; matched points keep what the caller stored.
-    fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, contact_depth: f64, reach: f64) {
+    fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, lengths: &Lengths) {
         let old = self.points.clone();
         let a_in_b = b_in_a.inverse();
         self.points.clear();
         self.normal = frame.normal;
+        self.status = if choice.indices().is_empty() { Status::Separated } else { Status::Exact };
         for &index in choice.indices() {
             let p = &patch.points()[index];
             // Features that are not quite flat rise above their planes. No point is deeper than the
             // contact: both surfaces give way by half of the excess.
-            let excess = 0.5 * (p.depth() - contact_depth).max(0.0);
+            let excess = 0.5 * (p.depth() - lengths.greatest()).max(0.0);
             let heights = [p.heights[0] - excess, p.heights[1] + excess];
             let point_b = frame.point(p.at, heights[1]);
             self.points.push(ManifoldPoint {
@@ -492,7 +550,7 @@ impl Manifold {
         }
         let (mut taken, mut matches) = ([false; MAX_POINTS], [None; MAX_POINTS]);
         let frames = Frames { new: &self.points, old: &old };
-        match_points(&frames, SAME_PLACE * reach, &mut taken[..old.len()], &mut matches[..self.points.len()]);
+        match_points(&frames, SAME_PLACE * lengths.reach, &mut taken[..old.len()], &mut matches[..self.points.len()]);
         for (new, found) in self.points.iter_mut().zip(matches) {
             if let Some(found) = found {
                 new.keep(&old[found]);
@@ -521,6 +579,8 @@ impl Likeness for Frames<'_> {
 struct Lengths {
     /// Depth of the contact; negative for a gap.
     depth: f64,
+    /// Width of the interval of the depth.
+    width: f64,
     prediction: f64,
     /// The smaller outer radius.
     reach: f64,
@@ -530,6 +590,11 @@ impl Lengths {
     /// A height above both surfaces, from the origin of the frame.
     fn height_above(&self) -> f64 {
         self.depth.abs() + self.reach
+    }
+
+    /// Greatest depth of a point: of the contact, or of its upper bound if the interval is wide.
+    fn greatest(&self) -> f64 {
+        if self.width > ON_SURFACE * self.reach { self.depth + self.width } else { self.depth }
     }
 
     /// Depths that differ by less than this count as equal.
@@ -543,10 +608,10 @@ impl Lengths {
 fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     frame: &Frame,
-    prediction: f64,
+    lengths: &Lengths,
     features: &mut [Feature; 2],
 ) -> Patch {
-    let normal = frame.normal;
+    let (normal, prediction) = (frame.normal, lengths.prediction);
     let [on_a, on_b] = features;
     let dir_b = b_in_a.inverse_transform_vector(-normal);
     a.reduced_feature_within(normal, prediction, on_a);
@@ -554,7 +619,7 @@ fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
     place(on_b, b_in_a);
     let mut patch = Patch::default();
     // Each round replaces a reduced feature by the whole one.
-    while let Some(wanted) = meet(on_a, on_b, frame, &mut patch) {
+    while let Some(wanted) = meet([on_a, on_b], frame, lengths.reach, &mut patch) {
         if wanted == Body::A {
             a.feature_within(normal, prediction, on_a);
             on_a.set_whole();
@@ -675,7 +740,7 @@ fn farther_out<S: Shape + ?Sized>(
     toward: DVec3,
     lengths: &Lengths,
 ) -> impl Iterator<Item = SupportPoint> {
-    let Lengths { depth, prediction, reach } = *lengths;
+    let Lengths { depth, prediction, reach, .. } = *lengths;
     // A support point at the distance l, in a direction that is tilted by the tangent t, is at most
     // t l above the support plane.
     #[expect(clippy::manual_clamp, reason = "NaN, of a point on a point, becomes the lower end")]
@@ -697,7 +762,7 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
     for index in choice.indices() {
         let point = &mut patch.points_mut()[*index];
         if point.exact == [true; 2] {
-            if point.depth() <= lengths.depth + SAME_DEPTH * lengths.reach {
+            if point.depth() <= lengths.greatest() + ON_SURFACE * lengths.reach {
                 kept.push(*index);
                 continue;
             }
@@ -715,48 +780,6 @@ fn settled<A: Shape + ?Sized, B: Shape + ?Sized>(
         }
     }
     kept
-}
-
-/// The contact of two shapes, and the depth of its points. If the shapes are separated, the depth
-/// is negative: by at most `prediction`, the normal and the points belong to their distance. If it
-/// is more, the depth may be negative infinity.
-fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
-    (a, b, b_in_a): (&A, &B, Pose),
-    settings: &Settings,
-    prediction: f64,
-    cache: &mut Cache,
-) -> (Contact, f64) {
-    if let Some(corners) = a.triangle()
-        && let Some(FaceContact { contact, depth }) = triangle_face::contact(corners, (a, b, b_in_a), cache)
-    {
-        return (contact, depth);
-    }
-    let mut contact = queries::contact(a, b, b_in_a, settings, cache);
-    if contact.hit {
-        return (contact, contact.depth);
-    }
-    let Some(gap) = distance_within((a, b, b_in_a), contact.normal, prediction, settings, cache) else {
-        return (contact, f64::NEG_INFINITY);
-    };
-    (contact.normal, contact.point_a, contact.point_b) = (gap.normal, gap.point_a, gap.point_b);
-    contact.iterations += gap.iterations;
-    contact.support_calls += gap.support_calls;
-    (contact, -gap.distance)
-}
-
-/// The distance of shapes that `axis` separates; `None` if it is above `prediction`.
-fn distance_within<A: Shape + ?Sized, B: Shape + ?Sized>(
-    (a, b, b_in_a): (&A, &B, Pose),
-    axis: DVec3,
-    prediction: f64,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Option<Distance> {
-    if -Minkowski::new(a, b, b_in_a).support(axis).w.dot(axis) > prediction {
-        return None;
-    }
-    let gap = queries::distance(a, b, b_in_a, settings, cache);
-    (gap.distance <= prediction && gap.status != Status::Overlapping).then_some(gap)
 }
 
 /// Moves a feature of B from B's frame to A's.

@@ -6,9 +6,9 @@
 
 #![forbid(unsafe_code)]
 
-use super::clip::{Frame, PatchPoint};
+use super::clip::{Body, Frame, PatchPoint, nearest_on};
 use crate::pose::Pose;
-use crate::shapes::{Feature, Shape};
+use crate::shapes::{Corner, Feature, Shape};
 use crate::solver::Ray;
 use glam::DVec3;
 
@@ -35,7 +35,38 @@ pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     true
 }
 
-/// The same for the surface of B alone. `near` is a vertex of B close to the point.
+/// The contact's own `point` on both surfaces, from `above` them; `None` if a surface is not there.
+/// `reach` is the smaller outer radius.
+///
+/// If the contact has stalled, its two points are not on a line along the normal. Then the support
+/// point of one shape is taken, and the place on the other one's face that is nearest to it, or on
+/// the line through it.
+pub(super) fn witness<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    (frame, features): (&Frame, &[Feature; 2]),
+    [above, reach]: [f64; 2],
+    point: PatchPoint,
+) -> Option<PatchPoint> {
+    let settled = |mut point: PatchPoint| settle((a, b, b_in_a), frame, features, above, &mut point).then_some(point);
+    if let Some(found) = settled(point) {
+        return Some(found);
+    }
+    let (on_a, on_b) = (a.support_point(frame.normal), b.support_point(b_in_a.inverse_transform_vector(-frame.normal)));
+    let on_a = Corner { point: on_a.point, vertex: on_a.feature };
+    let on_b = Corner { point: b_in_a.transform_point(on_b.point), vertex: on_b.feature };
+    let [face_a, face_b] = features;
+    let over = |face, corner, body| nearest_on(face, (corner, body), frame, reach).and_then(settled);
+    let through = |corner: &Corner, exact| {
+        let heights = [(corner.point - frame.origin).dot(frame.normal); 2];
+        settled(PatchPoint { at: frame.projected(corner.point), heights, exact, ..point })
+    };
+    over(face_a, &on_b, Body::B)
+        .or_else(|| over(face_b, &on_a, Body::A))
+        .or_else(|| through(&on_b, [false, true]))
+        .or_else(|| through(&on_a, [true, false]))
+}
+
+/// [`settle`] for the surface of B alone. `near` is a vertex of B close to the point.
 pub(super) fn settle_b<B: Shape + ?Sized>(
     (b, b_in_a): (&B, Pose),
     frame: &Frame,

@@ -1,12 +1,17 @@
 //! Capsule: a segment and a radius.
 
 use super::error::ShapeError;
-use super::feature::Feature;
+use super::feature::{Feature, NO_REACH};
 use super::segment::Segment;
 use super::shape::Shape;
-use super::{direction, error::length, round};
+use super::{direction, error::length};
 use crate::support::{SupportMap, SupportPoint};
+use crate::vector::unit;
 use glam::DVec3;
+
+/// Minimum sine of the angle between a direction and the segment at which the side faces it: 45
+/// degrees.
+const LEAST_SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A capsule: all points within a radius of a segment.
 ///
@@ -98,16 +103,24 @@ impl Shape for Capsule {
     /// The line along the side if `dir` is within [`TILT`](crate::shapes::TILT) of perpendicular to
     /// the segment, otherwise a point of a cap.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
-        self.segment.feature(dir, out);
-        round(out, dir, self.radius, DVec3::ZERO);
-        // Every direction that is perpendicular to a segment is one of its normals.
-        out.set_flat();
+        self.feature_within(dir, NO_REACH, out);
     }
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.segment.feature_within(dir, reach, out);
-        round(out, dir, self.radius, DVec3::ZERO);
-        // Every direction that is perpendicular to a segment is one of its normals.
-        out.set_flat();
+        let n = direction(dir);
+        let mut outward = n;
+        if let [start, end] = out.corners() {
+            // Every direction that is perpendicular to a segment is one of its normals.
+            let along = direction(end.point - start.point);
+            let across = n - along * n.dot(along);
+            if across.length() < LEAST_SIDE {
+                let SupportPoint { feature, .. } = self.segment.support_point(n);
+                out.retain(|corner| corner.vertex == feature);
+            } else {
+                outward = unit(across).unwrap_or(n);
+            }
+        }
+        out.corners_mut().iter_mut().for_each(|corner| corner.point += outward * self.radius);
     }
 }

@@ -103,7 +103,7 @@ pub trait Shape: SupportMap {
     /// The t at which `ray` enters the shape; `None` if it misses or grazes it.
     ///
     /// The ray starts outside of the shape. `near` is a vertex of a feature close to the ray, and
-    /// changes the time alone. The answer is exact up to 1e-6 of the outer radius. A contact
+    /// changes the time alone. The answer is exact up to 1e-10 of the outer radius. A contact
     /// manifold finds points on surfaces that are not flat with it.
     ///
     /// The default casts the ray by support queries. A hull walks over its faces, which

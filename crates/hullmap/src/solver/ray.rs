@@ -91,9 +91,9 @@ pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings
     found
 }
 
-/// Tolerance of an entry, relative to the outer radius: ten times the rounding error of f32
-/// vertices. Polytopes are exact in a few steps whatever it is.
-const TOLERANCE: f64 = 1e-6;
+/// Tolerance of an entry, relative to the outer radius: the other shape of a manifold may be a
+/// thousand times smaller. Polytopes are exact in a few steps whatever it is.
+const TOLERANCE: f64 = 1e-10;
 
 /// The t at which `line` enters `shape`, by support queries; `None` if it misses or grazes it. It
 /// starts outside.

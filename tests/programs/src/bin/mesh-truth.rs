@@ -19,6 +19,9 @@ struct Arguments {
     /// Minimum number of queries
     #[arg(long, default_value_t = 1_000_000)]
     queries: u64,
+    /// Judge contact manifolds instead, of bodies of all kinds
+    #[arg(long)]
+    manifolds: bool,
     /// Index of the first mesh; with --queries 1, that mesh alone
     #[arg(long, default_value_t = 0)]
     first: u64,
@@ -37,7 +40,7 @@ struct Arguments {
 const BLOCK: u64 = 1_000;
 
 fn main() -> ExitCode {
-    let Arguments { queries, first, seed, joints, report } = Arguments::parse();
+    let Arguments { queries, manifolds, joints, first, seed, report } = Arguments::parse();
     let (mut tally, start, mut next) = (Tally::default(), Instant::now(), first);
     while tally.queries() < queries {
         let until = next + if queries == 1 { 1 } else { BLOCK };
@@ -47,6 +50,8 @@ fn main() -> ExitCode {
                 let mut tally = Tally::default();
                 if joints {
                     tally.judge_joints(seed, index)
+                } else if manifolds {
+                    tally.judge_manifolds(seed, index)
                 } else {
                     tally.judge(seed, index)
                 }

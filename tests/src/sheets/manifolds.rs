@@ -1,0 +1,403 @@
+//! Manifolds of sheets: every point is on both surfaces, and separated by at most the prediction.
+//!
+//! | claim | truth |
+//! |---|---|
+//! | the point of the sheet is on the triangle of its pair | distance from that triangle, by its plane and its edges |
+//! | the point of the body is on its surface | the body's definition ([`Model`]) |
+//! | the depth is along the normal | the two points differ by the depth times the normal |
+//! | the point is within the prediction | the depth |
+//!
+//! Bodies of all kinds stand, lie and lean on sheets of all kinds, welded and not, as A or as B,
+//! while they slide. They are sunk in by up to a tenth of their radius, or their middle is in the
+//! plane of a triangle.
+
+use glam::{DQuat, DVec3};
+use hullmap::compound::{Joined, Parts, Tile, seams};
+use hullmap::height_field::{Diagonal, Layout};
+use hullmap::manifold::{FeatureId, Manifold};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Sphere};
+use hullmap::{
+    Compound, CompoundManifolds, HeightField, ManifoldSettings, Pack, Pose, Prediction, Shape, Status, TriangleMesh,
+};
+use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::packs::{self, point_set};
+use hullmap_testkit::triangles::distance_from_triangle;
+use shapes::rng::SplitMix64;
+
+use super::Tally;
+use crate::soak::model::{Core, Model};
+
+/// Maximum distance of a point from a surface, relative to the outer radius of the smaller one of
+/// triangle and body: the slack of clipping, and what a slope adds.
+const OFF_SURFACE: f64 = 2e-6;
+
+/// Rounding error of coordinates, in units of f64, relative to their greatest.
+const F64: f64 = 64.0 * f64::EPSILON;
+
+/// Distance of corners of a hull's face from its plane, relative to its size: rounding to f32.
+const F32: f64 = f32::EPSILON as f64;
+
+/// Tolerance of points on curved surfaces, relative to the body's own radius.
+const CURVED: f64 = 1e-10;
+
+/// Updates of each body.
+const FRAMES: u32 = 3;
+
+/// Bodies of each sheet.
+const BODIES: usize = 12;
+
+/// Kinds of sheets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ground {
+    /// A grid of squares of size 1 with random heights.
+    Rough,
+    /// The same, as a height field with holes.
+    Field,
+    /// A level grid.
+    Level,
+    /// A slope of few whole numbers, so that many planes are equal.
+    Steps,
+    /// Rectangles 1,000 times as long as wide.
+    Needles,
+    /// Two triangles of 20 km to 1,000 km.
+    Huge,
+    /// Triangles at random places, of sizes from 0.001 to 3.
+    Soup,
+    /// A rough grid 10 km from the origin.
+    Far,
+}
+
+const GROUNDS: [Ground; 8] = [
+    Ground::Rough,
+    Ground::Field,
+    Ground::Level,
+    Ground::Steps,
+    Ground::Needles,
+    Ground::Huge,
+    Ground::Soup,
+    Ground::Far,
+];
+
+/// A sheet, and the corners of its triangles; `None` in holes.
+struct Sheet {
+    parts: Box<dyn AnySheet>,
+    triangles: Vec<Option<[DVec3; 3]>>,
+    greatest: f64,
+}
+
+/// A mesh or a height field beside a body of one part or several.
+trait AnySheet {
+    fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, way: Way, settings: &ManifoldSettings);
+}
+
+/// How a pair is queried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// The sheet is A.
+    First,
+    /// The sheet is B.
+    Second,
+    /// The sheet is A, and one of two tiles.
+    Joined,
+}
+
+impl<S: Parts> AnySheet for S {
+    fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, way: Way, settings: &ManifoldSettings) {
+        let union = seams::union_of(self);
+        let tiles = [Tile { union: &union, parts: self.part_count(), place: Pose::IDENTITY }; 2];
+        let joined = Joined::new(&tiles);
+        match (&body.solid, way) {
+            (Solid::Convex(b), Way::First) => found.update(self, &**b, pose, settings),
+            (Solid::Convex(b), Way::Second) => found.update(&**b, self, pose.inverse(), settings),
+            (Solid::Convex(b), Way::Joined) => found.update_joined(&joined, 1, self, &**b, pose, settings),
+            (Solid::Parts(b), Way::First) => found.update(self, &Compound::new(b), pose, settings),
+            (Solid::Parts(b), Way::Second) => found.update(&Compound::new(b), self, pose.inverse(), settings),
+            (Solid::Parts(b), Way::Joined) => found.update_joined(&joined, 1, self, &Compound::new(b), pose, settings),
+        };
+    }
+}
+
+enum Solid {
+    Convex(Box<dyn Shape>),
+    Parts(Pack),
+}
+
+/// A body, and the definition of each of its parts.
+struct Body {
+    name: &'static str,
+    solid: Solid,
+    models: Vec<Model>,
+    /// Radius of a ball around its origin.
+    radius: f64,
+    /// Distance of its corners from the planes of its faces.
+    rough: f64,
+}
+
+fn grid(rng: &mut SplitMix64, ground: Ground) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let cells = 1 + rng.below(6);
+    let steep = rng.between(0.0, 1.5);
+    let far = if ground == Ground::Far { 1e4 } else { 0.0 };
+    let long = if ground == Ground::Needles { 1e3 } else { 1.0 };
+    let (mut positions, mut corners) = (Vec::new(), Vec::new());
+    for at in 0..(cells + 1) * (cells + 1) {
+        let [x, y] = [at % (cells + 1), at / (cells + 1)].map(|i| i as f64 - 0.5 * cells as f64);
+        let z = match ground {
+            Ground::Level => 0.0,
+            Ground::Steps => 0.25 * rng.below(5) as f64,
+            _ => steep * rng.unit(),
+        };
+        positions.push([(x * long + far) as f32, (y - far) as f32, z as f32]);
+    }
+    for at in 0..cells * cells {
+        let first = (at / cells * (cells + 1) + at % cells) as u32;
+        let [a, b, c, d] = [first, first + 1, first + cells as u32 + 2, first + cells as u32 + 1];
+        corners.extend(if rng.below(2) == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+    }
+    (positions, corners)
+}
+
+fn loose(rng: &mut SplitMix64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let count = 1 + rng.below(24) as u32;
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let (middle, size) = (DVec3::from_array(rng.direction()) * rng.unit(), 10_f64.powf(rng.between(-3.0, 0.5)));
+        positions.extend([(); 3].map(|()| (middle + size * DVec3::from_array(rng.direction())).as_vec3().to_array()));
+    }
+    (positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+fn sheet(rng: &mut SplitMix64, ground: Ground) -> Sheet {
+    if ground == Ground::Field {
+        let (columns, rows) = (2 + rng.below(5), 2 + rng.below(5));
+        let diagonal = [Diagonal::Rising, Diagonal::Falling][rng.below(2)];
+        let layout = Layout { columns, rows, origin: [-1.0, 2.0], spacing: [1.0, 1.0], diagonal };
+        let steep = rng.between(0.0, 1.5);
+        let heights: Vec<f32> = (0..columns * rows).map(|_| (steep * rng.unit()) as f32).collect();
+        let cells = (columns - 1) * (rows - 1);
+        let holes: Vec<bool> = (0..cells).map(|cell| cell > 0 && rng.below(5) == 0).collect();
+        let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &holes, materials: &[] });
+        let file = write_height_field(baked.expect("a field"), &Default::default()).expect("a file");
+        let field = HeightField::from_bytes(&file).expect("the file is valid");
+        let triangles = (0..field.triangle_count()).map(|i| Some(field.triangle(i)?.corners())).collect();
+        return Sheet::new(Box::new(field), triangles);
+    }
+    let (positions, corners) = match ground {
+        Ground::Huge => {
+            let side = [2e4, 1e6][rng.below(2)] as f32;
+            let low = (rng.between(-0.3, 0.0) * f64::from(side)) as f32;
+            let positions = vec![[0.0, 0.0, 0.0], [side, 0.0, 0.0], [side, side, low], [0.0, side, 0.0]];
+            (positions, vec![[0, 1, 3], [1, 2, 3]])
+        }
+        Ground::Soup => loose(rng),
+        _ => grid(rng, ground),
+    };
+    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] });
+    let file = write_triangle_mesh(baked.expect("a mesh"), &Default::default()).expect("a file");
+    let mesh = TriangleMesh::from_bytes(&file).expect("the file is valid");
+    let triangles = (0..mesh.triangle_count()).map(|i| Some(mesh.triangle(i)?.corners())).collect();
+    Sheet::new(Box::new(mesh), triangles)
+}
+
+impl Sheet {
+    fn new(parts: Box<dyn AnySheet>, triangles: Vec<Option<[DVec3; 3]>>) -> Self {
+        let greatest = triangles.iter().flatten().flatten().map(|corner| corner.length()).fold(0.0, f64::max);
+        Self { parts, triangles, greatest }
+    }
+}
+
+fn body(rng: &mut SplitMix64, size: f64) -> Body {
+    let s = |rng: &mut SplitMix64| size * rng.between(0.2, 1.0);
+    let convex = |name, shape: Box<dyn Shape>, model: Model| {
+        let radius = model.greatest;
+        Body { name, solid: Solid::Convex(shape), models: vec![model], radius, rough: CURVED * radius }
+    };
+    let hull = |rng: &mut SplitMix64, middle: DVec3| -> Vec<[f32; 3]> {
+        let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * DVec3::from_array(rng.direction())).as_vec3();
+        (0..5 + rng.below(12)).map(|_| corner(rng).to_array()).collect()
+    };
+    let parts = |name, clouds: &[Vec<[f32; 3]>]| {
+        let sets: Vec<_> = clouds.iter().map(|cloud| point_set(name, cloud)).collect();
+        let bytes = packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).expect("hulls");
+        let pack = Pack::from_bytes(&bytes).expect("a pack");
+        let models: Vec<Model> = pack.hulls().map(|hull| Model::of_hull(&hull)).collect();
+        let radius = models.iter().map(|model| model.greatest).fold(0.0, f64::max);
+        Body { name, solid: Solid::Parts(pack), models, radius, rough: F32 * radius }
+    };
+    match rng.below(9) {
+        0 | 1 => {
+            let half = DVec3::new(s(rng), s(rng), s(rng));
+            convex("cuboid", Box::new(Cuboid::new(half).expect("lengths")), Model::new(Core::Cuboid(half)))
+        }
+        2 => convex("ball", Box::new(Sphere::new(size).expect("a radius")), Model::new(Core::Ball(size))),
+        3 => {
+            let (half, radius) = (s(rng), s(rng));
+            let shape = Box::new(Capsule::new(half, radius).expect("lengths"));
+            convex("capsule", shape, Model::new(Core::Segment(half)).rounded(radius))
+        }
+        4 => {
+            let (half, radius) = (s(rng), s(rng));
+            let shape = Box::new(Cylinder::new(half, radius).expect("lengths"));
+            convex("cylinder", shape, Model::new(Core::Cylinder(half, radius)))
+        }
+        5 => {
+            let (half, radius) = (s(rng), s(rng));
+            convex("cone", Box::new(Cone::new(half, radius).expect("lengths")), Model::new(Core::Cone(half, radius)))
+        }
+        6 => {
+            let (half, radius) = (s(rng), 0.3 * s(rng));
+            let shape = Rounded::new(Cylinder::new(0.0, half).expect("lengths"), radius).expect("a radius");
+            convex("rounded disc", Box::new(shape), Model::new(Core::Cylinder(0.0, half)).rounded(radius))
+        }
+        7 => parts("hull", &[hull(rng, DVec3::ZERO)]),
+        _ => {
+            let middles = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, 0.8, 0.0)].map(|middle| middle * size * 0.7);
+            parts("compound", &middles.map(|middle| hull(rng, middle)))
+        }
+    }
+}
+
+/// A pose in which a body touches the sheet near a random place, and its size relative to the
+/// triangle there.
+fn place(rng: &mut SplitMix64, sheet: &Sheet, body: &Body) -> Pose {
+    let triangles: Vec<[DVec3; 3]> = sheet.triangles.iter().flatten().copied().collect();
+    let [a, b, c] = triangles[rng.below(triangles.len())];
+    // In the triangle, on an edge, or at a corner; of a large triangle, often within reach of an
+    // edge.
+    let mut shares = [rng.unit() + 1e-3, rng.unit(), rng.unit()];
+    (0..rng.below(3)).for_each(|zero| shares[2 - zero] = 0.0);
+    let sum: f64 = shares.iter().sum();
+    let on = (a * shares[0] + b * shares[1] + c * shares[2]) / sum;
+    let face = (b - a).cross(c - a).normalize_or(DVec3::Z);
+    let aside = DVec3::from_array(rng.direction()) * body.radius * rng.unit();
+    let on = if rng.below(3) == 0 { on } else { on + aside - face * aside.dot(face) };
+    let up = if rng.below(4) == 0 { -face } else { face };
+    let up = if rng.below(3) == 0 { (up + 0.3 * DVec3::from_array(rng.direction())).normalize() } else { up };
+    // An axis of the body along the normal, nearly, or any.
+    let axis = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::from_array(rng.direction())][rng.below(4)];
+    let spin = DQuat::from_axis_angle(up, rng.between(0.0, 6.0)) * DQuat::from_rotation_arc(axis, up);
+    let lean = [0.0, 1e-9, 1e-3, 0.02][rng.below(4)];
+    let turn = DQuat::from_axis_angle(up.any_orthonormal_vector(), lean) * spin;
+    let lowest = body.models.iter().map(|model| lowest(model, turn.inverse() * up)).fold(f64::INFINITY, f64::min);
+    let sunk = [0.0, 0.005, 0.02, 0.1, -0.005, 0.3][rng.below(6)] * body.radius;
+    let height = match rng.below(8) {
+        // The middle in the plane, or nearly.
+        0 => [0.0, 1e-9, -1e-9, 1e-4][rng.below(4)] * body.radius,
+        _ => -lowest - sunk,
+    };
+    Pose::new(on + up * height, turn.normalize()).expect("finite")
+}
+
+/// Height of the lowest point along `up`.
+fn lowest(model: &Model, up: DVec3) -> f64 {
+    use hullmap_testkit::reach::Reach;
+    -model.reach(-up)
+}
+
+impl Tally {
+    /// Judges the manifolds of the sheet with this index.
+    pub fn judge_manifolds(&mut self, seed: u64, index: u64) {
+        let mut rng = SplitMix64::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let ground = GROUNDS[(index % GROUNDS.len() as u64) as usize];
+        let sheet = sheet(&mut rng, ground);
+        for number in 0..BODIES {
+            let size = if ground == Ground::Huge { 0.01 } else { 10_f64.powf(rng.between(-2.0, 1.0)) };
+            let body = body(&mut rng, size);
+            let mut pose = place(&mut rng, &sheet, &body);
+            let way = [Way::First, Way::First, Way::Second, Way::Joined][rng.below(4)];
+            let prediction = [0.0, 0.02, 0.02, 0.3][rng.below(4)] * body.radius;
+            let settings =
+                ManifoldSettings { prediction: Prediction::Length(prediction), ..ManifoldSettings::default() };
+            let step = DVec3::from_array(rng.direction()) * body.radius * [1e-6, 1e-3, 0.05][rng.below(3)];
+            let mut found = [CompoundManifolds::new(256), CompoundManifolds::new(256)];
+            found[0].set_welding(false);
+            for frame in 0..FRAMES {
+                for (welds, found) in found.iter_mut().enumerate() {
+                    sheet.parts.update(found, &body, pose, way, &settings);
+                    let name = format!("{ground:?}, --seed {seed} --first {index}, body {number}, frame {frame}");
+                    let judge = Judge { sheet: &sheet, body: &body, pose, way, prediction, welds: welds == 1, name };
+                    found.iter().for_each(|(pair, manifold)| judge.manifold(self, pair, manifold));
+                }
+                self.compare(&found);
+                pose = Pose::new(pose.translation() + step, pose.rotation()).expect("finite");
+            }
+        }
+    }
+
+    fn note(&mut self, what: &'static str, kind: &'static str) {
+        *self.counts.entry((what, kind)).or_default() += 1;
+    }
+
+    /// Counts the manifolds that welding changes.
+    fn compare(&mut self, [alone, welded]: &[CompoundManifolds; 2]) {
+        for (pair, manifold) in alone.iter() {
+            let normal = welded.get(pair).map(Manifold::normal);
+            match normal {
+                Some(normal) if normal == manifold.normal() => {}
+                Some(_) => self.note("welding", "corrected"),
+                None => self.note("welding", "removed"),
+            }
+        }
+    }
+}
+
+struct Judge<'s> {
+    sheet: &'s Sheet,
+    body: &'s Body,
+    pose: Pose,
+    way: Way,
+    prediction: f64,
+    welds: bool,
+    name: String,
+}
+
+impl Judge<'_> {
+    fn manifold(&self, tally: &mut Tally, pair: [usize; 2], manifold: &Manifold) {
+        let [triangle, part] = if self.way == Way::Second { [pair[1], pair[0]] } else { pair };
+        let Some(corners) = self.sheet.triangles[triangle] else {
+            return tally.wrong.push(format!("{}: a manifold of a hole", self.name));
+        };
+        let model = &self.body.models[part];
+        let normal = manifold.normal();
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let smaller = corners.map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max).min(model.greatest);
+        let rounding = F64 * (self.sheet.greatest + self.pose.translation().length() + self.body.radius);
+        let bound = OFF_SURFACE * smaller + rounding + self.body.rough;
+        tally.note("status", manifold.status().as_str());
+        tally.note("welded", if self.welds { "yes" } else { "no" });
+        let mut wrong = |what: &str, by: f64, point: &hullmap::manifold::ManifoldPoint| {
+            // NaN takes the failing branch.
+            if !(by <= 1.0) {
+                tally.wrong.push(format!(
+                    "{}: {what}, {by:e} times the bound {bound:e}; {} of radius {:e} at {:?}, {:?}, welds {}, prediction {:e}\n  \
+                     triangle {triangle} {corners:?}\n  normal {normal:?} {:?} {point:?}",
+                    self.name, self.body.name, self.body.radius, self.pose, self.way, self.welds, self.prediction,
+                    manifold.status(),
+                ));
+            }
+        };
+        for point in manifold.points() {
+            let is_second = self.way == Way::Second;
+            // On the sheet, in its frame, and on the body, in its own.
+            let [on_sheet, on_body] =
+                if is_second { [point.local_b, point.point_a] } else { [point.point_a, point.local_b] };
+            wrong("the sheet's point is off its triangle", distance_from_triangle(corners, on_sheet) / bound, point);
+            wrong("the body's point is off its surface", model.outside(on_body).abs() / bound, point);
+            let aside = (point.point_a - point.point_b - normal * point.depth).length();
+            wrong("the depth is not that of the points", aside / rounding, point);
+            wrong("beyond the prediction", (-point.depth - self.prediction) / rounding, point);
+            let frame = if is_second { self.pose.inverse() } else { self.pose };
+            wrong("B's points differ", frame.transform_point(point.local_b).distance(point.point_b) / rounding, point);
+            wrong("the normal is not of unit length", (normal.length() - 1.0).abs() / 1e-14, point);
+            wrong("separated", f64::from(u8::from(manifold.status() == Status::Separated)) * 2.0, point);
+        }
+        for point in manifold.points() {
+            let is_clipped = [point.id.on_a(), point.id.on_b()].iter().all(|id| matches!(id, FeatureId::Edge(..)));
+            tally.note("point", self.body.name);
+            if is_clipped {
+                tally.note("clipped", self.body.name);
+            }
+        }
+    }
+}
