@@ -5,7 +5,7 @@ use super::feature::Feature;
 use super::segment::Segment;
 use super::shape::Shape;
 use super::{direction, error::length, round};
-use crate::support::{SupportMap, SupportPoint};
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A capsule: all points within a radius of a segment.
@@ -88,6 +88,12 @@ impl SupportMap for Capsule {
     }
     fn core_support_point(&self, dir: DVec3) -> SupportPoint {
         self.segment.support_point(dir)
+    }
+    fn has_polytope_core(&self) -> bool {
+        true
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        self.segment.core_feature_point(feature, dir)
     }
     fn core_radii(&self) -> [f64; 2] {
         [0.0, self.half_length()]
