@@ -205,7 +205,8 @@ impl TimeOfImpact {
             normal: poses[0].transform_vector(found.normal),
             points: found.points.map(|point| poses[0].transform_point(point)),
         };
-        let velocities = [(motion_a, 0), (motion_b, 1)].map(|(m, at)| m.velocity_at(self.t_lower, placed.points[at]));
+        let [point_a, point_b] = placed.points;
+        let velocities = [motion_a.velocity_at(self.t_lower, point_a), motion_b.velocity_at(self.t_lower, point_b)];
         let speeds =
             [(velocities[0] - velocities[1]).dot(placed.normal), velocities[0].length() + velocities[1].length()];
         of_time(self.status, placed, poses.map(|pose| pose.translation()), speeds, || {
