@@ -98,7 +98,7 @@ fn budgets_end_in_open_edges() {
 #[test]
 fn the_interval_of_a_hit_is_as_narrow_as_the_resolution() {
     let mut random = SplitMix64::new(44);
-    let (mut hits, mut memory) = (0, None);
+    let mut hits = 0;
     for _ in 0..30 {
         let turned: Vec<String> = (0..4).map(|_| format!("{:.4}", random.between(-1.0, 1.0))).collect();
         let arm = robot(
@@ -110,12 +110,17 @@ fn the_interval_of_a_hit_is_as_narrow_as_the_resolution() {
                 turned.join(" ")
             ),
         );
-        let memory = memory.insert(arm.memory());
-        let gap = arm.clearance(&[0.0], &Settings::default(), memory).unwrap().upper;
-        // The gap shrinks by at most 5 mm, around the margin.
+        let memory = &mut arm.memory();
+        let settings = EdgeSettings { margin: 0.02, ..EdgeSettings::default() };
+        // Where the margin is crossed.
+        let (mut before, mut after) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (before + after);
+            let gap = arm.clearance(&[middle], &Settings::default(), memory).unwrap().upper;
+            *if gap > settings.margin { &mut before } else { &mut after } = middle;
+        }
         for step in [1e-3, 5e-3] {
-            let settings = EdgeSettings { margin: 0.02, ..EdgeSettings::default() };
-            let from = gap - 0.02 - 0.5 * step;
+            let from = before - 0.3 * step;
             let found = arm.clear(&[from], &[from + step], &settings, memory).unwrap().answer;
             hits += usize::from(found.verdict == Verdict::Hit);
             assert!(found.verdict != Verdict::Hit || found.status == Status::Within, "{found:?}");
