@@ -832,7 +832,8 @@ typedef struct {
     // At the lower bound of the time of impact, the distance exceeds the target by at most this
     // fraction of the sum of the outer radii. The default is 1e-6.
     double tolerance;
-    // Maximum number of distance and contact queries. The default is 200.
+    // Maximum number of distance and contact queries for each turn of 360 degrees, up to 100 turns.
+    // Turns of both shapes are added and rounded up. The default is 200.
     uint32_t max_iterations;
 } HullmapMotionSettings;
 
@@ -888,8 +889,8 @@ typedef struct {
     double margin;
     // As in HullmapMotionSettings.
     double tolerance;
-    // The clearance of a free motion is at least this share of the least distance found, unless
-    // the limit of queries is reached. The default is 0.5; 0 is the fastest.
+    // The clearance of a free motion is at least this share of the least distance found, or the
+    // status is not HULLMAP_STATUS_WITHIN. The default is 0.5; 0 is the fastest.
     double share;
     // As in HullmapMotionSettings.
     uint32_t max_iterations;
@@ -899,6 +900,10 @@ typedef struct {
 typedef struct {
     // Whether the motion is free.
     HullmapVerdict verdict;
+    // How the search ended. HULLMAP_STATUS_WITHIN: a hit, or a free motion with the requested
+    // clearance. HULLMAP_STATUS_OVERLAPPING: a hit at the start. Otherwise the limit of queries or
+    // rounding error stopped the search: the motion is open, or its clearance is smaller.
+    HullmapStatus status;
     // For a compound that hits, the hull that meets first; otherwise 0.
     uint32_t hull_a;
     // For a compound that hits, the hull that meets first; otherwise 0.

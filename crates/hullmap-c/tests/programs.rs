@@ -157,7 +157,7 @@ fn structs_have_one_layout() {
         hit status hull_a hull_b iterations support_calls t t_lower t_upper normal point_a point_b
     });
     layout!(types::Clearance, Clearance {
-        verdict hull_a hull_b iterations support_calls clearance nearest t_lower t_upper
+        verdict status hull_a hull_b iterations support_calls clearance nearest t_lower t_upper
     });
     layout!(types::Derivatives, Derivatives { differentiability by_a by_b });
     layout!(

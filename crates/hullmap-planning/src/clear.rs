@@ -25,6 +25,10 @@ const MAX_DEPTH: u32 = 40;
 /// Settings of the distances.
 const DISTANCES: Settings = Settings { tolerance: 1e-3, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
 
+/// Settings of a distance that decides whether a pair is within the margin: with a tolerance, pairs
+/// near the margin would be undecided for longer than the resolution.
+const EXACT: Settings = Settings { tolerance: 0.0, ..DISTANCES };
+
 /// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
 /// room for motion.
 const MAX_SHARE: f64 = 0.95;
@@ -35,12 +39,13 @@ pub struct EdgeSettings {
     /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and
     /// negative values count as 0.
     pub margin: f64,
-    /// The interval of the first hit is at most this wide, if the limit of queries is not reached.
-    /// It is a share of the edge; the default is 1e-3. NaN and negative values count as 0.
+    /// The interval of the first hit is at most this wide, or its status is not
+    /// [`Within`](Status::Within). It is a share of the edge; the default is 1e-3. NaN and negative
+    /// values count as 0.
     pub resolution: f64,
     /// The clearance of a free edge is at least this share of the least distance that was computed,
-    /// unless the limit of queries is reached. The default is 0.5. 0 saves the second search. NaN
-    /// and negative values count as 0, values above 0.95 as 0.95.
+    /// or its status is not [`Within`](Status::Within). The default is 0.5. 0 saves the second
+    /// search. NaN and negative values count as 0, values above 0.95 as 0.95.
     pub share: f64,
     /// Maximum number of distance and contact queries. The default is 10,000. If it is reached, the
     /// edge may be open.
@@ -58,6 +63,11 @@ impl Default for EdgeSettings {
 pub struct EdgeClearance {
     /// Whether the edge is free, and with which clearance; or where the first hit is. Times are
     /// shares of the edge. `support_calls` is 0.
+    ///
+    /// The status is [`Within`](Status::Within) for a hit whose interval is as narrow as the
+    /// resolution, and for a free edge whose clearance is the requested share. Otherwise it is
+    /// [`IterationLimit`](Status::IterationLimit), or [`Stalled`](Status::Stalled): rounding error
+    /// leaves the rest undecided.
     pub answer: Clearance,
     /// The colliders that hit each other, or are nearest, the lower index first; `None` if unknown.
     pub colliders: Option<[usize; 2]>,
@@ -120,6 +130,8 @@ impl Robot {
             search.run(memory);
             if search.until == f64::INFINITY && search.open_from.is_none() {
                 found.answer.clearance = found.answer.clearance.max(search.clearance);
+            } else {
+                found.answer.status = search.stopped();
             }
             found.answer.iterations = settings.max_queries - search.budget;
             found.answer.nearest = search.nearest.0;
@@ -293,8 +305,13 @@ impl EdgeSearch<'_> {
         let pair = &self.robot.pairs[index];
         let noise = self.robot.pair_noise(pair, memory);
         let pairing = self.robot.pairing(index, memory);
-        let gap = pairing.distance(&DISTANCES, &mut memory.caches).answer;
+        let mut gap = pairing.distance(&DISTANCES, &mut memory.caches).answer;
         self.budget -= 1;
+        let is_undecided = gap.lower - noise <= self.margin && self.margin < gap.upper + noise;
+        if self.margin > 0.0 && is_undecided && self.budget > 0 {
+            gap = pairing.distance(&EXACT, &mut memory.caches).answer;
+            self.budget -= 1;
+        }
         let upper = gap.upper + noise;
         if upper < self.nearest.0 {
             self.nearest = (upper, Some(index));
@@ -309,20 +326,29 @@ impl EdgeSearch<'_> {
         Queried { lower: gap.lower - noise, is_hit }
     }
 
+    /// The status of a search that did not find what was requested.
+    fn stopped(&self) -> Status {
+        if self.budget == 0 { Status::IterationLimit } else { Status::Stalled }
+    }
+
     fn answer(&self, settings: &EdgeSettings) -> EdgeClearance {
         let iterations = settings.max_queries - self.budget;
         let (nearest, near) = self.nearest;
-        let known = Clearance { nearest, iterations, ..Clearance::default() };
+        let known = Clearance { status: Status::Within, nearest, iterations, ..Clearance::default() };
         let colliders = |pair: Option<usize>| pair.map(|pair| self.robot.colliders_of(pair));
         if self.until < f64::INFINITY {
             let t_lower = self.open_from.map_or(self.until, |open| open.min(self.until));
-            let answer = Clearance { verdict: Verdict::Hit, t_lower, t_upper: self.until, ..known };
+            // NaN takes the failing branch.
+            let is_narrow = self.until - t_lower <= self.resolution;
+            let status = if is_narrow { Status::Within } else { self.stopped() };
+            let answer = Clearance { verdict: Verdict::Hit, status, t_lower, t_upper: self.until, ..known };
             return EdgeClearance { answer, colliders: colliders(self.hit) };
         }
         let colliders = colliders(near);
         match self.open_from {
             Some(t_lower) => {
-                EdgeClearance { answer: Clearance { verdict: Verdict::Open, t_lower, ..known }, colliders }
+                let answer = Clearance { verdict: Verdict::Open, status: self.stopped(), t_lower, ..known };
+                EdgeClearance { answer, colliders }
             }
             None => {
                 let (clearance, t_lower) = (self.clearance, f64::INFINITY);

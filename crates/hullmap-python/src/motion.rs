@@ -39,7 +39,7 @@ columns!(
 columns!(
     /// Answers of `clear`.
     Verdicts, VerdictRows {
-        verdict: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1,
+        verdict: u8 = 1, status: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1,
         iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
     }
 );
@@ -317,7 +317,7 @@ pub fn clear<'py>(
             let Some(found) = settings.answer(&a, &b, [&motion_a, &motion_b], &mut caches) else { continue };
             let answer = &found.answer;
             put(rows.verdict, at, verdict_code(answer.verdict));
-            put_fields!(rows, at, answer; clearance, nearest, t_lower, t_upper, iterations, support_calls);
+            put_fields!(rows, at, answer; status, clearance, nearest, t_lower, t_upper, iterations, support_calls);
             put_all(rows.parts, at, &found.parts);
         }
         Ok(())

@@ -42,8 +42,8 @@ columns!(
 columns!(
     /// Answers of `clear`.
     Edges, EdgeRows {
-        verdict: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, pair: u32 = 2,
-        queries: u32 = 1,
+        verdict: u8 = 1, status: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1,
+        pair: u32 = 2, queries: u32 = 1,
     }
 );
 
@@ -397,7 +397,7 @@ impl Robot {
                 let found = self.robot.clear(self.row(&start, row), self.row(&end, row), &settings, &mut memory);
                 let found = found.map_err(|error| (row, format!("edge {row}: {error}")))?;
                 put(rows.verdict, at, verdict_code(found.answer.verdict));
-                put_fields!(rows, at, found.answer; clearance, nearest, t_lower, t_upper);
+                put_fields!(rows, at, found.answer; status, clearance, nearest, t_lower, t_upper);
                 put_all(rows.pair, at, &pair_code(found.colliders));
                 put(rows.queries, at, found.answer.iterations);
             }

@@ -89,6 +89,7 @@ fn motions_have_the_same_bits() {
             hits += usize::from(found.hit);
             assert_eq!(codes, [Code::Ok; 2]);
             assert_eq!(format!("{:?}", clear.verdict), format!("{:?}", expected_clear.verdict));
+            assert_eq!(clear.status, expected_clear.status.into());
             for (found, expected) in [
                 (clear.clearance, expected_clear.clearance),
                 (clear.nearest, expected_clear.nearest),

@@ -52,7 +52,8 @@ pub struct MotionSettings {
     /// At the lower bound of the time of impact, the distance exceeds the target by at most this
     /// fraction of the sum of the outer radii. The default is 1e-6.
     pub tolerance: f64,
-    /// Maximum number of distance and contact queries. The default is 200.
+    /// Maximum number of distance and contact queries for each turn of 360 degrees, up to 100 turns.
+    /// Turns of both shapes are added and rounded up. The default is 200.
     pub max_iterations: u32,
 }
 
@@ -66,8 +67,8 @@ pub struct ClearSettings {
     pub margin: f64,
     /// As in HullmapMotionSettings.
     pub tolerance: f64,
-    /// The clearance of a free motion is at least this share of the least distance found, unless
-    /// the limit of queries is reached. The default is 0.5; 0 is the fastest.
+    /// The clearance of a free motion is at least this share of the least distance found, or the
+    /// status is not HULLMAP_STATUS_WITHIN. The default is 0.5; 0 is the fastest.
     pub share: f64,
     /// As in HullmapMotionSettings.
     pub max_iterations: u32,
@@ -143,6 +144,10 @@ pub enum Verdict {
 pub struct Clearance {
     /// Whether the motion is free.
     pub verdict: Verdict,
+    /// How the search ended. HULLMAP_STATUS_WITHIN: a hit, or a free motion with the requested
+    /// clearance. HULLMAP_STATUS_OVERLAPPING: a hit at the start. Otherwise the limit of queries or
+    /// rounding error stopped the search: the motion is open, or its clearance is smaller.
+    pub status: Status,
     /// For a compound that hits, the hull that meets first; otherwise 0.
     pub hull_a: u32,
     /// For a compound that hits, the hull that meets first; otherwise 0.
@@ -173,6 +178,7 @@ impl Clearance {
         };
         Self {
             verdict,
+            status: found.status.into(),
             hull_a,
             hull_b,
             iterations: found.iterations,

@@ -18,7 +18,7 @@ MOTION_TOLERANCE = 1e-6
 """Default tolerance of motions."""
 
 MOTION_ITERATIONS = 200
-"""Default limit of queries of a motion."""
+"""Default limit of queries of a motion, for each turn of 360 degrees."""
 
 
 class Motion:
@@ -133,6 +133,10 @@ class Clearance(_Answer):
 
     verdict: Codes
     """Codes of `Verdict`."""
+    status: Codes
+    """Codes of `Status`. ``WITHIN``: a hit, or a free motion with the requested clearance. ``OVERLAPPING``: a hit at the
+    start. Otherwise the limit of queries or rounding error stopped the search: the motion is open, or its clearance
+    is smaller."""
     clearance: Floats
     """Lower bound of the least distance during a free motion, otherwise 0."""
     nearest: Floats
@@ -214,6 +218,9 @@ def cast_motion(
 ) -> TimeOfImpact:
     """When ``a`` and ``b``, which move and turn, first come within ``target_distance`` of each other.
 
+    ``max_iterations`` is the limit of queries for each turn of 360 degrees, up to 100 turns. Turns of both shapes are
+    added and rounded up.
+
     >>> import numpy as np, hullmap
     >>> rod, wall = hullmap.Box([1, 0.01, 0.01]), hullmap.Box([5, 0.1, 5])
     >>> turning = hullmap.Motion.screw(hullmap.poses([0, 0, 0]), angular=[0, 0, np.pi / 2])
@@ -239,7 +246,8 @@ def clear(
     threads: Optional[int] = None,
 ) -> Clearance:
     """Whether ``a`` and ``b``, which move and turn, stay farther apart than ``margin``, and which clearance is
-    proven: at least ``share`` of the least distance that was found. 0 is the fastest.
+    proven: at least ``share`` of the least distance that was found, if the status is ``WITHIN``. 0 is the fastest.
+    ``max_iterations`` is the same as for `cast_motion`.
 
     >>> import hullmap
     >>> ball = hullmap.Sphere(0.5)

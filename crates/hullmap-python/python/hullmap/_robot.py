@@ -61,6 +61,9 @@ class RobotEdges(_Answer):
 
     verdict: Codes
     """Codes of `Verdict`."""
+    status: Codes
+    """Codes of `Status`. ``WITHIN``: a hit whose interval is as narrow as the resolution, or a free edge with the
+    requested clearance. Otherwise the limit of queries or rounding error stopped the search."""
     clearance: Floats
     """Of a free edge: the clearance is at least this in each of its configurations. Otherwise 0."""
     nearest: Floats
@@ -318,8 +321,9 @@ class Robot:
         first touch is between ``t_lower`` and ``t_upper``. An open edge is free up to ``t_lower``; then it
         grazes, or ``max_queries`` was reached.
 
-        Pairs within ``margin`` count as a hit. The interval of a hit is at most ``resolution`` wide. The
-        clearance of a free edge is at least ``share`` of the least distance that was computed; 0 is the fastest.
+        Pairs within ``margin`` count as a hit. If the status is ``WITHIN``, the interval of a hit is at most
+        ``resolution`` wide, and the clearance of a free edge is at least ``share`` of the least distance that was
+        computed. A share of 0 is the fastest.
         """
         (start_rows, lead_start), (end_rows, lead_end) = self._rows("start", start), self._rows("end", end)
         width = start_rows.shape[-1:]

@@ -77,7 +77,7 @@ pub fn cast_motion<A: Parts + ?Sized, B: Parts + ?Sized>(
     let origin = motion_a.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
     let mut bodies = Compounds { a, b, motions, tolerance: settings.tolerance, cache, boxes: Cache::new() };
-    let found = first_meeting(&mut bodies, &mut settings.goal());
+    let found = first_meeting(&mut bodies, &mut settings.goal(motions));
     CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
 }
 

@@ -56,13 +56,17 @@ pub fn clear<A: Parts + ?Sized, B: Parts + ?Sized>(
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
     let (tolerance, boxes) = (settings.motion.tolerance, Cache::new());
     let mut bodies = Compounds { a, b, motions, tolerance, cache, boxes };
-    judge_bodies(&mut bodies, settings)
+    judge_bodies(&mut bodies, motions, settings)
 }
 
 /// The answer for two bodies made of parts.
-pub(super) fn judge_bodies<T: Bodies>(bodies: &mut T, settings: &ClearSettings) -> CompoundAnswer<Clearance> {
+pub(super) fn judge_bodies<T: Bodies>(
+    bodies: &mut T,
+    motions: [RigidMotion; 2],
+    settings: &ClearSettings,
+) -> CompoundAnswer<Clearance> {
     let (mut hulls, mut pairs, mut boxes) = ([0, 0], 0, 0);
-    let answer = judge(settings, |goal| {
+    let answer = judge(settings, motions, |goal| {
         let found = first_meeting(bodies, goal);
         (pairs, boxes) = (pairs + found.pairs, boxes + found.boxes);
         if found.answer.hit {

@@ -290,7 +290,7 @@ pub fn cast_motion<B: Parts + ?Sized>(
     let origin = motion_b.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
     let mut bodies = PlaneAndParts { plane: a, b, motions, tolerance: settings.tolerance };
-    let found = first_meeting(&mut bodies, &mut settings.goal());
+    let found = first_meeting(&mut bodies, &mut settings.goal(motions));
     CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
 }
 
@@ -333,5 +333,6 @@ pub fn clear<B: Parts + ?Sized>(
 ) -> CompoundAnswer<Clearance> {
     let origin = motion_b.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
-    judge_bodies(&mut PlaneAndParts { plane: a, b, motions, tolerance: settings.motion.tolerance }, settings)
+    let mut bodies = PlaneAndParts { plane: a, b, motions, tolerance: settings.motion.tolerance };
+    judge_bodies(&mut bodies, motions, settings)
 }

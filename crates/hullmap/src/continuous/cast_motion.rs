@@ -28,8 +28,9 @@ pub struct MotionSettings {
     ///
     /// NaN and negative values count as 0: the interval becomes as narrow as rounding error allows.
     pub tolerance: f64,
-    /// Maximum number of distance and contact queries. The default is 200. One query, at the start,
-    /// is always made.
+    /// Maximum number of distance and contact queries for each turn of 360 degrees. The default is
+    /// 200. Turns of both shapes are added and rounded up: less than a turn counts as one, and more
+    /// than [`MAX_TURNS`](Self::MAX_TURNS) as that many. One query, at the start, is always made.
     ///
     /// A query that reaches it returns [`Status::IterationLimit`](crate::Status::IterationLimit),
     /// and its interval still contains the true value.
@@ -86,13 +87,18 @@ pub fn cast_motion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     // Coordinates relative to A's start have more digits than coordinates far from the origin.
     let origin = motion_a.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
-    let mut goal = settings.goal();
+    let mut goal = settings.goal(motions);
     search_pair((a, b), motions, &DIRECTIONS, settings.tolerance, &mut goal, [0.0, 1.0], cache).relative_to(origin)
 }
 
 impl MotionSettings {
-    pub(crate) fn goal(&self) -> Goal {
-        Goal::meeting(self.target_distance, self.max_iterations)
+    /// The limit of queries grows up to this number of turns.
+    pub const MAX_TURNS: u32 = 100;
+
+    pub(crate) fn goal(&self, motions: [RigidMotion; 2]) -> Goal {
+        let angle: f64 = motions.iter().map(RigidMotion::angle).sum();
+        let turns = (angle / std::f64::consts::TAU).ceil().clamp(1.0, f64::from(Self::MAX_TURNS));
+        Goal::meeting(self.target_distance, self.max_iterations.saturating_mul(turns as u32))
     }
 }
 

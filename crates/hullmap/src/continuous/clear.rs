@@ -30,9 +30,9 @@ pub struct ClearSettings {
     /// other.
     pub motion: MotionSettings,
     /// The clearance of a free motion is at least this share of the least distance at any of the
-    /// times that were tried, unless the limit of queries is reached. The default is 0.5. The more,
-    /// the more steps. 0 saves the second search. NaN and negative values count as 0, values above
-    /// 0.95 as 0.95.
+    /// times that were tried. If it is not, the [`status`](Clearance::status) is not
+    /// [`Within`](Status::Within). The default is 0.5. The more, the more steps. 0 saves the second
+    /// search. NaN and negative values count as 0, values above 0.95 as 0.95.
     pub share: f64,
 }
 
@@ -80,6 +80,16 @@ impl std::fmt::Display for Verdict {
 pub struct Clearance {
     /// Whether the motion is free.
     pub verdict: Verdict,
+    /// How the search ended.
+    ///
+    /// - [`Within`](Status::Within): a hit, or a free motion whose clearance is at least the
+    ///   [`share`](ClearSettings::share) of the nearest distance.
+    /// - [`Overlapping`](Status::Overlapping): a hit at the start.
+    /// - [`IterationLimit`](Status::IterationLimit): the limit of queries was reached. The motion is
+    ///   open, or free with a smaller clearance.
+    /// - [`Touching`](Status::Touching), [`Stalled`](Status::Stalled): the same, but rounding error
+    ///   stopped the search.
+    pub status: Status,
     /// Lower bound of the least distance during a free motion, with allowance for rounding error. 0
     /// if it is not known to be free.
     pub clearance: f64,
@@ -102,6 +112,7 @@ impl Default for Clearance {
     fn default() -> Self {
         Self {
             verdict: Verdict::Open,
+            status: Status::IterationLimit,
             clearance: 0.0,
             nearest: f64::INFINITY,
             t_lower: 0.0,
@@ -163,28 +174,34 @@ pub fn clear<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let origin = motion_a.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
     let tolerance = settings.motion.tolerance;
-    judge(settings, |goal| search_pair((a, b), motions, &DIRECTIONS, tolerance, goal, [0.0, 1.0], cache))
+    judge(settings, motions, |goal| search_pair((a, b), motions, &DIRECTIONS, tolerance, goal, [0.0, 1.0], cache))
 }
 
 /// The answer by a search of the first meeting, which is made once or twice.
-pub(crate) fn judge(settings: &ClearSettings, mut search: impl FnMut(&mut Goal) -> TimeOfImpact) -> Clearance {
-    let mut goal = settings.motion.goal();
-    let found = search(&mut goal);
-    let TimeOfImpact { t_lower, t_upper, iterations, support_calls, .. } = found;
+pub(crate) fn judge(
+    settings: &ClearSettings,
+    motions: [RigidMotion; 2],
+    mut search: impl FnMut(&mut Goal) -> TimeOfImpact,
+) -> Clearance {
+    let mut goal = settings.motion.goal(motions);
+    let TimeOfImpact { hit, status, t_lower, t_upper, iterations, support_calls, .. } = search(&mut goal);
     let nearest = goal.nearest;
-    let answer = Clearance { nearest, t_lower, t_upper, iterations, support_calls, ..Clearance::default() };
-    if found.hit {
+    let answer = Clearance { status, nearest, t_lower, t_upper, iterations, support_calls, ..Clearance::default() };
+    if hit {
         let is_met = t_upper < f64::INFINITY;
         return Clearance { verdict: if is_met { Verdict::Hit } else { Verdict::Open }, ..answer };
     }
-    let mut answer = Clearance { verdict: Verdict::Free, clearance: goal.clearance, ..answer };
+    let clearance = goal.clearance;
+    let mut answer = Clearance { verdict: Verdict::Free, status: Status::Within, clearance, ..answer };
     if let Some(mut better) = goal.better(settings.share) {
-        let again = search(&mut better);
+        let again = if better.budget > 0 { search(&mut better) } else { TimeOfImpact::default() };
         answer.iterations += again.iterations;
         answer.support_calls += again.support_calls;
         answer.nearest = better.nearest;
         if again.status == Status::Separated {
             answer.clearance = answer.clearance.max(better.clearance);
+        } else {
+            answer.status = again.status;
         }
     }
     answer

@@ -53,7 +53,8 @@ impl HalfSpace {
     ) -> TimeOfImpact {
         let origin = motion_b.start();
         let motions = [motion, motion_b].map(|motion| motion.relative_to(origin));
-        self.search(b, motions, settings.tolerance, &mut settings.goal(), [0.0, 1.0]).relative_to(origin)
+        let mut goal = settings.goal(motions);
+        self.search(b, motions, settings.tolerance, &mut goal, [0.0, 1.0]).relative_to(origin)
     }
 
     /// Whether `b`, which moves by `motion_b`, stays farther than a margin from the half-space,
@@ -96,7 +97,7 @@ impl HalfSpace {
     ) -> Clearance {
         let origin = motion_b.start();
         let motions = [motion, motion_b].map(|motion| motion.relative_to(origin));
-        judge(settings, |goal| self.search(b, motions, settings.motion.tolerance, goal, [0.0, 1.0]))
+        judge(settings, motions, |goal| self.search(b, motions, settings.motion.tolerance, goal, [0.0, 1.0]))
     }
 
     /// The search of the half-space and a shape in a `window` of time.

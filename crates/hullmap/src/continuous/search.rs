@@ -76,7 +76,7 @@ impl Goal {
     pub(crate) fn better(&self, share: f64) -> Option<Self> {
         let share = share.clamp(0.0, MAX_SHARE).max(0.0);
         let is_open = self.clearance < share * self.nearest && self.margin < share * self.nearest;
-        (is_open && self.budget > 0).then_some(Self { share, seeks_meeting: false, clearance: f64::INFINITY, ..*self })
+        is_open.then_some(Self { share, seeks_meeting: false, clearance: f64::INFINITY, ..*self })
     }
 
     /// The distance that a step is to stay above. It never rises.
@@ -148,7 +148,8 @@ where
             let (t, normal, target) = (self.found.t_lower, self.found.normal, self.goal.target());
             let excess = gap.upper - target;
             let is_last = excess <= LAST * self.noise;
-            if !self.goal.seeks_meeting && excess <= self.enough {
+            // A clearance has no tolerance: the share of a small distance may be less than that.
+            if !self.goal.seeks_meeting && self.goal.share == 0.0 && excess <= self.enough {
                 return self.end(Status::Stalled);
             }
             // Flat shapes have no depth, so it is never sure that they meet.

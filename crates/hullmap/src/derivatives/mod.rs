@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `pose_derivative` | a derivative by one pose, and by both; why there is none |
 //! | `witness` | whether a pair of closest points is the only one, and on which features it is |
+//! | `newton` | normal and points as accurate as rounding error allows |
 //! | `lengths` | of distance, depth and signed distance |
 //! | `times` | of rays, and of times of impact |
 //! | `witness_derivatives` | of normals and witness points |
@@ -16,6 +17,8 @@
 #![forbid(unsafe_code)]
 
 mod lengths;
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
+mod newton;
 mod pose_derivative;
 mod times;
 mod witness;

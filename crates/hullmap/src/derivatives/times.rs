@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::newton::{Condition, Refined, are_described, are_polytopes, if_accurate, is_accurate, refined};
 use super::pose_derivative::{Derivatives, Differentiability, PoseDerivative};
 use super::witness::{UNKNOWN, closest_points, meeting_points};
 use crate::continuous::{RigidMotion, TimeOfImpact};
@@ -13,17 +14,51 @@ use crate::pose::Pose;
 use crate::solver::ray::Dot;
 use crate::solver::{Impact, Motion, Ray, RayHit, Status};
 use crate::support::SupportMap;
+use crate::vector::unit;
 
 /// The surface is parallel to the motion if the speed at which the shapes approach each other is
 /// less than this fraction of the speed: derivatives grow with the inverse.
 const GRAZING: f64 = 1e-6;
 
+/// Normal and points of an answer as accurate as rounding error allows, and true; or those of the
+/// answer, and whether no more is known about the shapes.
+fn accurate<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    shapes: (&A, &B, Pose),
+    near: Refined,
+    condition: Condition,
+    status: Status,
+) -> (Refined, bool) {
+    let (is_hit, is_along) = (is_accurate(status), matches!(condition, Condition::Along(_)));
+    // A line enters polytopes through a face.
+    let is_exact = is_along || shapes.0.convex_radius() + shapes.1.convex_radius() == 0.0;
+    if !is_hit || (is_exact && are_polytopes(shapes.0, shapes.1)) {
+        return (near, true);
+    }
+    let found = refined(shapes, near, 0.0, condition);
+    found.map_or_else(|| (near, !are_described(shapes, near.normal)), |found| (found, true))
+}
+
+/// Derivatives of the time at which A and B, which moves by `velocity`, meet, in their poses then.
+/// `origins` are the origins of their frames, for these points of A and B.
+fn of_translation<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    status: Status,
+    shapes: (&A, &B, Pose),
+    answer: Refined,
+    origins: impl FnOnce([DVec3; 2]) -> [DVec3; 2],
+    velocity: DVec3,
+) -> Derivatives {
+    let (found, is_refined) = accurate(shapes, answer, Condition::Meeting(unit(velocity).unwrap_or(velocity)), status);
+    let speeds = [-found.normal.dot(velocity), velocity.length()];
+    of_time(status, found, origins(found.points), speeds, || {
+        if_accurate(meeting_points(shapes, found.normal, found.points), is_refined)
+    })
+}
+
 /// Derivatives of the time at which two bodies meet, one at a point of A and one of B, whose frames
 /// have these origins.
 fn of_time(
     status: Status,
-    normal: DVec3,
-    [point_a, point_b]: [DVec3; 2],
+    Refined { normal, points: [point_a, point_b] }: Refined,
     [origin_a, origin_b]: [DVec3; 2],
     [speed, greatest]: [f64; 2],
     uniqueness: impl FnOnce() -> Differentiability,
@@ -69,11 +104,11 @@ impl RayHit {
     /// ```
     pub fn derivatives<S: SupportMap + ?Sized>(&self, shape: &S, ray: &Ray) -> Derivatives {
         let direction = ray.direction();
-        let speeds = [-self.normal.dot(direction), direction.length()];
-        let points = [self.point, ray.point_at(self.t)];
-        of_time(self.status, self.normal, points, [DVec3::ZERO, ray.origin()], speeds, || {
-            meeting_points((shape, &Dot, Pose::from_checked(self.point)), self.normal, points)
-        })
+        let answer = Refined { normal: self.normal, points: [self.point, ray.point_at(self.t)] };
+        let shapes = (shape, &Dot, Pose::from_checked(self.point));
+        // The ray reaches the surface at the refined point of the shape.
+        let origins = |[on_shape, on_ray]: [DVec3; 2]| [DVec3::ZERO, ray.origin() + (on_ray - on_shape)];
+        of_translation(self.status, shapes, answer, origins, direction)
     }
 }
 
@@ -106,16 +141,14 @@ impl Impact {
         b_in_a: Pose,
         motion: Motion,
     ) -> Derivatives {
-        let velocity = motion.velocity();
-        let speeds = [-self.normal.dot(velocity), velocity.length()];
         if !self.hit {
             return Derivatives::none(Differentiability::Missing);
         }
+        let velocity = motion.velocity();
         let at_impact = b_in_a.moved(velocity * self.t);
-        let origins = [DVec3::ZERO, at_impact.translation()];
-        of_time(self.status, self.normal, [self.point_a, self.point_b], origins, speeds, || {
-            meeting_points((a, b, at_impact), self.normal, [self.point_a, self.point_b])
-        })
+        let answer = Refined { normal: self.normal, points: [self.point_a, self.point_b] };
+        let origins = |_: [DVec3; 2]| [DVec3::ZERO, at_impact.translation()];
+        of_translation(self.status, (a, b, at_impact), answer, origins, velocity)
     }
 }
 
@@ -159,16 +192,26 @@ impl TimeOfImpact {
         if !self.hit {
             return Derivatives::none(Differentiability::Missing);
         }
-        let (poses, normal) = ([motion_a.pose_at(self.t_lower), motion_b.pose_at(self.t_lower)], self.normal);
-        let velocity_a = motion_a.velocity_at(self.t_lower, self.point_a);
-        let velocity_b = motion_b.velocity_at(self.t_lower, self.point_b);
-        let speeds = [(velocity_a - velocity_b).dot(normal), velocity_a.length() + velocity_b.length()];
+        let poses = [motion_a.pose_at(self.t_lower), motion_b.pose_at(self.t_lower)];
         let Ok(b_in_a) = Pose::relative(poses[0], poses[1]) else {
             return Derivatives::none(Differentiability::Inaccurate);
         };
-        let origins = poses.map(|pose| pose.translation());
-        of_time(self.status, normal, [self.point_a, self.point_b], origins, speeds, || {
-            closest_points((a, b, b_in_a), poses[0].inverse_transform_vector(normal), 0.0, UNKNOWN)
+        let own =
+            [self.point_a, self.point_b].map(|point| poses[0].inverse_transform_vector(point - poses[0].translation()));
+        let answer = Refined { normal: poses[0].inverse_transform_vector(self.normal), points: own };
+        let any = Condition::Along([f64::NEG_INFINITY, f64::INFINITY]);
+        let (found, is_refined) = accurate((a, b, b_in_a), answer, any, self.status);
+        let placed = Refined {
+            normal: poses[0].transform_vector(found.normal),
+            points: found.points.map(|point| poses[0].transform_point(point)),
+        };
+        let [point_a, point_b] = placed.points;
+        let velocities = [motion_a.velocity_at(self.t_lower, point_a), motion_b.velocity_at(self.t_lower, point_b)];
+        let speeds =
+            [(velocities[0] - velocities[1]).dot(placed.normal), velocities[0].length() + velocities[1].length()];
+        of_time(self.status, placed, poses.map(|pose| pose.translation()), speeds, || {
+            let status = closest_points((a, b, b_in_a), found.normal, 0.0, UNKNOWN);
+            if_accurate(status, is_refined)
         })
     }
 }

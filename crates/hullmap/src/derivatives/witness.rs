@@ -33,7 +33,7 @@ use crate::vector::perpendicular;
 const LEAST_TILT: f64 = 1e-7;
 
 /// Greatest tilt, of answers with wide intervals.
-const GREATEST_TILT: f64 = 0.1;
+pub(super) const GREATEST_TILT: f64 = 0.1;
 
 /// Support points that are nearer to each other than this many tilts times the outer radius are at
 /// one place: a curved surface has others for tilted directions.
@@ -43,7 +43,7 @@ const SAME_PLACE: f64 = 8.0;
 const PARALLEL: f64 = 16.0;
 
 /// Three directions at equal angles, up to rounding error.
-const THIRDS: [DVec2; 3] = [DVec2::X, DVec2::new(-0.5, 0.866), DVec2::new(-0.5, -0.866)];
+pub(super) const THIRDS: [DVec2; 3] = [DVec2::X, DVec2::new(-0.5, 0.866), DVec2::new(-0.5, -0.866)];
 
 /// Support points that are nearer to each other than this many tilts times the outer radius are at
 /// a vertex, or on a straight edge. Rounding errors are less than a tenth of it, and a surface is
@@ -77,19 +77,19 @@ impl Facing {
 }
 
 /// A shape at a pose, of which only the core counts.
-struct Placed<'s, S: ?Sized> {
-    shape: &'s S,
-    pose: Pose,
-    rotation: DMat3,
-    tilt: f64,
+pub(super) struct Placed<'s, S: ?Sized> {
+    pub(super) shape: &'s S,
+    pub(super) pose: Pose,
+    pub(super) rotation: DMat3,
+    pub(super) tilt: f64,
 }
 
 impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
-    fn new(shape: &'s S, pose: Pose, tilt: f64) -> Self {
+    pub(super) fn new(shape: &'s S, pose: Pose, tilt: f64) -> Self {
         Self { shape, pose, rotation: pose.rotation_matrix(), tilt }
     }
 
-    fn support(&self, dir: DVec3) -> DVec3 {
+    pub(super) fn support(&self, dir: DVec3) -> DVec3 {
         self.rotation * self.shape.core_support_point(self.rotation.mul_transpose_vec3(dir)).point
             + self.pose.translation()
     }
@@ -103,7 +103,7 @@ impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
         longer(longer(q - p, r - q), p - r)
     }
 
-    fn same_place(&self) -> f64 {
+    pub(super) fn same_place(&self) -> f64 {
         SAME_PLACE * self.tilt * self.shape.core_radii()[1]
     }
 
@@ -163,7 +163,7 @@ impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
     }
 }
 
-fn tilt(error: f64) -> f64 {
+pub(super) fn tilt(error: f64) -> f64 {
     (2.0 * error).clamp(LEAST_TILT, GREATEST_TILT)
 }
 
@@ -291,7 +291,7 @@ pub(super) fn meeting_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// Whether the difference of the points is certainly inside the face of A − B that faces `normal`.
-fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+pub(super) fn is_inside_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &Placed<'_, A>,
     b: &Placed<'_, B>,
     normal: DVec3,

@@ -5,7 +5,7 @@ use super::feature::{Feature, NO_REACH};
 use super::segment::Segment;
 use super::shape::Shape;
 use super::{direction, error::length};
-use crate::support::{SupportMap, SupportPoint};
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use crate::vector::unit;
 use glam::DVec3;
 
@@ -93,6 +93,12 @@ impl SupportMap for Capsule {
     }
     fn core_support_point(&self, dir: DVec3) -> SupportPoint {
         self.segment.support_point(dir)
+    }
+    fn has_polytope_core(&self) -> bool {
+        true
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        self.segment.core_feature_point(feature, dir)
     }
     fn core_radii(&self) -> [f64; 2] {
         [0.0, self.half_length()]

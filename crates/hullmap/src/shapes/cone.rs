@@ -3,8 +3,8 @@
 use super::error::ShapeError;
 use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
-use super::{RIM, direction, error::length, length_of, push_rim, radial, reduce_rim};
-use crate::support::{SupportMap, SupportPoint};
+use super::{RIM, direction, error::length, length_of, push_rim, radial, reduce_rim, rim_point};
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A cone about z: the base at −`half_height`, the apex at `half_height`.
@@ -71,6 +71,13 @@ impl SupportMap for Cone {
         } else {
             SupportPoint { point: self.rim_point(dir), feature: RIM_POINT }
         }
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        Some(if feature == APEX {
+            FeaturePoint::vertex(DVec3::Z * self.half_height)
+        } else {
+            rim_point(dir, self.radius, -self.half_height)
+        })
     }
     /// The centre of the inscribed ball.
     fn interior_point(&self) -> DVec3 {

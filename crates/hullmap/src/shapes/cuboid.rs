@@ -5,7 +5,7 @@ use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use super::{direction, error::length};
 use crate::facets::view::Facets;
-use crate::support::{SupportMap, SupportPoint};
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A box about the origin of its frame, with its edges along the axes.
@@ -73,6 +73,12 @@ impl SupportMap for Cuboid {
     }
     fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
         (index < 8).then(|| self.corner(index).point)
+    }
+    fn has_polytope_core(&self) -> bool {
+        true
+    }
+    fn core_feature_point(&self, feature: u32, _: DVec3) -> Option<FeaturePoint> {
+        Some(FeaturePoint::vertex(self.corner(feature).point))
     }
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {

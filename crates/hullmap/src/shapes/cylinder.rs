@@ -3,8 +3,8 @@
 use super::error::ShapeError;
 use super::feature::{Corner, Feature, MAX_CORNERS, NO_REACH, TILT};
 use super::shape::Shape;
-use super::{RIM, direction, error::length, length_of, push_rim, radial, reduce_rim};
-use crate::support::{SupportMap, SupportPoint};
+use super::{RIM, direction, error::length, length_of, push_rim, radial, reduce_rim, rim_point};
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A cylinder about the origin of its frame, along z.
@@ -52,6 +52,10 @@ impl SupportMap for Cylinder {
         let lower = dir.z < 0.0;
         let z = if lower { -self.half_height } else { self.half_height };
         SupportPoint { point: radial(dir) * self.radius + DVec3::Z * z, feature: u32::from(lower) }
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        let z = if feature == 0 { self.half_height } else { -self.half_height };
+        Some(rim_point(dir, self.radius, z))
     }
     fn interior_point(&self) -> DVec3 {
         DVec3::ZERO

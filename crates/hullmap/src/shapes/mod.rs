@@ -79,9 +79,10 @@ pub use shape::Shape;
 pub use sphere::Sphere;
 pub use triangle::Triangle;
 
+use crate::support::FeaturePoint;
 use crate::vector::unit;
 use feature::turn;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// `dir` normalised, even if its square overflows or underflows; x if it is zero or not finite.
 fn direction(dir: DVec3) -> DVec3 {
@@ -159,6 +160,14 @@ fn reduce_rim(out: &mut Feature) {
         out.retain(|corner| (corner.vertex - RIM).is_multiple_of(MAX_CORNERS as u32 / 4));
         out.set_reduced();
     }
+}
+
+/// The point of a rim about the z axis that is farthest along `dir`.
+fn rim_point(dir: DVec3, radius: f64, z: f64) -> FeaturePoint {
+    let u = radial(dir);
+    let around = DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0)) - DMat3::from_cols(u * u.x, u * u.y, DVec3::ZERO);
+    let derivative = if radius > 0.0 { around * (radius / length_of(dir.x, dir.y)) } else { DMat3::ZERO };
+    FeaturePoint { point: u * radius + DVec3::Z * z, derivative }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::error::ShapeError;
 use super::feature::Feature;
 use super::shape::Shape;
 use super::{direction, error::length, round};
-use crate::support::{SupportMap, SupportPoint};
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// All points within a radius of another shape: its Minkowski sum with a ball.
@@ -66,6 +66,12 @@ impl<S: SupportMap> SupportMap for Rounded<S> {
     }
     fn core_support_point(&self, dir: DVec3) -> SupportPoint {
         self.shape.core_support_point(dir)
+    }
+    fn has_polytope_core(&self) -> bool {
+        self.shape.has_polytope_core()
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        self.shape.core_feature_point(feature, dir)
     }
     fn core_radii(&self) -> [f64; 2] {
         self.shape.core_radii()

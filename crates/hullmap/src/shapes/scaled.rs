@@ -9,8 +9,8 @@ use super::error::MAX_LENGTH;
 use super::error::ShapeError;
 use super::feature::{Feature, ring};
 use super::shape::Shape;
-use crate::support::{SupportMap, SupportPoint};
-use glam::DVec3;
+use crate::support::{FeaturePoint, SupportMap, SupportPoint};
+use glam::{DMat3, DVec3};
 
 /// Another shape, scaled along the axes of its frame.
 ///
@@ -113,6 +113,18 @@ impl<S: SupportMap> SupportMap for Scaled<S> {
     fn core_point(&self, feature: u32) -> Option<DVec3> {
         let point = if self.uniform().is_some() { self.shape.core_point(feature) } else { self.shape.point(feature) };
         point.map(|p| p * self.scale)
+    }
+    fn has_polytope_core(&self) -> bool {
+        self.shape.has_polytope_core() && (self.uniform().is_some() || self.shape.convex_radius() == 0.0)
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        let inner_dir = dir * self.scale;
+        let core = self.shape.core_feature_point(feature, inner_dir)?;
+        let radius = self.shape.convex_radius();
+        // A scale that is not uniform makes an ellipsoid of the ball, which is part of the core.
+        let inner = if self.uniform().is_none() && radius > 0.0 { core.rounded(inner_dir, radius) } else { core };
+        let scale = DMat3::from_diagonal(self.scale);
+        Some(FeaturePoint { point: inner.point * self.scale, derivative: scale * inner.derivative * scale })
     }
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.shape.point(feature).map(|p| p * self.scale)

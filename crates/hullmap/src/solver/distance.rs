@@ -13,6 +13,7 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
+use super::epa::FLAT_ROUNDINGS;
 use super::gjk::{self, Closest, GjkSearch, Simplex};
 use super::minkowski::{Point, Step};
 use super::settings::Settings;
@@ -233,9 +234,26 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Distan
                 out.iterations += steps;
                 (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0);
             }
-            Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
-            // The shapes may penetrate.
-            Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),
+            Overlap::Touching | Overlap::Separated if out.upper <= FLAT_ROUNDINGS * self.m.rounding_error() => {
+                (out.status, out.distance) = (Status::Touching, 0.0);
+            }
+            // The shapes may penetrate, or the simplex is a sliver: then the origin may be farther
+            // from it than it seems.
+            _ => self.settle_beside(out),
+        }
+    }
+
+    /// The answer for witness points that are too far apart to touch: the plane of EPA bounds their
+    /// distance from below.
+    #[cold]
+    fn settle_beside(&mut self, out: &mut Distance) {
+        let (rounding, tolerance) = (self.m.rounding_error(), self.query.settings.relative_tolerance());
+        let lower = -self.m.point(out.normal).w.dot(out.normal);
+        (out.lower, out.distance) = ((lower - rounding).max(0.0), out.point_a.distance(out.point_b));
+        out.status = Status::Stalled;
+        // NaN takes the failing branch.
+        if out.lower > 0.0 && out.distance - lower <= tolerance * out.distance + 2.0 * rounding {
+            out.status = if out.distance - lower <= rounding { Status::Exact } else { Status::Within };
         }
     }
 }

@@ -17,7 +17,9 @@ pub enum Status {
     Exact,
     /// The interval is within [`Settings::tolerance`](crate::Settings::tolerance).
     Within,
-    /// The shapes touch: any gap or penetration is below rounding error.
+    /// The shapes touch: rounding error leaves open whether they overlap. A gap or a penetration is
+    /// at most 64 rounding errors: docs/intervals.md, section 6, states them. For baked hulls near
+    /// the origin, that is 1e-10 of the sum of their outer radii.
     Touching,
     /// The shapes overlap. Only [`distance`](crate::distance) returns it, with a distance of 0.
     Overlapping,
@@ -65,7 +67,7 @@ pub enum Overlap {
     Separated,
     /// Their interiors share points.
     Overlapping,
-    /// They touch: any gap or penetration is below rounding error.
+    /// They touch, as [`Status::Touching`] defines it.
     Touching,
     /// Not known: an iteration limit was reached, or rounding error stopped all progress.
     Undecided,

@@ -20,4 +20,4 @@ pub use bounds::Bounds;
 #[doc(hidden)]
 pub use paused_lookup::Lookup;
 pub use simd::Instructions;
-pub use support_map::{LevelEdges, SupportMap, SupportPoint};
+pub use support_map::{FeaturePoint, LevelEdges, SupportMap, SupportPoint};

@@ -5,7 +5,7 @@ use super::bounds::Bounds;
 use super::paused_lookup::Lookup;
 use crate::facets::view::Facets;
 use crate::pose::Pose;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Rounding error of a bound, in units of `f64::EPSILON` times the length of the interior point,
 /// the outer radius and the length of the translation.
@@ -51,6 +51,28 @@ pub struct LevelEdges {
     pub longest: DVec3,
     /// Length of the shortest one.
     pub shortest: f64,
+}
+
+/// The point of a feature that is farthest along a direction, and its derivative by that direction.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeaturePoint {
+    pub point: DVec3,
+    pub derivative: DMat3,
+}
+
+impl FeaturePoint {
+    /// A vertex is the farthest point along every direction.
+    pub fn vertex(point: DVec3) -> Self {
+        Self { point, derivative: DMat3::ZERO }
+    }
+
+    /// The point of the Minkowski sum of the feature and a ball. `dir` is not 0.
+    pub fn rounded(self, dir: DVec3, radius: f64) -> Self {
+        let (length, n) = (dir.length(), dir.normalize());
+        let across = DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        Self { point: self.point + n * radius, derivative: self.derivative + across * (radius / length) }
+    }
 }
 
 /// A convex shape, described by its support mapping.
@@ -242,6 +264,22 @@ pub trait SupportMap {
         self.point(feature)
     }
 
+    /// The point of the core with this feature that is farthest along `dir`, which is not 0, and its
+    /// derivative. By default a vertex, the [`core_point`](Self::core_point). `None`: nothing is
+    /// known about the feature.
+    #[doc(hidden)]
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        let _ = dir;
+        self.core_point(feature).map(FeaturePoint::vertex)
+    }
+
+    /// Whether the core is known to be a polytope: by default, whether it has a
+    /// [`core_point`](Self::core_point).
+    #[doc(hidden)]
+    fn has_polytope_core(&self) -> bool {
+        self.core_point(0).is_some()
+    }
+
     /// The faces of a small hull or of a box, from which [`contact`](crate::contact()) computes
     /// depths faster. The default is `None`: depths come from support points.
     ///
@@ -379,6 +417,12 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn core_point(&self, feature: u32) -> Option<DVec3> {
         (**self).core_point(feature)
+    }
+    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        (**self).core_feature_point(feature, dir)
+    }
+    fn has_polytope_core(&self) -> bool {
+        (**self).has_polytope_core()
     }
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {

@@ -1,5 +1,7 @@
 //! Motions of a planner: free ones are free at every time, with the clearance that they claim.
 
+use std::f64::consts::PI;
+
 use crate::compound::pack;
 use crate::motions_of_parts::motion;
 use glam::DVec3;
@@ -8,7 +10,7 @@ use hullmap::compound::{CompoundAnswer, half_space};
 use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
     Cache, ClearSettings, Clearance, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape,
-    Verdict, cast_motion, clear, compound, distance,
+    Status, Verdict, cast_motion, clear, compound, distance,
 };
 use shapes::rng::SplitMix64;
 
@@ -191,4 +193,57 @@ fn shares_out_of_range_are_harmless() {
     // The same margin as the distance: rounding errors decide, and nothing is claimed.
     let found = clear(ball, &still, ball, &passing, &settings(0.5, 0.5, 200), &mut Cache::new());
     assert!(found.verdict != Verdict::Free && found.t_lower <= 0.5, "{found:?}");
+}
+
+/// A clearance that was requested and not reached had no status. A small distance was one reason: the
+/// search gave up within the tolerance.
+#[test]
+fn a_clearance_is_the_requested_share_or_has_a_status() {
+    let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::ONE).unwrap();
+    let ball: &(dyn Shape + Sync) = &Sphere::new(0.5).unwrap();
+    let rod: &(dyn Shape + Sync) = &Cuboid::new(DVec3::new(1.0, 0.01, 0.01)).unwrap();
+    let at = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z)).unwrap();
+    let still = RigidMotion::still(Pose::IDENTITY);
+    for (gap, share) in [(1e-3, 0.5), (1e-6, 0.5), (1e-9, 0.5), (1e-9, 0.95), (1e-6, 0.0)] {
+        let start = at(0.0, 0.0, 1.5 + gap);
+        let turning = RigidMotion::screw(start, DVec3::ZERO, DVec3::Z * 7.0, start.translation()).unwrap();
+        let found = clear(cube, &still, ball, &turning, &settings(0.0, share, 200), &mut Cache::new());
+        assert_eq!((found.verdict, found.status), (Verdict::Free, Status::Within), "{gap:e}, {share}: {found:?}");
+        assert!(found.clearance >= share * (gap - 1e-14) && found.clearance <= gap + 1e-14, "{gap:e}: {found:?}");
+    }
+    // Past a ball, with all limits of queries.
+    let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * 3.0, DVec3::ZERO).unwrap();
+    let (place, mut statuses) = (RigidMotion::still(at(1.1, 1.1, 0.0)), Vec::new());
+    for (limit, share) in (1..60).flat_map(|limit| [(limit, 0.5), (limit, 0.95)]) {
+        let found = clear(rod, &turning, ball, &place, &settings(0.0, share, limit), &mut Cache::new());
+        let is_reached = found.clearance >= share * found.nearest;
+        assert_eq!(found.status == Status::Within, found.verdict == Verdict::Free && is_reached, "{found:?}");
+        assert!(found.status == Status::Within || found.status == Status::IterationLimit, "{found:?}");
+        statuses.push((found.verdict, found.status));
+    }
+    let count = |verdict, status| statuses.iter().filter(|own| **own == (verdict, status)).count();
+    let seen = [(Verdict::Free, Status::Within), (Verdict::Free, Status::IterationLimit)].map(|(v, s)| count(v, s));
+    assert!(seen.iter().all(|count| *count > 0) && count(Verdict::Open, Status::IterationLimit) > 0, "{statuses:?}");
+}
+
+/// The limit of queries is one for each turn: it was 200 for 50 turns, and half of them were open.
+#[test]
+fn fifty_turns_are_decided_by_default() {
+    let rod: &(dyn Shape + Sync) = &Cuboid::new(DVec3::new(1.0, 0.1, 0.1)).unwrap();
+    let bar: &(dyn Shape + Sync) = &Cuboid::new(DVec3::new(0.5, 0.1, 0.1)).unwrap();
+    let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * 100.0 * PI, DVec3::ZERO).unwrap();
+    let mut counts = [0; 3];
+    for number in 0..40 {
+        let x = 1.4 + 0.03 * f64::from(number);
+        let at = |y: f64| Pose::from_translation(DVec3::new(x, y, 0.0)).unwrap();
+        let passing = RigidMotion::between(at(-1.0), at(1.0)).unwrap();
+        let found = clear(rod, &turning, bar, &passing, &ClearSettings::default(), &mut Cache::new());
+        let met = cast_motion(rod, &turning, bar, &passing, &MotionSettings::default(), &mut Cache::new());
+        // The corner of the rod is at √1.01.
+        let expected = if x - 0.5 > 1.01_f64.sqrt() { Verdict::Free } else { Verdict::Hit };
+        assert_eq!((found.verdict, met.hit), (expected, expected == Verdict::Hit), "{x}: {found:?} {met:?}");
+        assert!(found.iterations <= 200 * 50, "{found:?}");
+        counts[found.verdict as usize] += 1;
+    }
+    assert!(counts[0] > 20 && counts[1] > 3, "{counts:?}");
 }

@@ -5,7 +5,7 @@ use crate::any_shape;
 use crate::compound::pack;
 use crate::motions_of_parts::motion;
 use glam::{DQuat, DVec3};
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
 use hullmap::{
     Cache, CastSettings, Contact, Derivatives, Differentiability, Distance, Hull, Motion, MotionSettings, Pack, Pose,
     Ray, RigidMotion, Settings, Shape, Status, cast, cast_motion, contact, distance, ray, signed_distance,
@@ -44,36 +44,170 @@ fn off(found: &Derivatives, poses: [Pose; 2], step: f64, truth: impl Fn([Pose; 2
     off
 }
 
-#[test]
-fn distances_of_round_shapes() {
-    let shapes: Vec<Box<dyn Shape + Sync>> = vec![
+/// Curved and flat shapes: rims, sides, tips, caps, ellipsoids, edges and vertices.
+fn round_shapes(pack: &Pack) -> Vec<Box<dyn Shape + Sync + '_>> {
+    let [cylinder, cone] = [(0.5, 0.6), (0.4, 0.7)];
+    let (cylinder, cone) = (Cylinder::new(cylinder.0, cylinder.1).unwrap(), Cone::new(cone.0, cone.1).unwrap());
+    let (capsule, cuboid) = (Capsule::new(0.8, 0.3).unwrap(), Cuboid::new(DVec3::new(0.4, 0.6, 0.9)).unwrap());
+    let scale = DVec3::new(1.2, 0.5, -0.8);
+    vec![
+        Box::new(cylinder),
+        Box::new(cone),
+        Box::new(Cylinder::new(0.0, 0.7).unwrap()),
+        Box::new(Cylinder::new(0.9, 0.01).unwrap()),
+        Box::new(Rounded::new(cylinder, 0.2).unwrap()),
+        Box::new(Rounded::new(cuboid, 0.2).unwrap()),
+        Box::new(Scaled::new(Sphere::new(0.7).unwrap(), scale).unwrap()),
+        Box::new(Scaled::new(cylinder, scale).unwrap()),
+        Box::new(Scaled::new(cone, scale).unwrap()),
+        Box::new(Scaled::new(capsule, scale).unwrap()),
         Box::new(Sphere::new(0.7).unwrap()),
-        Box::new(Capsule::new(0.8, 0.3).unwrap()),
-        Box::new(Cylinder::new(0.5, 0.6).unwrap()),
-        Box::new(Cone::new(0.5, 0.6).unwrap()),
-        Box::new(Cuboid::new(DVec3::new(0.4, 0.6, 0.9)).unwrap()),
-        Box::new(Rounded::new(Cuboid::new(DVec3::new(0.4, 0.3, 0.5)).unwrap(), 0.2).unwrap()),
-    ];
-    let mut rng = SplitMix64::new(SEED);
-    let (mut unique, mut close) = (0, 0);
-    for number in 0..600 {
-        let (a, b) = (&*shapes[rng.below(6)], &*shapes[rng.below(6)]);
-        let rotation = DQuat::from_axis_angle(DVec3::from_array(rng.direction()), rng.between(0.0, 6.0));
-        let b_in_a = Pose::new(DVec3::from_array(rng.direction()) * rng.between(2.5, 5.0), rotation).unwrap();
-        let gap = |b_in_a| distance(a, b, b_in_a, &EXACT, &mut Cache::new());
-        let found = gap(b_in_a).derivatives(a, b, b_in_a);
+        Box::new(capsule),
+        Box::new(cuboid),
+        Box::new(pack.shared_hull(0).unwrap()),
+    ]
+}
+
+/// Central difference of order 4, and how much it differs from one with half of the step.
+fn slope(step: f64, value: impl Fn(f64) -> Option<f64>) -> Option<[f64; 2]> {
+    let of = |h: f64| {
+        let [near, far] = [h, 2.0 * h].map(|h| Some(value(h)? - value(-h)?));
+        Some((8.0 * near? - far?) / (12.0 * h))
+    };
+    let (whole, half) = (of(step)?, of(0.5 * step)?);
+    Some([half, (whole - half).abs()])
+}
+
+/// Errors of derivatives that are called unique, by both poses, against central differences of
+/// certified lengths.
+#[derive(Default)]
+struct Judged {
+    unique: usize,
+    flagged: usize,
+    judged: usize,
+    worst: f64,
+}
+
+impl Judged {
+    fn add(&mut self, found: &Derivatives, poses: [Pose; 2], value: impl Fn([Pose; 2]) -> Option<f64>) {
         if found.status != Differentiability::Unique {
-            // Within rounding errors, the normal of a curved surface is less accurate.
-            continue;
+            self.flagged += 1;
+            return;
         }
-        unique += 1;
-        let truth = |[a, b]: [Pose; 2]| gap(Pose::relative(a, b).unwrap()).distance;
-        let off = off(&found, [Pose::IDENTITY, b_in_a], 1e-4, truth);
-        close += usize::from(off < 1e-6);
-        assert!(off < 1e-5, "{number}, seed {SEED:#x}: off by {off:e}: {found:?}");
+        self.unique += 1;
+        let mut worst = 0.0_f64;
+        for (which, by) in [found.of_a, found.of_b].into_iter().enumerate() {
+            for (axis, found) in by.to_array().into_iter().enumerate() {
+                let truth = slope(5e-4, |step| {
+                    let mut moved = poses;
+                    moved[which] = twisted(poses[which], axis, step);
+                    value(moved)
+                });
+                // Another feature is nearest within the step.
+                let Some([truth, _]) = truth.filter(|[_, doubt]| *doubt < 1e-9) else { return };
+                worst = worst.max((found - truth).abs());
+            }
+        }
+        self.judged += 1;
+        self.worst = self.worst.max(worst);
     }
-    println!("{unique} unique, {close} of them within 1e-6");
-    assert!(unique > 500 && close * 100 > unique * 95, "{unique}, {close}");
+}
+
+/// Gradients of curved shapes were as inaccurate as the square root of the tolerance, and were called
+/// unique.
+#[test]
+fn gradients_of_curved_shapes_are_exact_for_every_tolerance() {
+    let pack = packs::tree_pack(&families::rock(20, 3));
+    let shapes = round_shapes(&pack);
+    let certified = |[lower, upper]: [f64; 2]| (upper - lower < 1e-12).then_some(0.5 * (lower + upper));
+    let mut rng = SplitMix64::new(SEED);
+    for tolerance in [1e-3, 1e-5, 1e-8, 0.0] {
+        let settings = Settings { tolerance, ..Settings::default() };
+        let (mut apart, mut deep) = (Judged::default(), Judged::default());
+        for number in 0..1500 {
+            let (a, b) = (&*shapes[rng.below(14)], &*shapes[rng.below(14)]);
+            let rotation = DQuat::from_axis_angle(DVec3::from_array(rng.direction()), rng.between(0.0, 6.0));
+            let reach = if number % 2 == 0 { rng.between(1.5, 5.0) } else { rng.between(0.1, 1.0) };
+            let b_in_a = Pose::new(DVec3::from_array(rng.direction()) * reach, rotation).unwrap();
+            let poses = [Pose::IDENTITY, b_in_a];
+            let relative = |[a, b]: [Pose; 2]| Pose::relative(a, b).unwrap();
+            let found = any_shape::distance(a, b, b_in_a, &settings, &mut Cache::new());
+            if found.lower > 1e-2 {
+                let by = found.derivatives(a, b, b_in_a);
+                apart.add(&by, poses, |poses| {
+                    let found = any_shape::distance(a, b, relative(poses), &EXACT, &mut Cache::new());
+                    certified([found.lower, found.upper])
+                });
+            }
+            let mut cache = Cache::new();
+            let found = any_shape::contact(a, b, b_in_a, &settings, &mut cache);
+            if found.depth_lower > 1e-2 {
+                let by = found.derivatives(a, b, b_in_a, &settings, &mut cache);
+                deep.add(&by, poses, |poses| {
+                    let found = any_shape::contact(a, b, relative(poses), &EXACT, &mut Cache::new());
+                    certified([found.depth_lower, found.depth_upper])
+                });
+            }
+        }
+        for found in [apart, deep] {
+            let Judged { unique, flagged, judged, worst } = found;
+            println!("tolerance {tolerance}: {unique} unique, {flagged} flagged, {judged} judged, off by {worst:e}");
+            // Rounding errors of the lengths count as 1e-14 of the step's inverse.
+            assert!(worst < 2e-9, "off by {worst:e} with a tolerance of {tolerance}, seed {SEED:#x}");
+            assert!(judged > 400 && flagged * 5 < unique, "{unique} unique, {flagged} flagged, {judged} judged");
+        }
+    }
+}
+
+/// The same for the times of rays and casts.
+#[test]
+fn times_of_rays_and_casts_at_curved_shapes_have_exact_derivatives() {
+    let pack = packs::tree_pack(&families::rock(20, 3));
+    let shapes = round_shapes(&pack);
+    let exact = CastSettings { tolerance: 0.0, ..CastSettings::default() };
+    let certified = |lower: f64, upper: f64| (upper - lower < 1e-12).then_some(0.5 * (lower + upper));
+    let mut rng = SplitMix64::new(SEED + 3);
+    for tolerance in [1e-3, 1e-6, 0.0] {
+        let settings = CastSettings { tolerance, ..exact };
+        let (mut rays, mut casts) = (Judged::default(), Judged::default());
+        for _ in 0..1200 {
+            let (a, b) = (&*shapes[rng.below(14)], &*shapes[rng.below(14)]);
+            let origin = DVec3::from_array(rng.direction()) * 4.0;
+            let velocity = DVec3::from_array(rng.direction()) * rng.between(0.0, 0.6) - origin;
+            let line = Ray::new(origin, velocity).unwrap();
+            let hit = any_shape::ray(a, &line, &settings);
+            if matches!(hit.status, Status::Exact | Status::Within) {
+                rays.add(
+                    &hit.derivatives(a, &line),
+                    [Pose::IDENTITY, moved_to(origin.x, origin.y, origin.z)],
+                    |poses| {
+                        let ray = Pose::relative(poses[0], poses[1]).unwrap();
+                        let line = Ray::new(ray.translation(), ray.transform_vector(velocity)).unwrap();
+                        let hit = any_shape::ray(a, &line, &exact);
+                        certified(hit.t_lower, hit.t_upper)
+                    },
+                );
+            }
+            let rotation = DQuat::from_axis_angle(DVec3::from_array(rng.direction()), rng.between(0.0, 6.0));
+            let (start, motion) = (Pose::new(origin, rotation).unwrap(), Motion::new(velocity).unwrap());
+            let found = any_shape::cast(a, b, start, motion, &settings, &mut Cache::new());
+            if matches!(found.status, Status::Exact | Status::Within) {
+                let at_impact = Pose::new(origin + velocity * found.t, rotation).unwrap();
+                casts.add(&found.derivatives(a, b, start, motion), [Pose::IDENTITY, at_impact], |[a_now, b_now]| {
+                    let start = Pose::new(b_now.translation() - velocity * found.t, b_now.rotation()).unwrap();
+                    let start = Pose::relative(a_now, start).unwrap();
+                    let motion = Motion::new(a_now.inverse_transform_vector(velocity)).unwrap();
+                    let found = any_shape::cast(a, b, start, motion, &exact, &mut Cache::new());
+                    certified(found.t_lower, found.t_upper)
+                });
+            }
+        }
+        for Judged { unique, flagged, judged, worst } in [rays, casts] {
+            println!("tolerance {tolerance}: {unique} unique, {flagged} flagged, {judged} judged, off by {worst:e}");
+            assert!(worst < 4e-9, "off by {worst:e} with a tolerance of {tolerance}, seed {SEED:#x}");
+            assert!(judged > 400 && flagged * 20 < unique, "{unique} unique, {flagged} flagged, {judged} judged");
+        }
+    }
 }
 
 /// The time at which two hulls are at a distance, by bisection of Wolfe's distance near a time.

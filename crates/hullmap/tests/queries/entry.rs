@@ -422,6 +422,40 @@ fn rays_that_start_on_the_surface() {
     assert_eq!(at([1.0_f64.next_up(), 0.2, 0.1], [0.0, 1.0, 0.0]).status, Status::Separated);
 }
 
+/// A ray from 1.5 % inside a cube far from the origin of its frame was `Exact`, with t = 0.
+#[test]
+fn rays_that_start_inside_overlap() {
+    let corner = |i: usize, bit: usize, at: [f32; 2]| at[usize::from(i & bit != 0)];
+    let corners: Vec<[f32; 3]> = (0..8)
+        .map(|i| [corner(i, 1, [81781.0, 81783.0]), corner(i, 2, [-1.0, 1.0]), corner(i, 4, [-1.0, 1.0])])
+        .collect();
+    let pack = tree_pack(&corners);
+    let hull = pack.hull(0).unwrap();
+    let scale = 2.0_f64.powi(110);
+    let origin = DVec3::new(6.300331988517956e-29, -4.032956626326999e-34, -3.693649122063957e-34) * scale;
+    let direction = DVec3::new(-3.3404182872141488e-34, -5.227812647004182e-34, 4.567152176714411e-34) * scale;
+    let mut rng = SplitMix64::new(SEED + 11);
+    let random = (0..2_000).map(|_| {
+        let middle = DVec3::X * 81782.0;
+        let inside = DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0)) * (1.0 - 1e-6);
+        (middle + inside, DVec3::from_array(rng.direction()))
+    });
+    for (origin, direction) in std::iter::once((origin, direction)).chain(random) {
+        for max_t in [0.0, 1.0, f64::INFINITY] {
+            for tolerance in [0.0, 1e-6] {
+                let settings = CastSettings { max_t, tolerance, ..CastSettings::default() };
+                let hit = ray(&hull, &Ray::new(origin, direction).unwrap(), &settings);
+                assert_eq!(
+                    (hit.status, hit.t, hit.t_upper),
+                    (Status::Overlapping, 0.0, 0.0),
+                    "{origin} {direction} {hit:?}"
+                );
+                assert!(hit.normal.dot(direction) < 0.0 && hit.point.distance(origin) < 1e-9, "{hit:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn rays_along_faces_edges_and_through_vertices() {
     let cube = Cuboid::new(DVec3::ONE).unwrap();

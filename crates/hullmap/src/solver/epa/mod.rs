@@ -194,14 +194,14 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
                 }
             }
         };
+        let reach = FLAT_ROUNDINGS * self.rounding_error();
+        // The face may be far from the origin and still on the surface of a polytope that is too
+        // thin to enclose the origin for certain; and the origin may be beside a thin face.
+        let is_near = bound.upper <= reach && bound.point_a.distance(bound.point_b) <= 2.0 * reach;
         let status = match end {
             End::Separated => Overlap::Separated,
             End::Inside => Overlap::Overlapping,
-            // The face may be far from the origin and still on the surface of a polytope that is
-            // too thin to enclose the origin for certain.
-            End::Touching | End::Converged if bound.upper <= FLAT_ROUNDINGS * self.rounding_error() => {
-                Overlap::Touching
-            }
+            End::Touching | End::Converged if is_near => Overlap::Touching,
             _ => Overlap::Undecided,
         };
         (status, bound, iterations)

@@ -161,7 +161,11 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
                 // A set that may contain the origin is ahead of it only if a point of it is.
                 is_past |= self.clip.entry > origin || pierced.at - error >= origin;
                 let is_certain = error < f64::INFINITY && is_past;
-                if is_certain {
+                // NaN takes the failing branch.
+                if is_certain && pierced.at + error <= origin {
+                    // The line certainly enters the set before its origin, and leaves it later.
+                    self.inside([&entry, &exit])
+                } else if is_certain {
                     self.enclose(query, end, Some(error), (&entry, pierced.at), &exit)
                 } else {
                     let (entry, pierced) = self.safer([(entry, pierced), (start, middle)]);

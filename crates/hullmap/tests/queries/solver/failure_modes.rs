@@ -682,3 +682,86 @@ fn parallel_close_faces() {
         }
     }
 }
+
+/// Two needles with a gap of 5e-11, and a simplex that seems to contain the origin: they were called
+/// touching, although a gap of more than 16 rounding errors is certain.
+#[test]
+fn needles_that_touch_are_near_each_other() {
+    /// A point cloud whose support points may fall short, as the index of a hull allows.
+    struct Inexact(PointCloud);
+    impl SupportMap for Inexact {
+        fn support_point(&self, dir: DVec3) -> hullmap::SupportPoint {
+            self.0.support_point(dir)
+        }
+        fn interior_point(&self) -> DVec3 {
+            self.0.interior_point()
+        }
+        fn inner_radius(&self) -> f64 {
+            0.0
+        }
+        fn outer_radius(&self) -> f64 {
+            self.0.outer_radius()
+        }
+        fn support_error(&self) -> f64 {
+            1e-12 * self.outer_radius()
+        }
+        fn point(&self, feature: u32) -> Option<DVec3> {
+            self.0.point(feature)
+        }
+    }
+    impl Shape for Inexact {}
+    let cloud = |points: &[[f64; 3]]| Inexact(PointCloud::new(points.iter().copied().map(DVec3::from_array).collect()));
+    let a = cloud(&[
+        [0.0; 3],
+        [0.42150118691562743, -0.5987844699855672, -0.190698584417925],
+        [0.3467096970560752, -0.4925356968736784, -0.15686088008374227],
+        [0.5533931512198489, -0.7861501556085015, -0.25037008944462025],
+    ]);
+    let b = cloud(&[
+        [-0.350019098094252, -0.011126903022359552, 0.4162918352109328],
+        [-1.195781120445675, -0.5308047861251204, 0.5372112272118209],
+        [0.12227494374161561, 0.27907383783247885, 0.3487675149723272],
+        [0.18329803029522027, 0.31656943633397544, 0.34004298399286853],
+        [-1.0413831927233717, -0.43593508732569963, 0.5151368113348014],
+    ]);
+    let rotation = DQuat::from_xyzw(0.3160446296770141, -0.11814838160315674, 0.12606112743492592, 0.9328801338471675);
+    let shift = DVec3::new(0.437918838686537, 0.37285973291284763, -0.17304555544357192);
+    let pose = Pose::new(shift, rotation).unwrap();
+    // 64 rounding errors, without the noise.
+    let most = 64.0 * (a.support_error() + b.support_error());
+    let gap = 4.834703997844405e-11;
+    let found = solve_distance(&a, &b, pose);
+    assert!(found.lower <= gap && gap <= found.upper, "{found:?}");
+    assert!(found.status != Status::Touching && gap > 16.0 * most / 64.0, "{found:?}");
+    // In general, for needles of all widths that touch each other in a plane.
+    let mut rng = SplitMix64::new(63);
+    let (mut touching, mut worst) = (0, 0.0_f64);
+    for _ in 0..20_000 {
+        let [thin, gap] = [rng.between(-14.0, -7.0), rng.between(-13.0, -9.0)].map(|power| 10.0_f64.powf(power));
+        let mut side = |up: f64| {
+            let (sine, cosine) = rng.between(0.0, 6.28).sin_cos();
+            let (u, v) = (DVec3::new(cosine, sine, 0.0), DVec3::new(-sine, cosine, 0.0));
+            let share = rng.between(0.05, 0.95);
+            let mut points = vec![u * share, u * (share - 1.0) + v * thin, u * (share - 1.0) - v * thin];
+            points.extend((0..3).map(|_| {
+                let height = DVec3::Z * up * rng.between(0.01, 1.0) * thin;
+                u * rng.between(-1.0, 1.0) + v * (rng.between(-1.0, 1.0) * thin) + height
+            }));
+            Inexact(PointCloud::new(points))
+        };
+        let (a, b) = (side(-1.0), side(1.0));
+        let pose = pose_at(0.0, 0.0, gap);
+        let radii = a.outer_radius() + b.outer_radius();
+        let is_touching = [
+            solve_distance(&a, &b, pose).status == Status::Touching,
+            solve_contact(&a, &b, pose).status == Status::Touching,
+            solve_overlap(&a, &b, pose) == Overlap::Touching,
+        ];
+        if is_touching.contains(&true) {
+            touching += 1;
+            worst = worst.max(gap / radii);
+        }
+    }
+    println!("{touching} touch, with gaps of at most {worst:e} of the radii");
+    assert!((2_000..18_000).contains(&touching) && worst <= 1e-10, "{touching} {worst:e}");
+}
