@@ -1,26 +1,16 @@
 //! Queries of robots: a chain with a formula, and random chains, checked by samples.
 
-use std::f64::consts::PI;
-use std::path::PathBuf;
+mod described;
 
+use std::f64::consts::PI;
+
+use described::{file, robot};
 use hullmap::shapes::{HalfSpace, Sphere};
 use hullmap::{Differentiability, Pose, Settings, Verdict};
 use hullmap_planning::glam::DVec3;
-use hullmap_planning::{Convex, EdgeSettings, Obstacle, ObstacleShape, Packs, PlanningError, Robot};
+use hullmap_planning::{Convex, EdgeSettings, Obstacle, ObstacleShape, PlanningError, Robot};
 use hullmap_random::SplitMix64;
 use hullmap_robot::{Description, Displacement, Places};
-
-fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).unwrap();
-    (folder, path)
-}
-
-fn robot(name: &str, text: &str) -> Robot {
-    let (_guard, path) = file(name, text);
-    Robot::read(&path, &Places::beside(&path).unwrap(), &mut Packs::default()).unwrap()
-}
 
 /// Two links of length 1 in a plane, with balls of radius 0.1 at the base and of 0.2 at the tip.
 /// Their centres are 2 |cos(b/2)| apart, for the angle b of the elbow.
