@@ -28,7 +28,8 @@ CONFIGURATIONS = 6
 # In metres; geoms are 0.05 to 2 large. MuJoCo's tolerance for convex pairs is 1e-6.
 GRAZING = 1e-5
 MESHES = 12
-KINDS = ["box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh"]
+# Few meshes, since reading them takes most of the time.
+KINDS = [*["box", "sphere", "capsule", "cylinder", "ellipsoid"] * 3, "mesh"]
 
 
 def numbers(values):
@@ -169,7 +170,10 @@ def contacts(model, data):
 
 def tested(robot, model):
     """The pairs of geoms that hullmap tests, by MuJoCo's indices: those of tested links, without the skipped ones."""
-    of_link = [[geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == body] for body in range(model.nbody)]
+    # Geoms that are only drawn do not collide.
+    collides = (model.geom_contype | model.geom_conaffinity) != 0
+    collides[np.concatenate([model.pair_geom1, model.pair_geom2]).astype(int)] = True
+    of_link = [np.flatnonzero(collides & (model.geom_bodyid == body)).tolist() for body in range(model.nbody)]
     index = {model.geom(geom).name: geom for geom in range(model.ngeom)}
     skipped = {tuple(sorted(index[geom] for geom in own.geoms)) for own in robot.skipped if len(own.geoms) == 2}
     pairs = [(a, b) for own_a, own_b in robot.pairs.tolist() if own_a != own_b for a in of_link[own_a] for b in of_link[own_b]]
