@@ -302,30 +302,6 @@ fn rayon_pool() -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap()
 }
 
-#[test]
-fn links_that_a_joint_connects_and_excluded_pairs_are_not_tested() {
-    let chain = |extra: &str| {
-        format!(
-            "<mujoco><worldbody><geom type='sphere' size='0.3' pos='0 0 -1'/><body name='a'><geom type='sphere' size='0.3'/>
-             <body name='b' pos='0.1 0 0'><joint axis='0 0 1'/><geom type='sphere' size='0.3'/>
-             <body name='c' pos='0.1 0 0'><joint axis='0 0 1'/><geom type='sphere' size='0.3'/></body></body></body>
-             </worldbody>{extra}</mujoco>"
-        )
-    };
-    let names = |arm: &Robot| -> Vec<[String; 2]> {
-        arm.tested().iter().map(|pair| pair.map(|index| arm.collider(index).unwrap().to_owned())).collect()
-    };
-    let arm = robot("a.xml", &chain(""));
-    assert_eq!(names(&arm), [["world", "b"], ["world", "c"], ["a", "c"]]);
-    assert_eq!(arm.touching(&arm.neutral(), &mut arm.memory()).unwrap().len(), 1);
-    let arm = robot("a.xml", &chain("<contact><exclude body1='c' body2='a'/></contact>"));
-    assert_eq!(names(&arm), [["world", "b"], ["world", "c"]]);
-    let mut arm = robot("a.xml", &chain(""));
-    let (_guard, srdf) = file("a.srdf", "<robot name='a'><disable_collisions link1='world' link2='b'/></robot>");
-    arm.allow_srdf(&srdf).unwrap();
-    assert_eq!(names(&arm), [["world", "c"], ["a", "c"]]);
-}
-
 /// Separated parts of an obstacle once counted as a contact of unknown depth.
 #[test]
 fn parts_that_are_apart_have_no_depth() {

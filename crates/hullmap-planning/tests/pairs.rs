@@ -23,8 +23,10 @@ fn pairs(robot: &Robot) -> [String; 2] {
 
 /// An MJCF model: `b` is a body with a ball, `j` a joint.
 fn mjcf(bodies: &str, others: &str) -> String {
-    let bodies =
-        bodies.replace("<b ", "<body name=").replace("</b>", "</body>").replace("<j/>", "<joint axis='1 0 0'/>");
+    let bodies = bodies
+        .replace("<b ", "<body name=")
+        .replace("</b>", "</body>")
+        .replace("<j/>", "<joint type='slide' axis='1 0 0'/>");
     let bodies = bodies.replace("<g", "<geom size='1'");
     format!("<mujoco>{others}<worldbody>{bodies}</worldbody></mujoco>")
 }
@@ -178,6 +180,8 @@ fn the_matrix_overrides_the_filter() {
     // Rigidly connected links always meet, or never.
     let mut memory = own.memory();
     assert!(own.in_collision(&[0.0, 1.0], 0.0, &mut memory).unwrap());
+    assert_eq!(own.touching(&[0.0, 1.0], &mut memory).unwrap(), own.tested());
+    assert_eq!(own.touching(&[0.0, 9.0], &mut memory).unwrap(), [[2, 3]]);
     let edge = own.clear(&[0.0, 0.0], &[1.0, 1.0], &EdgeSettings::default(), &mut memory).unwrap();
     assert_eq!(edge.answer.verdict, Verdict::Hit);
     own.allow([["b", "a"], ["c", "a"]]).unwrap();
