@@ -9,6 +9,11 @@ use hullmap::Verdict;
 use hullmap_planning::glam::DVec3;
 use hullmap_planning::{EdgeSettings, PlanningError, Robot, Skipped};
 
+const RIGID: &str = "rigidly connected";
+const ADJACENT: &str = "adjacent: connected by a joint";
+const IMMOBILE: &str = "neither body has degrees of freedom";
+const MASKS: &str = "`contype` and `conaffinity` do not match";
+
 /// The pairs that are tested, and the skipped ones with their reasons, by initials of links.
 fn pairs(robot: &Robot) -> [String; 2] {
     let tested = robot.tested();
@@ -33,9 +38,6 @@ fn mjcf(bodies: &str, others: &str) -> String {
 
 #[test]
 fn mujoco_decides_in_mjcf() {
-    const RIGID: &str = "rigidly connected";
-    const ADJACENT: &str = "adjacent: connected by a joint";
-    const IMMOBILE: &str = "neither body has degrees of freedom";
     let chain = "<b 'a'><j/><g/><b 'b'><g/><b 'c'><j/><g/><b 'd'><j/><g/></b></b></b></b>";
     let two = "<b 'a'><j/><g name='x'/></b><b 'b'><j/><g name='y'/></b>";
     let table: &[(String, &str, String)] = &[
@@ -84,7 +86,7 @@ fn mujoco_decides_in_mjcf() {
         (
             mjcf("<b 'a'><j/><g contype='2' conaffinity='4'/></b><b 'b'><j/><g contype='2' conaffinity='8'/></b>", ""),
             "",
-            "ab: `contype` and `conaffinity` do not match".to_owned(),
+            format!("ab: {MASKS}"),
         ),
         (
             mjcf(
@@ -92,7 +94,7 @@ fn mujoco_decides_in_mjcf() {
                 "",
             ),
             "ab",
-            "`x` of `a` and `y` of `b`: `contype` and `conaffinity` do not match".to_owned(),
+            format!("`x` of `a` and `y` of `b`: {MASKS}"),
         ),
         (
             mjcf(two, "<option><flag contact='disable'/></option><contact><pair geom1='x' geom2='y'/></contact>"),
@@ -143,7 +145,7 @@ fn only_direct_neighbours_are_left_out_of_urdf() {
         "</robot>",
     ];
     let cell = robot("cell.urdf", &cell.concat());
-    assert_eq!(pairs(&cell), ["tc co", "to: adjacent: connected by a joint"]);
+    assert_eq!(pairs(&cell), ["tc co", &format!("to: {ADJACENT}")]);
     let mut memory = cell.memory();
     let hit = |x: f64, memory: &mut _| cell.in_collision(&[x], 0.0, memory).unwrap();
     assert_eq!([0.0, 0.5, 0.6, 0.75, 1.0].map(|x| hit(x, &mut memory)), [false, false, false, true, true]);
@@ -161,7 +163,7 @@ fn only_direct_neighbours_are_left_out_of_urdf() {
         "</robot>",
     ];
     let arm = robot("arm.urdf", &arm.concat());
-    assert_eq!(pairs(&arm), ["at", "af: adjacent: connected by a joint; ft: rigidly connected"]);
+    assert_eq!(pairs(&arm), ["at", &format!("af: {ADJACENT}; ft: {RIGID}")]);
     let mut memory = arm.memory();
     assert_eq!([0.0, PI].map(|q| arm.in_collision(&[q], 0.0, &mut memory).unwrap()), [false, true]);
     let poses = arm.link_poses(&[PI], &mut memory).unwrap();
@@ -173,10 +175,9 @@ fn only_direct_neighbours_are_left_out_of_urdf() {
 fn the_matrix_overrides_the_filter() {
     let text = mjcf("<b 'a'><j/><g contype='0'/><b 'b'><j/><g/><b 'c'><g/></b></b></b>", "");
     let mut own = robot("r.xml", &text);
-    let filtered = "ab: adjacent: connected by a joint; ac: adjacent: connected by a joint; bc: rigidly connected";
-    assert_eq!(pairs(&own), ["", filtered]);
+    assert_eq!(pairs(&own), ["", &format!("ab: {ADJACENT}; ac: {ADJACENT}; bc: {RIGID}")]);
     own.disallow([["b", "a"], ["c", "b"], ["a", "a"]]).unwrap();
-    assert_eq!(pairs(&own), ["ab bc", "ac: adjacent: connected by a joint"]);
+    assert_eq!(pairs(&own), ["ab bc", &format!("ac: {ADJACENT}")]);
     // Rigidly connected links always meet, or never.
     let mut memory = own.memory();
     assert!(own.in_collision(&[0.0, 1.0], 0.0, &mut memory).unwrap());
