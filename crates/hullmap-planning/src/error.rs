@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hullmap::PoseError;
 use hullmap_robot::RobotError;
 
 /// Why a robot cannot be built or queried.
@@ -58,6 +59,22 @@ pub enum PlanningError {
         /// Number of poses.
         found: usize,
     },
+    /// A link is too far away for a pose.
+    #[error("link `{link}`: {error}")]
+    LinkPose {
+        /// The name of the link.
+        link: String,
+        /// The cause.
+        error: PoseError,
+    },
+    /// Some geometry is not tested, which [`Robot::strict`](crate::Robot::strict) does not accept.
+    #[error("{}: {}{}; change the description, or read it without `strict`", file.display(), causes[0], others(causes))]
+    Untested {
+        /// The description.
+        file: PathBuf,
+        /// What is not tested, and why; at least one.
+        causes: Vec<String>,
+    },
     /// A joint's position is NaN or out of range.
     #[error("joint `{joint}`: {value} is no position; pass finite numbers below 1e15")]
     Position {
@@ -70,4 +87,8 @@ pub enum PlanningError {
 
 fn listed(names: &[String]) -> String {
     if names.is_empty() { "none".to_owned() } else { format!("`{}`", names.join("`, `")) }
+}
+
+fn others(causes: &[String]) -> String {
+    if causes.len() == 1 { String::new() } else { format!(", and {} more", causes.len() - 1) }
 }

@@ -7,7 +7,8 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | `robot` | links, pairs that are tested, obstacles |
+//! | `robot` | links, bodies, obstacles |
+//! | `pairs`, `skipped` | which pairs are tested, and why others are not |
 //! | `kinematics` | where links are, and how joints move them |
 //! | `in_collision`, `clearance` | one configuration |
 //! | `clear`, `motion_bound` | an edge, and how far bodies move along it |
@@ -58,8 +59,10 @@ mod memory;
 mod meshes;
 mod motion_bound;
 mod obstacle;
+mod pairs;
 mod queries;
 mod robot;
+mod skipped;
 
 pub use clear::{EdgeClearance, EdgeSettings};
 pub use clearance::RobotClearance;
@@ -70,3 +73,4 @@ pub use memory::Memory;
 pub use meshes::{MeshPoints, Packs, imported, read_file};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use robot::{JointFacts, Robot};
+pub use skipped::Skipped;

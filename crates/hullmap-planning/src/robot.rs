@@ -1,13 +1,13 @@
-//! A robot: its links as convex bodies, the joints that move them, what may touch, and obstacles.
+//! A robot: its links as convex bodies, the joints that move them, and obstacles.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
 use hullmap::Pose;
-use hullmap_robot::{Description, Frame, Geometry, MeshUse, Neighbours, Places, disabled_pairs};
+use hullmap_robot::{CollisionFilter, Description, Frame, Geometry, Link, MeshUse, Places, Shape};
 
 use crate::convex::{self, Convex};
 use crate::error::PlanningError;
@@ -16,6 +16,7 @@ use crate::memory::{EdgeMemory, Memory};
 use crate::meshes::Packs;
 use crate::obstacle::{Obstacle, Placed};
 use crate::queries::{Caches, Other, Pairing};
+use crate::skipped::{Skipped, named};
 
 /// Greatest magnitude of a joint's position.
 const MAX_POSITION: f64 = 1e15;
@@ -23,17 +24,15 @@ const MAX_POSITION: f64 = 1e15;
 /// Number of convex pairs whose last configuration is remembered: about 1.4 MB.
 const MAX_CACHED: usize = 1024;
 
-/// Number of names in messages.
-const NAMES_SHOWN: usize = 12;
-
 /// A convex body of a link.
 #[derive(Clone)]
 pub(crate) struct Body {
     pub(crate) link: usize,
+    /// Its index among the collisions of the link.
+    pub(crate) shape: usize,
     pub(crate) convex: Convex,
     /// Its frame in the link's.
     pub(crate) in_link: Frame,
-    contact_bits: [i32; 2],
     /// Centre in the link's frame, and radius of a ball around it.
     pub(crate) ball: (DVec3, f64),
     /// Centre and half edges of its box, in its own frame.
@@ -41,21 +40,15 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    fn new(link: usize, convex: Convex, in_link: Frame, contact_bits: [i32; 2]) -> Self {
-        let shape = convex.shape();
-        let bounds = shape.bounds_under(Pose::IDENTITY);
+    fn new([link, shape]: [usize; 2], convex: Convex, in_link: Frame) -> Self {
+        let own = convex.shape();
+        let bounds = own.bounds_under(Pose::IDENTITY);
         let [centre, half] = [(bounds.min + bounds.max) / 2.0, (bounds.max - bounds.min) / 2.0];
         let around_box = (centre, half.length());
-        let around_inside = (shape.interior_point(), shape.outer_radius());
+        let around_inside = (own.interior_point(), own.outer_radius());
         let (inside, radius) = if around_box.1 < around_inside.1 { around_box } else { around_inside };
         let ball = (in_link.apply(inside), radius);
-        Self { link, convex, in_link, contact_bits, ball, bounds: [centre, half] }
-    }
-
-    /// Whether `contype` and `conaffinity` of MuJoCo let the two collide.
-    fn may_meet(&self, other: &Self) -> bool {
-        let ([type_a, affinity_a], [type_b, affinity_b]) = (self.contact_bits, other.contact_bits);
-        type_a & affinity_b != 0 || type_b & affinity_a != 0
+        Self { link, shape, convex, in_link, ball, bounds: [centre, half] }
     }
 }
 
@@ -79,8 +72,8 @@ pub(crate) struct BodyPair {
 #[derive(Clone, Debug)]
 pub(crate) struct Couple {
     /// The link or the obstacle, and the link.
-    a: BodyOrObstacle,
-    b: usize,
+    pub(crate) a: BodyOrObstacle,
+    pub(crate) b: usize,
     pub(crate) pairs: Range<usize>,
 }
 
@@ -99,9 +92,10 @@ pub struct JointFacts {
 
 /// A robot for collision queries of planners.
 ///
-/// The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a
-/// joint connects, links that are connected rigidly, and pairs that are allowed to touch are not
-/// tested against each other.
+/// The bodies of a link are the hulls of its collision meshes, and its primitives. The description
+/// decides which pairs are tested ([`CollisionFilter`]), unless the user does
+/// ([`allow`](Self::allow), [`disallow`](Self::disallow)). [`skipped`](Self::skipped) lists all that
+/// is not tested.
 ///
 /// Lengths are in metres and angles in radians, as in the description. The world is the frame of
 /// the description's root.
@@ -111,18 +105,24 @@ pub struct Robot {
     pub(crate) joints: Vec<JointFacts>,
     pub(crate) kinematics: Kinematics,
     pub(crate) bodies: Arc<Vec<Body>>,
+    /// The file of the description.
+    pub(crate) file: PathBuf,
     /// The bodies of each link.
-    of_link: Vec<Range<usize>>,
+    pub(crate) of_link: Vec<Range<usize>>,
+    /// The names of the collisions of each link.
+    pub(crate) geoms: Vec<Vec<String>>,
     /// A ball around each link, in its frame.
     balls: Vec<(DVec3, f64)>,
-    /// Pairs of links that are never tested: neighbours, and pairs that the description excludes.
-    untested: BTreeSet<[usize; 2]>,
-    /// Pairs of colliders that may touch.
-    allowed: BTreeSet<[usize; 2]>,
+    /// The pairs that the description lets collide.
+    pub(crate) filter: CollisionFilter,
+    /// Whether pairs of colliders may collide, where that is not for the filter to decide.
+    pub(crate) allowed: BTreeMap<[usize; 2], bool>,
+    /// Geometry that is never tested.
+    pub(crate) skipped_geometry: Vec<Skipped>,
     pub(crate) obstacles: Vec<Placed>,
     pub(crate) pairs: Vec<BodyPair>,
     pub(crate) couples: Vec<Couple>,
-    /// Geometry that is ignored, and the reason.
+    /// Geometry that is not tested and joints that are not moved, with the reasons.
     pub notes: Vec<String>,
 }
 
@@ -150,62 +150,55 @@ impl Robot {
     ) -> Result<Self, PlanningError> {
         let chain = &description.chain;
         let kinematics = Kinematics::new(chain);
-        let mut notes = chain.notes.clone();
-        let (mut bodies, mut of_link) = (Vec::new(), Vec::new());
+        let (mut bodies, mut of_link, mut skipped_geometry) = (Vec::new(), Vec::new(), Vec::new());
         for (index, link) in description.links.iter().enumerate() {
             let first = bodies.len();
-            for shape in &link.collisions {
+            for (at, shape) in link.collisions.iter().enumerate() {
                 let fault = |cause: String| PlanningError::Collision {
                     file: description.documents[shape.document].path().to_owned(),
                     line: shape.line,
                     link: link.name.clone(),
                     cause,
                 };
-                let Some(in_link) = shape.pose else {
-                    return Err(fault("its pose is not known; state it by numbers".to_owned()));
-                };
-                let shapes = match &shape.geometry {
-                    Geometry::Mesh(mesh) => hulls(mesh).and_then(|pack| convex::hulls(&pack, mesh)).map_err(fault)?,
-                    Geometry::Primitive(primitive) => {
-                        let cause =
-                            format!("the sizes of `{}` are missing or not positive; state them", primitive.name);
-                        let primitive = primitive.shape.ok_or_else(|| fault(cause))?;
-                        vec![convex::shape_of_primitive(primitive).map_err(|error| fault(error.to_string()))?]
-                    }
-                    Geometry::Other(reason) => {
-                        notes.push(format!("link `{}`, line {}: not tested: {reason}", link.name, shape.line));
-                        Vec::new()
-                    }
-                };
-                bodies.extend(shapes.into_iter().map(|convex| Body::new(index, convex, in_link, shape.contact_bits)));
+                if let Geometry::Other(cause) = &shape.geometry {
+                    skipped_geometry.push(untested(link, shape, cause));
+                    continue;
+                }
+                let in_link =
+                    shape.pose.ok_or_else(|| fault("its pose is not known; state it by numbers".to_owned()))?;
+                let shapes = convex_shapes(shape, &mut hulls).map_err(fault)?;
+                bodies.extend(shapes.into_iter().map(|convex| Body::new([index, at], convex, in_link)));
             }
             of_link.push(first..bodies.len());
         }
-        let balls = of_link.iter().map(|own| ball_around(&bodies[own.clone()])).collect();
-        let neighbours = Neighbours::new(chain);
-        let with_bodies: Vec<usize> = (0..of_link.len()).filter(|link| !of_link[*link].is_empty()).collect();
-        let excluded: BTreeSet<[usize; 2]> = description.excluded.iter().map(|pair| sorted(*pair)).collect();
-        let pairs =
-            with_bodies.iter().enumerate().flat_map(|(at, &a)| with_bodies[at + 1..].iter().map(move |&b| [a, b]));
-        let untested = pairs.filter(|pair| neighbours.are_connected(*pair) || excluded.contains(pair)).collect();
+        skipped_geometry.extend(description.unread.iter().map(|unread| Skipped::Geometry {
+            link: None,
+            geom: unread.element.clone(),
+            line: unread.line,
+            cause: unread.reason.to_owned(),
+        }));
         let joints = kinematics.variables().iter().map(|&joint| {
             let joint = &chain.joints[joint];
             let is_slider = joint.motion == hullmap_robot::Motion::Slide;
             JointFacts { name: joint.name.clone(), limits: joint.limits, neutral: joint.neutral, is_slider }
         });
+        let geoms = |link: &Link| link.collisions.iter().map(|shape| named(&shape.name, shape.line)).collect();
         let mut robot = Self {
             links: description.links.iter().map(|link| link.name.clone()).collect(),
             joints: joints.collect(),
             kinematics,
+            balls: of_link.iter().map(|own: &Range<usize>| ball_around(&bodies[own.clone()])).collect(),
             bodies: Arc::new(bodies),
+            file: description.path().to_owned(),
             of_link,
-            balls,
-            untested,
-            allowed: BTreeSet::new(),
+            geoms: description.links.iter().map(geoms).collect(),
+            filter: CollisionFilter::new(description),
+            allowed: BTreeMap::new(),
+            notes: chain.notes.iter().cloned().chain(skipped_geometry.iter().map(Skipped::to_string)).collect(),
+            skipped_geometry,
             obstacles: Vec::new(),
             pairs: Vec::new(),
             couples: Vec::new(),
-            notes,
         };
         robot.list_pairs();
         Ok(robot)
@@ -269,50 +262,8 @@ impl Robot {
     pub fn clear_obstacles(&mut self) {
         self.obstacles.clear();
         let links = self.links.len();
-        self.allowed.retain(|pair| pair[1] < links);
+        self.allowed.retain(|pair, _| pair[1] < links);
         self.list_pairs();
-    }
-
-    /// Allows pairs of links, or of links and obstacles, to touch: they are no longer tested.
-    ///
-    /// # Errors
-    /// A name is unknown. Then nothing changes.
-    pub fn allow<N: AsRef<str>>(&mut self, pairs: impl IntoIterator<Item = [N; 2]>) -> Result<(), PlanningError> {
-        let index = self.indices();
-        let find = |name: &str| {
-            index.get(name).copied().ok_or_else(|| PlanningError::UnknownName {
-                name: name.to_owned(),
-                known: index.keys().take(NAMES_SHOWN).map(|name| (*name).to_owned()).collect(),
-            })
-        };
-        let mut added = BTreeSet::new();
-        for [a, b] in pairs {
-            added.insert(sorted([find(a.as_ref())?, find(b.as_ref())?]));
-        }
-        self.allowed.extend(added);
-        self.list_pairs();
-        Ok(())
-    }
-
-    /// Allows the pairs that an SRDF file disables. Names of links without a collision, and of
-    /// other robots, are ignored.
-    ///
-    /// # Errors
-    /// The file cannot be read.
-    pub fn allow_srdf(&mut self, file: &Path) -> Result<(), PlanningError> {
-        let index = self.indices();
-        let pairs = disabled_pairs(file)?;
-        let known = pairs.iter().filter_map(|[a, b]| Some(sorted([*index.get(a.as_str())?, *index.get(b.as_str())?])));
-        let known: Vec<[usize; 2]> = known.collect();
-        self.allowed.extend(known);
-        self.list_pairs();
-        Ok(())
-    }
-
-    fn indices(&self) -> BTreeMap<&str, usize> {
-        let obstacles = self.obstacles.iter().map(|own| own.obstacle.name.as_str());
-        let names = self.links.iter().map(String::as_str).chain(obstacles);
-        names.enumerate().map(|(index, name)| (name, index)).collect()
     }
 
     /// Memory for queries of this robot, by one thread. It must not be used after obstacles or
@@ -333,39 +284,8 @@ impl Robot {
         }
     }
 
-    /// Lists the pairs that are tested.
-    fn list_pairs(&mut self) {
-        let with_bodies: Vec<usize> = (0..self.links.len()).filter(|link| !self.of_link[*link].is_empty()).collect();
-        let (mut pairs, mut couples) = (Vec::new(), Vec::new());
-        let mut add = |a: BodyOrObstacle, b: usize, own: Vec<BodyPair>| {
-            let first = pairs.len();
-            pairs.extend(own);
-            if pairs.len() > first {
-                couples.push(Couple { a, b, pairs: first..pairs.len() });
-            }
-        };
-        let is_left_out = |pair: [usize; 2]| self.untested.contains(&pair) || self.allowed.contains(&pair);
-        for (at, &a) in with_bodies.iter().enumerate() {
-            for &b in with_bodies[at + 1..].iter().filter(|b| !is_left_out([a, **b])) {
-                let shared = self.shared_joints([a, b]);
-                let all = self.of_link[a].clone().flat_map(|a| self.of_link[b].clone().map(move |b| [a, b]));
-                let may_meet = |[a, b]: &[usize; 2]| self.bodies[*a].may_meet(&self.bodies[*b]);
-                let pair = |[a, b]: [usize; 2]| BodyPair { a: BodyOrObstacle::Body(a), b, shared };
-                add(BodyOrObstacle::Body(a), b, all.filter(may_meet).map(pair).collect());
-            }
-        }
-        for obstacle in 0..self.obstacles.len() {
-            let collider = self.links.len() + obstacle;
-            for &b in with_bodies.iter().filter(|b| !self.allowed.contains(&[**b, collider])) {
-                let a = BodyOrObstacle::Obstacle(obstacle);
-                add(a, b, self.of_link[b].clone().map(|b| BodyPair { a, b, shared: 0 }).collect());
-            }
-        }
-        (self.pairs, self.couples) = (pairs, couples);
-    }
-
     /// Number of joints from the root that move both links.
-    fn shared_joints(&self, [a, b]: [usize; 2]) -> usize {
+    pub(crate) fn shared_joints(&self, [a, b]: [usize; 2]) -> usize {
         let [a, b] = [a, b].map(|link| self.kinematics.path(link));
         a.iter().zip(b).take_while(|(a, b)| a == b).count()
     }
@@ -395,6 +315,20 @@ impl Robot {
             memory.centres[link] = frame.apply(*centre);
             memory.noise[link] = self.kinematics.noise(link, centre.length() + radius, &memory.at);
         }
+    }
+
+    /// Forward kinematics: the pose of each of [`links`](Self::links) in the world.
+    ///
+    /// # Errors
+    /// The length of `q` is not the number of joints, or a number or a pose is out of range.
+    pub fn link_poses(&self, q: &[f64], memory: &mut Memory) -> Result<Vec<Pose>, PlanningError> {
+        self.place(q, memory)?;
+        let pose = |link: usize| {
+            let frame = self.kinematics.link(link, &memory.at);
+            Pose::new(frame.translation, frame.rotation)
+                .map_err(|error| PlanningError::LinkPose { link: self.links[link].clone(), error })
+        };
+        (0..self.links.len()).map(pose).collect()
     }
 
     /// Places all links at poses in the world, which the caller has from another program.
@@ -513,8 +447,25 @@ impl Robot {
     }
 }
 
-fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
-    [a.min(b), a.max(b)]
+/// The convex shapes of a collision.
+fn convex_shapes(
+    shape: &Shape,
+    hulls: impl FnOnce(&MeshUse) -> Result<Arc<hullmap::Pack>, String>,
+) -> Result<Vec<Convex>, String> {
+    match &shape.geometry {
+        Geometry::Mesh(mesh) => hulls(mesh).and_then(|pack| convex::hulls(&pack, mesh)),
+        Geometry::Primitive(primitive) => {
+            let cause = || format!("the sizes of `{}` are missing or not positive; state them", primitive.name);
+            let primitive = primitive.shape.ok_or_else(cause)?;
+            Ok(vec![convex::shape_of_primitive(primitive).map_err(|error| error.to_string())?])
+        }
+        Geometry::Other(cause) => Err(cause.clone()),
+    }
+}
+
+fn untested(link: &Link, shape: &Shape, cause: &str) -> Skipped {
+    let geom = named(&shape.name, shape.line);
+    Skipped::Geometry { link: Some(link.name.clone()), geom, line: shape.line, cause: cause.to_owned() }
 }
 
 /// A ball around the bodies of a link, in its frame.

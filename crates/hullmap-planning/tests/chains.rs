@@ -1,26 +1,16 @@
 //! Queries of robots: a chain with a formula, and random chains, checked by samples.
 
-use std::f64::consts::PI;
-use std::path::PathBuf;
+mod described;
 
+use std::f64::consts::PI;
+
+use described::{file, robot};
 use hullmap::shapes::{HalfSpace, Sphere};
 use hullmap::{Differentiability, Pose, Settings, Status, Verdict};
 use hullmap_planning::glam::DVec3;
-use hullmap_planning::{Convex, EdgeSettings, Obstacle, ObstacleShape, Packs, PlanningError, Robot};
+use hullmap_planning::{Convex, EdgeSettings, Obstacle, ObstacleShape, PlanningError, Robot};
 use hullmap_random::SplitMix64;
 use hullmap_robot::{Description, Displacement, Places};
-
-fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).unwrap();
-    (folder, path)
-}
-
-fn robot(name: &str, text: &str) -> Robot {
-    let (_guard, path) = file(name, text);
-    Robot::read(&path, &Places::beside(&path).unwrap(), &mut Packs::default()).unwrap()
-}
 
 /// Two links of length 1 in a plane, with balls of radius 0.1 at the base and of 0.2 at the tip.
 /// Their centres are 2 |cos(b/2)| apart, for the angle b of the elbow.
@@ -355,30 +345,6 @@ fn batches_have_the_answers_of_single_queries() {
 
 fn rayon_pool() -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap()
-}
-
-#[test]
-fn links_that_a_joint_connects_and_excluded_pairs_are_not_tested() {
-    let chain = |extra: &str| {
-        format!(
-            "<mujoco><worldbody><geom type='sphere' size='0.3' pos='0 0 -1'/><body name='a'><geom type='sphere' size='0.3'/>
-             <body name='b' pos='0.1 0 0'><joint axis='0 0 1'/><geom type='sphere' size='0.3'/>
-             <body name='c' pos='0.1 0 0'><joint axis='0 0 1'/><geom type='sphere' size='0.3'/></body></body></body>
-             </worldbody>{extra}</mujoco>"
-        )
-    };
-    let names = |arm: &Robot| -> Vec<[String; 2]> {
-        arm.tested().iter().map(|pair| pair.map(|index| arm.collider(index).unwrap().to_owned())).collect()
-    };
-    let arm = robot("a.xml", &chain(""));
-    assert_eq!(names(&arm), [["world", "b"], ["world", "c"], ["a", "c"]]);
-    assert_eq!(arm.touching(&arm.neutral(), &mut arm.memory()).unwrap().len(), 1);
-    let arm = robot("a.xml", &chain("<contact><exclude body1='c' body2='a'/></contact>"));
-    assert_eq!(names(&arm), [["world", "b"], ["world", "c"]]);
-    let mut arm = robot("a.xml", &chain(""));
-    let (_guard, srdf) = file("a.srdf", "<robot name='a'><disable_collisions link1='world' link2='b'/></robot>");
-    arm.allow_srdf(&srdf).unwrap();
-    assert_eq!(names(&arm), [["world", "c"], ["a", "c"]]);
 }
 
 /// Separated parts of an obstacle once counted as a contact of unknown depth.

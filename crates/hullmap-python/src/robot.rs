@@ -6,6 +6,7 @@ use hullmap::glam::{DQuat, DVec3};
 use hullmap::{Differentiability, Pose, Settings, Verdict};
 use hullmap_planning::{
     Convex, EdgeSettings, Memory, Obstacle, ObstacleShape, Packs, PlanningError, Robot as Planner, RobotClearance,
+    Skipped,
 };
 use hullmap_robot::{Description, Places};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -218,7 +219,13 @@ impl Robot {
 impl Robot {
     /// Reads a description.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, packs: Vec<PathBuf>, packages: Vec<PathBuf>) -> PyResult<Self> {
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        packs: Vec<PathBuf>,
+        packages: Vec<PathBuf>,
+        strict: bool,
+    ) -> PyResult<Self> {
         let pool = threads::pool(Threads::default())?;
         let read = || -> Result<Self, PlanningError> {
             // A folder that cannot be read is reported by the reader of the file.
@@ -227,6 +234,7 @@ impl Robot {
             let description = Description::read(&path, &places)?;
             let mut packs = Packs::in_folders(packs)?;
             let robot = Planner::new(&description, |mesh| packs.hulls(mesh))?;
+            let robot = if strict { robot.strict()? } else { robot };
             Ok(Self { robot, format: description.format.name() })
         };
         py.detach(|| pool.install(read)).map_err(raised)
@@ -265,6 +273,23 @@ impl Robot {
         self.robot.tested()
     }
 
+    /// What is not tested: names of links, names of geoms, and the reason.
+    fn skipped(&self) -> Vec<(Vec<String>, Vec<String>, String)> {
+        let row = |skipped| match skipped {
+            Skipped::Pair { links, geoms, reason } => {
+                (links.to_vec(), geoms.map(Vec::from).unwrap_or_default(), reason.to_string())
+            }
+            Skipped::Geometry { link, geom, line, cause } => {
+                (link.into_iter().collect(), vec![geom], format!("line {line}: {cause}"))
+            }
+        };
+        self.robot.skipped().into_iter().map(row).collect()
+    }
+
+    fn disallowing(&self, pairs: Vec<(String, String)>) -> PyResult<Self> {
+        self.changed(|robot| robot.disallow(pairs.iter().map(|(a, b)| [a, b])))
+    }
+
     fn allowing(&self, pairs: Vec<(String, String)>) -> PyResult<Self> {
         self.changed(|robot| robot.allow(pairs.iter().map(|(a, b)| [a, b])))
     }
@@ -289,6 +314,30 @@ impl Robot {
             robot.clear_obstacles();
             Ok(())
         })
+    }
+
+    /// The poses of all links, for each row of `q`: x y z and a quaternion x y z w.
+    fn link_poses<'py>(
+        &self,
+        py: Python<'py>,
+        q: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let count = q.shape().first().copied().unwrap_or(0);
+        let numbers = self.joints("q", &q)?;
+        let solve = || {
+            let (mut memory, mut all) = (self.robot.memory(), Vec::new());
+            for row in 0..count {
+                let poses = self.robot.link_poses(self.row(&numbers, row), &mut memory);
+                let poses = poses.map_err(|error| format!("row {row}: {error}"))?;
+                let numbers = |pose: &Pose| {
+                    pose.translation().to_array().into_iter().chain(pose.rotation().to_array()).collect::<Vec<_>>()
+                };
+                all.extend(poses.iter().flat_map(numbers));
+            }
+            Ok(all)
+        };
+        let found: Result<Vec<f64>, String> = py.detach(solve);
+        Ok(PyArray1::from_vec(py, found.map_err(ArrayError::new_err)?))
     }
 
     /// Indices of the colliders of all pairs that touch.

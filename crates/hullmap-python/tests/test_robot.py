@@ -162,6 +162,46 @@ def test_obstacles_and_allowed_pairs(arm: hullmap.Robot, balls: hullmap.Robot, f
     np.testing.assert_array_equal(copy.in_collision(q), freed.in_collision(q))
 
 
+MOBILE = """<mujoco><worldbody><geom name="wall" type="box" size="0.1 2 1" pos="2 0 0"/>
+  <body name="table" pos="0 2 0"><geom type="box" size="0.3 0.3 0.5"/></body>
+  <body name="base"><joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>
+    <geom name="body" type="box" size="0.3 0.3 0.2"/><geom name="screen" size="0.1" contype="0"/></body>
+  </worldbody>{}</mujoco>"""
+
+
+def test_pairs_that_are_not_tested_have_reasons(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "mobile.xml"
+    path.write_text(MOBILE.format(""))
+    base = hullmap.Robot.from_mjcf(path, strict=True)
+    q = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]
+    assert base.in_collision(q).tolist() == [False, True, True]
+    masks = "`contype` and `conaffinity` do not match"
+    assert base.skipped == [(("world", "table"), (), "rigidly connected")]
+    wall = base.allowing([("base", "world")])
+    assert wall.in_collision(q).tolist() == [False, False, True] and wall.skipped[-1] == (("world", "base"), (), "allowed")
+    again = pickle.loads(pickle.dumps(wall.disallowing([("world", "base")])))
+    assert again.in_collision(q).tolist() == base.in_collision(q).tolist()
+    path.write_text(MOBILE.format("").replace('pos="2 0 0"', 'pos="2 0 0" contype="0"'))
+    names = hullmap.Skipped(links=("world", "base"), geoms=("wall", "screen"), reason=masks)
+    assert names in hullmap.Robot.from_mjcf(path).skipped
+    path.write_text(MOBILE.format('<contact><exclude body1="base" body2="world"/><exclude body1="base" body2="table"/></contact>'))
+    assert not hullmap.Robot.from_mjcf(path).in_collision(q).any()
+    path.write_text(MOBILE.format("").replace('type="box" size="0.1 2 1"', 'type="plane" size="1 1 1"'))
+    floor = hullmap.Robot.from_mjcf(path)
+    assert floor.skipped[0] == (("world",), ("wall",), "line 1: `plane` is not a mesh") and len(floor.notes) == 1
+    with pytest.raises(hullmap.Error, match="mobile.xml: link `world`, line 1: not tested: `plane`"):
+        hullmap.Robot.from_mjcf(path, strict=True)
+
+
+def test_link_poses(arm: hullmap.Robot, balls: hullmap.Robot) -> None:
+    q = np.random.default_rng(6).uniform(-3, 3, (4, 5, 2))
+    poses = arm.link_poses(q)
+    assert poses.shape == (4, 5, 4, 7) and arm.link_poses(q[0, 0]).shape == (4, 7)
+    np.testing.assert_array_equal(arm.in_collision(poses=poses), arm.in_collision(q))
+    tip = balls.link_poses(q)[..., 3, :3]
+    np.testing.assert_allclose(tip, np.stack([np.cos(q[..., 0]), np.sin(q[..., 0]), 0 * q[..., 0]], -1), atol=1e-15)
+
+
 def test_packs_take_the_place_of_meshes(folder: pathlib.Path, tmp_path: pathlib.Path, arm: hullmap.Robot) -> None:
     q = np.random.default_rng(5).uniform(-3, 3, (50, 2))
     hullmap.bake_file(folder / "meshes" / "cube.obj").save(tmp_path / "cube.hullmap")

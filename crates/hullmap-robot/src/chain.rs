@@ -24,6 +24,8 @@ pub struct Placement {
     pub rest: Frame,
     /// Whether it is the world, and not a part of a robot.
     pub is_world: bool,
+    /// Whether it is a mocap body of MJCF: no joint moves it, but its pose may change.
+    pub is_mocap: bool,
 }
 
 /// How a joint moves its link.
@@ -79,6 +81,21 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// A joint that moves its link in some other way. It is not moved here.
+    pub(crate) fn unmoved(name: &str, link: usize) -> Self {
+        Self {
+            name: name.to_owned(),
+            link,
+            motion: Motion::Free,
+            axis: DVec3::Z,
+            anchor: DVec3::ZERO,
+            limits: None,
+            reference: 0.0,
+            neutral: 0.0,
+            coupling: None,
+        }
+    }
+
     /// The motion from rest at a displacement: a length, or an angle in radians.
     fn moved(&self, displacement: Displacement) -> Frame {
         let rotation = match (self.motion, displacement) {
@@ -119,7 +136,7 @@ pub struct Chain {
 impl Chain {
     /// A chain of links that are all roots.
     pub(crate) fn new(link_count: usize) -> Self {
-        let root = Placement { parent: None, rest: Frame::IDENTITY, is_world: false };
+        let root = Placement { parent: None, rest: Frame::IDENTITY, is_world: false, is_mocap: false };
         Self { links: vec![root; link_count], towards_root: (0..link_count).collect(), ..Self::default() }
     }
 
@@ -233,17 +250,17 @@ impl Chain {
     }
 
     /// For each link, the nearest link towards the root that it never moves against: itself if it
-    /// has a joint. Links with the same one are rigidly connected.
+    /// has a joint, or is a mocap body. Links with the same one are rigidly connected.
     pub fn rigid(&self) -> Vec<usize> {
-        let mut is_moved = vec![false; self.links.len()];
+        let mut is_moved: Vec<bool> = self.links.iter().map(|link| link.is_mocap).collect();
         self.joints.iter().for_each(|joint| is_moved[joint.link] = true);
         self.towards(|link| !is_moved[link])
     }
 
-    /// For each link, the root of its tree, or the first link below the world that a free joint
-    /// moves. Links with the same one belong to one robot.
+    /// For each link, the root of its tree, or the nearest ancestor that is a mocap body or has a
+    /// free joint. Links with the same one belong to one robot.
     pub fn robots(&self) -> Vec<usize> {
-        let mut is_free = vec![false; self.links.len()];
+        let mut is_free: Vec<bool> = self.links.iter().map(|link| link.is_mocap).collect();
         self.joints.iter().filter(|joint| joint.motion == Motion::Free).for_each(|joint| is_free[joint.link] = true);
         self.towards(|link| !is_free[link])
     }
@@ -361,10 +378,11 @@ mod tests {
         for (child, parent) in [(1, 0), (2, 1), (3, 2), (4, 0), (5, 4)] {
             chain.attach(child, parent, Frame::IDENTITY).unwrap();
         }
-        chain.joints =
-            vec![joint(2, Motion::Hinge, DVec3::X, DVec3::ZERO), joint(4, Motion::Free, DVec3::X, DVec3::ZERO)];
+        chain.joints = vec![joint(2, Motion::Hinge, DVec3::X, DVec3::ZERO), Joint::unmoved("f", 4)];
         assert_eq!(chain.rigid(), [0, 0, 2, 2, 4, 4]);
         assert_eq!(chain.robots(), [0, 0, 0, 0, 4, 4]);
+        chain.links[1].is_mocap = true;
+        assert_eq!((chain.rigid(), chain.robots()), (vec![0, 1, 2, 2, 4, 4], vec![0, 1, 1, 1, 4, 4]));
         // As long as a file can make it.
         let mut long = Chain::new(300_000);
         for child in 1..300_000 {

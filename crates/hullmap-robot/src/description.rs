@@ -51,11 +51,39 @@ pub struct Description {
     pub notes: Vec<String>,
     /// How its joints move the links.
     pub chain: Chain,
-    /// Pairs of links whose contacts it excludes: `contact` / `exclude` of MJCF.
-    pub excluded: Vec<[usize; 2]>,
+    /// What it states about contacts.
+    pub contacts: Contacts,
+    /// Elements whose geometry is not among the links.
+    pub unread: Vec<Unread>,
     /// Where names of meshes start.
     pub(crate) mesh_names: MeshNames,
     pub(crate) mjcf: Option<Model>,
+}
+
+/// What an MJCF file states about contacts. Other formats state nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Pairs of links without contacts: `exclude`.
+    pub excluded: Vec<[usize; 2]>,
+    /// Pairs of geoms that are always tested: `pair`. Each is a link, and an index of its collisions.
+    pub paired: Vec<[[usize; 2]; 2]>,
+    /// Whether parents and children are tested: the flag `filterparent` is disabled.
+    pub tests_parents: bool,
+    /// Whether nothing is tested: the flag `contact` or `constraint` is disabled.
+    pub is_disabled: bool,
+}
+
+/// An element whose geometry is not among the links.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unread {
+    /// Index of its document.
+    pub document: usize,
+    /// Its line, from 1.
+    pub line: u32,
+    /// The element, as in a message: "`attach`", for instance.
+    pub element: String,
+    /// Why it is not read.
+    pub reason: &'static str,
 }
 
 /// How a description names meshes.

@@ -14,7 +14,7 @@
 //! | `formats` | reading and editing in any format |
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `chain`, `frame` | joints, and where they move links |
-//! | `neighbours` | which links a joint connects |
+//! | `collision_filter` | which pairs are tested |
 //! | `primitive` | sizes of primitives |
 //! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
@@ -41,6 +41,7 @@
 #![forbid(unsafe_code)]
 
 mod chain;
+mod collision_filter;
 mod description;
 mod document;
 mod edit;
@@ -51,7 +52,6 @@ mod frame;
 mod lenient;
 mod links;
 mod mjcf;
-mod neighbours;
 mod places;
 mod primitive;
 mod sdf;
@@ -59,13 +59,15 @@ mod srdf;
 mod urdf;
 
 pub use chain::{COEFFICIENTS, Chain, Coupling, Displacement, Joint, Motion, Placement};
-pub use description::{Change, Description, Format, Geometry, Link, MeshUse, Reference, Shape, Submesh};
+pub use collision_filter::{CollisionFilter, SkipReason, masks_match};
+pub use description::{
+    Change, Contacts, Description, Format, Geometry, Link, MeshUse, Reference, Shape, Submesh, Unread,
+};
 pub use document::Document;
 pub use element::escaped;
 pub use error::RobotError;
 pub use frame::Frame;
 pub use glam;
-pub use neighbours::Neighbours;
 pub use places::{Places, Scheme, Unresolved, relative};
 pub use primitive::{NamedPrimitive, Primitive};
-pub use srdf::{DisabledPair, SRDF_FIRST_LINE, disabled_pairs, srdf};
+pub use srdf::{DisabledPair, SRDF_FIRST_LINE, SrdfPairs, srdf, srdf_pairs};

@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use crate::chain::Chain;
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, mesh_use, scheme_of,
+    Contacts, Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, mesh_use, scheme_of,
 };
 use crate::document::Document;
 use crate::element::{child, children};
@@ -113,11 +113,12 @@ impl Dialect {
         Description {
             format: self.format,
             name,
-            excluded: Vec::new(),
             documents: vec![document],
             links,
             references: references.into_iter().collect(),
             notes,
+            contacts: Contacts::default(),
+            unread: Vec::new(),
             chain: chain.without_circular_couplings(),
             mesh_names,
             mjcf: None,

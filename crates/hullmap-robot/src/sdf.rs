@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, Submesh, numbers, reference};
+use crate::description::{Change, Description, Format, Link, Reference, Submesh, Unread, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
 use crate::element::{child, escaped, lead, removed, rename, set, unique};
@@ -44,7 +44,7 @@ const FILES: [&str; 5] = ["uri", "script", "albedo_map", "normal_map", "filename
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let tree = document.parse()?;
     let folder = folder_of(document.path());
-    let mut notes = Vec::new();
+    let (mut notes, mut unread) = (Vec::new(), Vec::new());
     let is_link = |node: &Node| {
         node.has_tag_name("link") && node.parent_element().is_some_and(|model| model.has_tag_name("model"))
     };
@@ -55,6 +55,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         notes.push(format!(
             "line {line}: the included model `{uri}` is another file, which keeps its collisions; name that file, too"
         ));
+        let element = format!("the included model `{uri}`");
+        unread.push(Unread { document: 0, line, element, reason: "it is another file; write its links into this one" });
     }
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
     let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, folder)).collect();
@@ -62,7 +64,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let model = tree.descendants().find(|node| node.has_tag_name("model"));
     let name = model.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();
     drop(tree);
-    Ok(DIALECT.description((name, document), links, references, notes, chain))
+    Ok(Description { unread, ..DIALECT.description((name, document), links, references, notes, chain) })
 }
 
 /// The name of a link, preceded by the names of the models that contain it, unless there is only

@@ -40,11 +40,22 @@ pub fn srdf(robot: &str, comment: &str, pairs: &[DisabledPair]) -> String {
     text + "</robot>\n"
 }
 
-/// The pairs of links that an SRDF file disables, by the names of the links.
+/// What an SRDF file states about collisions, by the names of the links. Pairs override links.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SrdfPairs {
+    /// Pairs that are not tested: `disable_collisions`.
+    pub disabled: Vec<[String; 2]>,
+    /// Pairs that are tested: `enable_collisions`.
+    pub enabled: Vec<[String; 2]>,
+    /// Links whose other pairs are not tested: `disable_default_collisions`.
+    pub disabled_links: Vec<String>,
+}
+
+/// What an SRDF file states about collisions.
 ///
 /// # Errors
-/// The file cannot be read, is not SRDF, or an element does not name two links.
-pub fn disabled_pairs(path: &Path) -> Result<Vec<[String; 2]>, RobotError> {
+/// The file cannot be read, is not SRDF, or an element does not name its links.
+pub fn srdf_pairs(path: &Path) -> Result<SrdfPairs, RobotError> {
     let document = Document::read(path)?;
     let tree = document.parse()?;
     let root = tree.root_element();
@@ -52,16 +63,24 @@ pub fn disabled_pairs(path: &Path) -> Result<Vec<[String; 2]>, RobotError> {
         let message = "the root of an SRDF file is `robot`; name the SRDF file of the robot";
         return Err(document.error(root.range().start, message));
     }
-    let pairs = children(root, "disable_collisions").map(|node| {
-        let link = |name| node.attribute(name).map(str::to_owned);
-        match (link("link1"), link("link2")) {
-            (Some(a), Some(b)) => Ok([a, b]),
-            _ => {
-                Err(document.error(node.range().start, "`disable_collisions` must name two links; add link1 and link2"))
-            }
-        }
-    });
-    pairs.collect()
+    let names = |element: &'static str, attributes: &'static [&'static str]| {
+        let names = children(root, element).map(|node| {
+            let names: Option<Vec<String>> =
+                attributes.iter().map(|name| node.attribute(*name).map(str::to_owned)).collect();
+            let message = || format!("`{element}` must name its links; add {}", attributes.join(" and "));
+            names.ok_or_else(|| document.error(node.range().start, message()))
+        });
+        names.collect::<Result<Vec<_>, _>>()
+    };
+    let pairs = |element| -> Result<Vec<[String; 2]>, RobotError> {
+        let names = names(element, &["link1", "link2"])?;
+        Ok(names.into_iter().filter_map(|names| names.try_into().ok()).collect())
+    };
+    Ok(SrdfPairs {
+        disabled: pairs("disable_collisions")?,
+        enabled: pairs("enable_collisions")?,
+        disabled_links: names("disable_default_collisions", &["link"])?.concat(),
+    })
 }
 
 #[cfg(test)]
@@ -74,10 +93,16 @@ mod tests {
         let path = folder.path().join("arm.srdf");
         let read = |text: &str| {
             std::fs::write(&path, text).unwrap();
-            disabled_pairs(&path)
+            srdf_pairs(&path)
         };
         let pair = DisabledPair { links: ["a<b", "c"], reason: "Never" };
-        assert_eq!(read(&srdf("arm", "--", &[pair])).unwrap(), [["a<b", "c"]]);
+        let disabled = vec![["a<b", "c"].map(str::to_owned)];
+        let expected = SrdfPairs { disabled, ..SrdfPairs::default() };
+        assert_eq!(read(&srdf("arm", "--", &[pair])).unwrap(), expected);
+        let found =
+            read("<robot><disable_default_collisions link='x'/><enable_collisions link1='x' link2='y'/></robot>");
+        let enabled = vec![["x", "y"].map(str::to_owned)];
+        assert_eq!(found.unwrap(), SrdfPairs { enabled, disabled_links: vec!["x".to_owned()], disabled: Vec::new() });
         let error = read("<robot>\n<disable_collisions link1='a'/></robot>").unwrap_err();
         assert!(error.line == Some(2) && error.message.contains("link2"), "{error}");
         assert!(read("<mujoco/>").unwrap_err().message.contains("SRDF"));

@@ -316,7 +316,10 @@ fn pairs_are_excluded_once() {
     };
     assert_eq!(pairs(&rows[1]), ["first third Default"], "fourth and second are excluded already");
     let urdf = pairs(&rows[0]);
-    assert!(urdf.contains(&"second tool Adjacent".to_owned()), "by way of a fixed joint: {urdf:?}");
+    assert!(urdf.contains(&"third tool Adjacent".to_owned()), "a fixed joint: {urdf:?}");
+    assert!(!urdf.contains(&"second tool Adjacent".to_owned()), "they move relative to each other: {urdf:?}");
+    let skipped = rows[1]["skipped_pairs"].as_array().unwrap();
+    assert!(skipped.iter().any(|pair| pair["reason"] == "excluded by `exclude`"), "{skipped:?}");
     assert!(urdf.contains(&"second fourth Never".to_owned()), "half a metre apart: {urdf:?}");
     let text = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
     let srdf = text("crowd.srdf");

@@ -62,7 +62,7 @@ from ._results import (
     Support,
     Verdict,
 )
-from ._robot import Robot, RobotClearance, RobotEdges
+from ._robot import Robot, RobotClearance, RobotEdges, Skipped
 from ._shapes import (
     Box,
     Capsule,
@@ -122,6 +122,7 @@ __all__ = [
     "Shape",
     "ShapeError",
     "SignedDistance",
+    "Skipped",
     "Sphere",
     "Status",
     "Support",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,18 @@ RESOLUTION = 1e-3
 
 NO_PAIR = 0xFFFFFFFF
 """Index in ``pair`` if there is none."""
+
+
+class Skipped(NamedTuple):
+    """A pair or a geometry that a `Robot` does not test."""
+
+    links: Tuple[str, ...]
+    """Names of the two links of a pair, or of the link and the obstacle. Of a geometry, the name of its link; empty
+    if it belongs to no link that was read, such as an included model."""
+    geoms: Tuple[str, ...]
+    """Names of the geoms of these links that are meant. Empty for a pair if all of them are."""
+    reason: str
+    """Why it is not tested."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,8 +93,10 @@ class RobotEdges(_Answer):
 class Robot:
     """A robot on exact convex hulls: its links, its joints, and obstacles.
 
-    The bodies of a link are the hulls of its collision meshes, and its primitives. Links that a joint connects are
-    not tested against each other, nor links that never move against each other, nor pairs that are allowed.
+    The bodies of a link are the hulls of its collision meshes, and its primitives. The description decides which
+    pairs are tested: in URDF and SDF, all pairs but the parent and the child of a joint, and links that never move
+    relative to each other; in MJCF, the pairs that MuJoCo tests. `allowing` and `disallowing` override it, and
+    `skipped` lists all that is not tested, with the reasons.
 
     A configuration is a row of one number for each of `joint_names`: radians, or metres for sliders. Joints that
     follow others (``mimic``, ``equality``) have no number. Ball joints, floating and planar ones stay where the
@@ -125,31 +139,44 @@ class Robot:
         packs: Sequence[FilePath] = (),
         packages: Sequence[FilePath] = (),
         srdf: Optional[FilePath] = None,
+        strict: bool = False,
     ) -> Robot:
         """The robot of a URDF file.
 
         ``packs`` are folders of packs: the pack of ``meshes/hand.stl`` is ``hand.hullmap``, and must have been
         baked from that mesh. A mesh without a pack stands for its convex hull. ``packages`` are folders of
         packages, or folders that hold them. Without them, only the package that the file lies in is read. Pairs
-        that the ``srdf`` file disables are allowed.
+        that the ``srdf`` file disables are allowed, as by `allowing_srdf`. With ``strict=True``, geometry that cannot
+        be tested is an error; without, `skipped` lists it.
         """
-        return cls._read("URDF", path, packs, packages, srdf)
+        return cls._read("URDF", path, packs, packages, srdf, strict)
 
     @classmethod
     def from_mjcf(
-        cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
+        cls,
+        path: FilePath,
+        *,
+        packs: Sequence[FilePath] = (),
+        packages: Sequence[FilePath] = (),
+        strict: bool = False,
     ) -> Robot:
-        """The robot of an MJCF file. Pairs of its ``exclude`` elements are not tested. ``packs`` and ``packages`` are
-        the same as for `from_urdf`."""
-        return cls._read("MJCF", path, packs, packages, None)
+        """The robot of an MJCF file. MuJoCo's rules decide which geoms are tested: ``contype``, ``conaffinity``,
+        ``exclude``, ``pair``, parents and children, and the flags ``contact`` and ``filterparent``. ``margin`` and
+        ``gap`` do not matter. The other parameters are the same as for `from_urdf`."""
+        return cls._read("MJCF", path, packs, packages, None, strict)
 
     @classmethod
     def from_sdf(
-        cls, path: FilePath, *, packs: Sequence[FilePath] = (), packages: Sequence[FilePath] = ()
+        cls,
+        path: FilePath,
+        *,
+        packs: Sequence[FilePath] = (),
+        packages: Sequence[FilePath] = (),
+        strict: bool = False,
     ) -> Robot:
-        """The robot of an SDF file. ``packs`` and ``packages`` are the same as for
+        """The robot of an SDF file. Models that it includes are not tested. The parameters are the same as for
         `from_urdf`."""
-        return cls._read("SDF", path, packs, packages, None)
+        return cls._read("SDF", path, packs, packages, None, strict)
 
     @classmethod
     def _read(
@@ -159,26 +186,35 @@ class Robot:
         packs: Sequence[FilePath],
         packages: Sequence[FilePath],
         srdf: Optional[FilePath],
+        strict: bool = False,
     ) -> Robot:
         if isinstance(packs, (str, bytes, os.PathLike)) or isinstance(packages, (str, bytes, os.PathLike)):
             raise Error("packs and packages are lists of folders: pass [folder]")
         own, folders, around = os.fspath(path), [os.fspath(p) for p in packs], [os.fspath(p) for p in packages]
-        made = _hullmap.Robot.read(own, folders, around)
+        made = _hullmap.Robot.read(own, folders, around, bool(strict))
         if made.format != kind:
             raise Error(f"{own}: this is {made.format}, not {kind}: use Robot.from_{made.format.lower()}")
-        robot = cls(made, (("_read", kind, own, folders, around, None),))
+        robot = cls(made, (("_read", kind, own, folders, around, None, bool(strict)),))
         return robot if srdf is None else robot.allowing_srdf(srdf)
 
     def _then(self, made: _hullmap.Robot, *step: Any) -> Robot:
         return Robot(made, (*self._steps, step))
 
     def allowing(self, pairs: Iterable[Names]) -> Robot:
-        """The robot with more pairs that may touch, by the names of links and obstacles."""
+        """The robot with more pairs that may collide, by the names of links and obstacles: they are not tested.
+        `allowing` and `disallowing` are the entries of MoveIt's allowed collision matrix; a later one wins."""
         own = [(str(a), str(b)) for a, b in pairs]
         return self._then(self._native.allowing(own), "allowing", own)
 
+    def disallowing(self, pairs: Iterable[Names]) -> Robot:
+        """The robot with more pairs that must not collide: they are tested with all of their geoms, whatever the
+        description says."""
+        own = [(str(a), str(b)) for a, b in pairs]
+        return self._then(self._native.disallowing(own), "disallowing", own)
+
     def allowing_srdf(self, path: FilePath) -> Robot:
-        """The robot with the pairs allowed that an SRDF file disables. Names of other robots are passed over."""
+        """The robot with the pairs allowed that an SRDF file disables, and disallowed that it enables. Names of
+        other robots are passed over."""
         own = os.fspath(path)
         return self._then(self._native.allowing_srdf(own), "allowing_srdf", own)
 
@@ -236,9 +272,28 @@ class Robot:
         return np.array(self._native.pairs(), np.uint32).reshape(-1, 2)
 
     @property
+    def skipped(self) -> List[Skipped]:
+        """All that is not tested, with the reasons: first geometry, then pairs of links with geometry.
+
+        >>> import hullmap
+        >>> # for links, geoms, reason in robot.skipped: print(*links, *geoms, reason)
+        """
+        return [Skipped(tuple(links), tuple(geoms), reason) for links, geoms, reason in self._native.skipped()]
+
+    @property
     def notes(self) -> List[str]:
-        """What of the description is left out, and why."""
+        """Geometry that is not tested, joints that are not moved, and why."""
         return self._native.notes
+
+    def link_poses(self, q: npt.ArrayLike) -> Floats:
+        """Forward kinematics: the poses of `link_names` in the world, x y z and a quaternion x y z w; (..., L, 7).
+
+        These are poses as ``in_collision(poses=...)`` takes them. Links that a ball, floating or planar joint moves
+        are where the description puts them: change their poses, and those of the links below, if they are elsewhere.
+        """
+        rows, lead = self._rows("q", q)
+        poses: Floats = self._native.link_poses(rows).reshape((*lead, len(self.link_names), 7))
+        return poses
 
     def touching(self, q: npt.ArrayLike) -> List[Names]:
         """Names of all pairs that touch in one configuration: to allow those that touch by design.

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::excludes::exclude;
+use super::contacts::exclude;
 use super::model::Geom;
 use super::tree::{Element, Tree};
 use crate::description::{Change, Description};

@@ -9,8 +9,8 @@
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>
 
 mod classes;
+mod contacts;
 mod edits;
-mod excludes;
 mod joints;
 pub(crate) mod model;
 mod pose;
@@ -18,10 +18,11 @@ mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::slice;
 
 use crate::chain::{Chain, Joint};
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, Reference, Shape, mesh_use, numbers, reference,
+    Description, Format, Geometry, Link, MeshNames, Reference, Shape, Unread, mesh_use, numbers, reference,
 };
 use crate::document::Document;
 use crate::error::RobotError;
@@ -39,6 +40,9 @@ const FIRST_HIDDEN_GROUP: i32 = 3;
 
 /// Elements inside a body that hold geoms of the same body.
 const TRANSPARENT: [&str; 2] = ["frame", "replicate"];
+
+/// Elements that stand for bodies and geoms, and are not read.
+const UNREAD: [&str; 4] = ["attach", "composite", "flexcomp", "flex"];
 
 /// Attributes that name geoms.
 const NAMES_OF_GEOMS: [&str; 4] = ["geom", "geom1", "geom2", "objname"];
@@ -92,6 +96,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         classes: Classes::read(&tree),
         assets: assets(&tree, &documents)?,
         pinned: pinned(&tree),
+        paired: contacts::paired_geoms(&tree),
         compiler: &compiler,
         places,
         mesh_folder: &mesh_folder,
@@ -102,7 +107,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let references = references(&reader, &folder);
     let notes = reader.notes();
     let name = reader.tree.root().node.attribute("model").unwrap_or_default().to_owned();
-    let excluded = excludes::excluded(&reader.tree, &links);
+    let (contacts, unknown) = contacts::contacts(&reader.tree, &links);
+    let unread = reader.unread(unknown);
     let mesh_names = MeshNames { scheme: None, folder: compiler.folder("meshdir").to_owned(), strips };
     drop(reader);
     drop(compiler);
@@ -117,7 +123,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         references,
         notes,
         chain,
-        excluded,
+        contacts,
+        unread,
         mesh_names,
         mjcf,
     })
@@ -158,6 +165,8 @@ struct Reader<'a> {
     classes: Classes,
     assets: BTreeMap<String, Asset<'a>>,
     pinned: BTreeMap<String, String>,
+    /// Names of the geoms of pairs.
+    paired: BTreeSet<&'a str>,
     compiler: &'a Compiler<'a>,
     places: &'a Places,
     mesh_folder: &'a Path,
@@ -187,16 +196,19 @@ type Geoms = BTreeMap<(usize, usize), Geom>;
 impl<'a> Reader<'a> {
     fn bodies(&self) -> Result<(Vec<Link>, Geoms, Chain), RobotError> {
         let (mut links, mut geoms) = (Vec::new(), Geoms::new());
-        let (mut placed, mut joints, mut notes) = (Vec::new(), Vec::new(), Vec::new());
-        let mut names: BTreeMap<String, u32> = BTreeMap::new();
+        let (mut placed, mut mocap, mut joints, mut notes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut names = BTreeMap::new();
         let worlds = self.tree.children(self.tree.root()).into_iter().filter(|element| element.name() == "worldbody");
-        let world = |element| (Inside { element, childclass: None, frame: Frame::IDENTITY }, None);
-        let mut waiting: Vec<(Inside, Option<usize>)> = worlds.map(world).collect();
-        waiting.reverse();
+        let worlds: Vec<Element> = worlds.collect();
+        let inside = |element| Inside { element, childclass: None, frame: Frame::IDENTITY };
+        // All `worldbody` elements are one body.
+        let mut waiting: Vec<(Inside, Option<usize>)> =
+            worlds.first().map(|&first| (inside(first), None)).into_iter().collect();
         while let Some((body, parent)) = waiting.pop() {
             let index = links.len();
             let childclass = body.element.node.attribute("childclass").or(body.childclass);
-            let own = self.contents(body.element, childclass);
+            let elements = if parent.is_none() { &worlds } else { slice::from_ref(&body.element) };
+            let own = self.contents(elements, childclass);
             waiting.extend(own.bodies.into_iter().rev().map(|body| (body, Some(index))));
             let link = self.link(body.element, own.geoms, &mut geoms, &mut names)?;
             let rest = self.compiler.angles().frame(|name| body.element.node.attribute(name)).unwrap_or_else(|| {
@@ -207,6 +219,7 @@ impl<'a> Reader<'a> {
                 Frame::IDENTITY
             });
             placed.push((parent, body.frame * rest));
+            mocap.extend((body.element.node.attribute("mocap") == Some("true")).then_some(index));
             joints.extend(own.joints.into_iter().map(|joint| self.joint(index, joint)));
             links.push(link);
         }
@@ -218,6 +231,7 @@ impl<'a> Reader<'a> {
                 None => chain.links[index].is_world = true,
             }
         }
+        mocap.into_iter().for_each(|link| chain.links[link].is_mocap = true);
         (chain.joints, chain.notes) = (joints, notes);
         joints::couple(&self.tree, &mut chain);
         Ok((links, geoms, chain))
@@ -235,9 +249,13 @@ impl<'a> Reader<'a> {
         let at = body.node.range().start;
         let line = document.line(at);
         let is_world = body.name() == "worldbody";
-        let unnamed = || if is_world { "world".to_owned() } else { format!("body in line {line}") };
+        let unnamed = || match format!("body in line {line}") {
+            _ if is_world => "world".to_owned(),
+            name if names.contains_key(&name) => format!("body {} in line {line}", names.len()),
+            name => name,
+        };
         let name = body.node.attribute("name").map_or_else(unnamed, str::to_owned);
-        if let Some(first) = names.insert(name.clone(), line).filter(|_| !is_world) {
+        if let Some(first) = names.insert(name.clone(), line) {
             let message = format!("body `{name}` exists already, in line {first}; rename one of them");
             return Err(document.error(at, message));
         }
@@ -269,33 +287,32 @@ impl<'a> Reader<'a> {
         joints::joint(link, name, joint.frame, self.compiler.angles(), auto_limits, get)
     }
 
-    /// The geoms, joints and bodies of a body, in the order of the file.
-    fn contents<'c>(&self, body: Element<'a>, childclass: Option<&'c str>) -> Contents<'a, 'c>
+    /// The geoms, joints and bodies of the elements of a body, in the order of the file.
+    fn contents<'c>(&self, elements: &[Element<'a>], childclass: Option<&'c str>) -> Contents<'a, 'c>
     where
         'a: 'c,
     {
         let mut found = Contents::default();
-        let mut waiting = vec![Inside { element: body, childclass, frame: Frame::IDENTITY }];
-        while let Some(parent) = waiting.pop() {
-            for element in self.tree.children(parent.element) {
-                let own = Inside { element, ..parent };
-                match element.name() {
-                    "geom" => found.geoms.push(own),
-                    "joint" | "freejoint" => found.joints.push(own),
-                    "body" => found.bodies.push(own),
-                    name if TRANSPARENT.contains(&name) => {
-                        let childclass = element.node.attribute("childclass").or(parent.childclass);
-                        let pose = if name == "frame" {
-                            self.compiler.angles().frame(|name| element.node.attribute(name))
-                        } else {
-                            // The first copy is where the element is.
-                            None
-                        };
-                        let frame = parent.frame * pose.unwrap_or(Frame::IDENTITY);
-                        waiting.push(Inside { element, childclass, frame });
-                    }
-                    _ => {}
+        let children = |parent: Inside<'a, 'c>| {
+            let children = self.tree.children(parent.element).into_iter().rev();
+            children.map(move |element| Inside { element, ..parent })
+        };
+        let outer = elements.iter().rev().map(|&element| Inside { element, childclass, frame: Frame::IDENTITY });
+        let mut waiting: Vec<Inside> = outer.flat_map(children).collect();
+        while let Some(own) = waiting.pop() {
+            match own.element.name() {
+                "geom" => found.geoms.push(own),
+                "joint" | "freejoint" => found.joints.push(own),
+                "body" => found.bodies.push(own),
+                name if TRANSPARENT.contains(&name) => {
+                    let attribute = |name: &str| own.element.node.attribute(name);
+                    // The first copy of `replicate` is where the element is.
+                    let pose = if name == "frame" { self.compiler.angles().frame(attribute) } else { None };
+                    let frame = own.frame * pose.unwrap_or(Frame::IDENTITY);
+                    let childclass = attribute("childclass").or(own.childclass);
+                    waiting.extend(children(Inside { childclass, frame, ..own }));
                 }
+                _ => {}
             }
         }
         found
@@ -308,9 +325,8 @@ impl<'a> Reader<'a> {
         let number = |name: &str, default: i32| get(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
         let name = geom.node.attribute("name").unwrap_or_default().to_owned();
         let pinned = self.pinned.get(&name).filter(|_| !name.is_empty());
-        let is_paired = pinned.is_some_and(|by| by == "pair");
         let contact_bits = [number("contype", 1), number("conaffinity", 1)];
-        let collides = contact_bits != [0, 0] || is_paired;
+        let collides = contact_bits != [0, 0] || self.paired.contains(name.as_str());
         let mesh = get("mesh").and_then(|name| Some((name, self.assets.get(name)?)));
         let ends = get("fromto").and_then(between);
         let geometry = match (get("type").unwrap_or("sphere"), mesh) {
@@ -364,6 +380,22 @@ impl<'a> Reader<'a> {
         };
         mesh.reference = self.compiler.angles().frame(reference).unwrap_or(Frame::IDENTITY);
         Geometry::Mesh(mesh)
+    }
+
+    /// Elements with geometry that is not among the links. `pairs` name geoms that are not.
+    fn unread(&self, pairs: Vec<Element>) -> Vec<Unread> {
+        let reason = |element: &Element| match element.name() {
+            "replicate" => Some("only its first copy is read"),
+            name if UNREAD.contains(&name) => Some("it is not read; write its bodies into this model"),
+            _ => None,
+        };
+        let found = self.tree.all().filter_map(|element| Some((element, reason(&element)?)));
+        let found = found.chain(pairs.into_iter().map(|pair| (pair, "it names a geom that is not read")));
+        let unread = |(element, reason): (Element, &'static str)| {
+            let line = self.documents[element.document].line(element.node.range().start);
+            Unread { document: element.document, line, element: format!("`{}`", element.name()), reason }
+        };
+        found.map(unread).collect()
     }
 
     fn notes(&self) -> Vec<String> {

@@ -94,16 +94,21 @@ impl<'a> Reader<'a, '_> {
             "universal" | "revolute2" => &[("axis", Motion::Hinge), ("axis2", Motion::Hinge)],
             "ball" => &[("", Motion::Ball)],
             "fixed" => &[],
-            _ => return self.note(node, "joints of its type are not moved here"),
+            _ => return self.add_unmoved(node, link, "joints of its type are not moved here"),
         };
         let in_model = self.frames.in_world(model).zip(self.frames.in_model(node));
         let Some((model_in_world, joint_in_model)) = in_model else {
-            return self.note(node, "its pose cannot be determined; it is not moved here");
+            return self.add_unmoved(node, link, "its pose cannot be determined; it is not moved here");
         };
         let model_in_link = in_world[link].inverse() * model_in_world;
         for (name, motion) in axes {
             self.push([model, node], link, [model_in_link, model_in_link * joint_in_model], (name, *motion));
         }
+    }
+
+    fn add_unmoved(&mut self, node: Node, link: usize, message: &str) {
+        self.note(node, message);
+        self.chain.joints.push(Joint::unmoved(node.attribute("name").unwrap_or_default(), link));
     }
 
     /// Adds one axis of a joint. The frames are the frame of the model and the frame of the joint

@@ -76,11 +76,12 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
     chain
 }
 
-/// A joint with a single axis; `None` for any other.
+/// A joint; `None` if it is fixed.
 fn joint(node: Node, name: &str, kind: &str, link: usize) -> Option<Joint> {
     let motion = match kind {
         "revolute" | "continuous" => Motion::Hinge,
         "prismatic" => Motion::Slide,
+        "floating" | "planar" => return Some(Joint::unmoved(name, link)),
         _ => return None,
     };
     let axis = child(node, "axis").and_then(|axis| triple(axis.attribute("xyz")?)).map_or(DVec3::X, DVec3::from_array);

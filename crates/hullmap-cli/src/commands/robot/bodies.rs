@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use hullmap_planning::Convex;
-use hullmap_robot::Frame;
+use hullmap_robot::{Frame, masks_match};
 
 /// A convex piece of a link.
 pub struct Piece {
@@ -23,8 +23,6 @@ impl Piece {
 
     /// Whether MuJoCo lets the two meet.
     pub fn may_meet(&self, other: &Self) -> bool {
-        let [type_a, affinity_a] = self.contact_bits;
-        let [type_b, affinity_b] = other.contact_bits;
-        type_a & affinity_b != 0 || type_b & affinity_a != 0
+        masks_match(self.contact_bits, other.contact_bits)
     }
 }

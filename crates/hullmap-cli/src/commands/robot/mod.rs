@@ -312,6 +312,7 @@ fn exclude(
     row: &mut Row,
 ) -> Result<Option<files::Output>, Failure> {
     row.excluded_pairs = Some(pairs.excluded.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
+    row.skipped_pairs = Some(pairs.skipped.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
     row.notes.push(format!("{} pairs of links are excluded. {}", pairs.excluded.len(), pairs.in_words()));
     if description.format != Format::Urdf {
         return Ok(None);

@@ -1,10 +1,8 @@
 //! Which pairs of links touch in the neutral pose, before and after, and which should be excluded.
 
-use std::collections::BTreeSet;
-
 use hullmap_planning::{Convex, hulls as hulls_of, shape_of_primitive};
 use hullmap_report::robot::{Excluded, Touching};
-use hullmap_robot::{Change, Description, DisabledPair, Format, Frame, Geometry, Neighbours, Shape, srdf};
+use hullmap_robot::{Change, CollisionFilter, Description, DisabledPair, Format, Frame, Geometry, Shape, srdf};
 use rayon::prelude::*;
 
 use super::bodies::Piece;
@@ -36,6 +34,8 @@ pub struct Pairs {
     pub touching: Vec<Touching>,
     /// Pairs to exclude.
     pub excluded: Vec<Excluded>,
+    /// Pairs that the description itself leaves untested.
+    pub skipped: Vec<Excluded>,
     neutral: Vec<Frame>,
     sampling: Sampling,
     format: Format,
@@ -62,16 +62,14 @@ impl Pairs {
         });
         let before = Bodies::new(before.collect());
         let after = Bodies::new(after(description, choices, hulls, meshes));
-        let neighbours = Neighbours::new(chain);
+        let filter = CollisionFilter::new(description);
         let is_cut = description.links.len() > MAX_LINKS;
-        let all = if is_cut { Vec::new() } else { neighbours.pairs(|link| before.count(link) + after.count(link) > 0) };
-        let known: BTreeSet<[usize; 2]> = description.excluded.iter().map(|[a, b]| [*a.min(b), *a.max(b)]).collect();
+        let all = if is_cut { Vec::new() } else { filter.pairs(|link| before.count(link) + after.count(link) > 0) };
         let tested: Vec<Touching> = all
             .par_iter()
             .map(|&links| {
                 let touches = [&before, &after].map(|bodies| bodies.touch(links, &neutral));
-                let is_untested = neighbours.are_adjacent(links) || known.contains(&links);
-                Touching { links, touches, is_untested }
+                Touching { links, touches, is_untested: filter.links(links).is_some() }
             })
             .collect();
         let seen = sample(chain, &after, &all, sampling.count, sampling.seed);
@@ -79,9 +77,11 @@ impl Pairs {
             let reason = reason(description.format, pair, *seen)?;
             Some(Excluded { links: pair.links, reason })
         };
+        let skipped = |&links: &[usize; 2]| Some(Excluded { links, reason: filter.links(links)?.in_words() });
+        let skipped = all.iter().filter_map(skipped).collect();
         let excluded = tested.iter().zip(&seen).filter_map(reason).collect();
         let touching = tested.into_iter().filter(|pair| pair.touches != [false, false]).collect();
-        Self { before, after, touching, excluded, neutral, sampling, format: description.format, is_cut }
+        Self { before, after, touching, excluded, skipped, neutral, sampling, format: description.format, is_cut }
     }
 
     /// The frame of each link in the neutral pose.
@@ -101,8 +101,8 @@ impl Pairs {
                 format!("Default: the two touch in the neutral pose. Always: they touch {sampled}, without exception.")
             }
             _ => format!(
-                "Adjacent: the two are neighbours in the chain. Default: they touch in the neutral pose. Always: they touch \
-                 {sampled}, without exception. Never: they touch in none of these, which is no proof."
+                "Adjacent: a joint connects the two, or they are rigidly connected. Default: they touch in the neutral pose. \
+                 Always: they touch {sampled}, without exception. Never: they touch in none of these, which is no proof."
             ),
         }
     }

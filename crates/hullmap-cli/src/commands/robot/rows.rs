@@ -45,6 +45,8 @@ pub struct Row {
     pub collisions: Vec<Collision>,
     /// Pairs of links whose contacts are excluded, with `--exclude-pairs`.
     pub excluded_pairs: Option<Vec<ExcludedPair>>,
+    /// Pairs of links that are not tested even without `--exclude-pairs`, with that option.
+    pub skipped_pairs: Option<Vec<ExcludedPair>>,
     /// Findings of interest.
     pub notes: Vec<String>,
     /// Findings to act on.
@@ -85,12 +87,12 @@ pub struct Collision {
     pub uncovered_mm: Option<f64>,
 }
 
-/// A pair of links whose contacts are excluded.
+/// A pair of links that is not tested.
 #[derive(Debug, Serialize)]
 pub struct ExcludedPair {
     /// Names of the links.
     pub links: [String; 2],
-    /// `Adjacent`, `Default`, `Always` or `Never`.
+    /// Of excluded pairs, `Adjacent`, `Default`, `Always` or `Never`; of skipped pairs, in words.
     pub reason: &'static str,
 }
 
@@ -114,6 +116,7 @@ impl Row {
             baked: 0,
             collisions: Vec::new(),
             excluded_pairs: None,
+            skipped_pairs: None,
             notes: Vec::new(),
             warnings: Vec::new(),
             errors: Vec::new(),

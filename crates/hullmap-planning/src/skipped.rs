@@ -1,0 +1,50 @@
+//! What is not tested, and why.
+
+use std::fmt;
+
+use hullmap_robot::SkipReason;
+
+/// A pair or a geometry that is not tested.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Skipped {
+    /// A pair of links, or of geoms of two links.
+    Pair {
+        /// Names of the links.
+        links: [String; 2],
+        /// Names of the geoms; `None` for all pairs of geoms of the two links.
+        geoms: Option<[String; 2]>,
+        /// Why it is not tested.
+        reason: SkipReason,
+    },
+    /// A geometry without a shape that can be queried.
+    Geometry {
+        /// The name of its link; `None` if it belongs to no link that was read.
+        link: Option<String>,
+        /// Its name, or its element.
+        geom: String,
+        /// The line in its file.
+        line: u32,
+        /// Why it is not tested.
+        cause: String,
+    },
+}
+
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pair { links: [a, b], geoms: None, reason } => write!(f, "`{a}` and `{b}`: {reason}"),
+            Self::Pair { links: [a, b], geoms: Some([own_a, own_b]), reason } => {
+                write!(f, "`{own_a}` of `{a}` and `{own_b}` of `{b}`: {reason}")
+            }
+            Self::Geometry { link: Some(link), line, cause, .. } => {
+                write!(f, "link `{link}`, line {line}: not tested: {cause}")
+            }
+            Self::Geometry { link: None, geom, line, cause } => write!(f, "line {line}: {geom} is not tested: {cause}"),
+        }
+    }
+}
+
+/// The name of a geom in lists, if it may have none.
+pub(crate) fn named(name: &str, line: u32) -> String {
+    if name.is_empty() { format!("geom in line {line}") } else { name.to_owned() }
+}
