@@ -510,7 +510,7 @@ pub struct RobotArgs {
 /// Links whose collisions are made from visuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FromVisual {
-    /// Links without a collision
+    /// Links of URDF and SDF without a collision
     Missing,
     /// All links with a visual mesh, in place of their collisions
     Always,

@@ -150,7 +150,7 @@ impl Robot {
     ) -> Result<Self, PlanningError> {
         let chain = &description.chain;
         let kinematics = Kinematics::new(chain);
-        let mut notes = chain.notes.clone();
+        let mut notes = [description.warnings.as_slice(), &chain.warnings, &chain.notes].concat();
         let (mut bodies, mut of_link) = (Vec::new(), Vec::new());
         for (index, link) in description.links.iter().enumerate() {
             let first = bodies.len();

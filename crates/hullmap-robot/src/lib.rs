@@ -66,6 +66,6 @@ pub use error::RobotError;
 pub use frame::Frame;
 pub use glam;
 pub use neighbours::Neighbours;
-pub use places::{Places, Scheme, Unresolved, relative};
+pub use places::{InlineMesh, Places, Scheme, Unresolved, relative};
 pub use primitive::{NamedPrimitive, Primitive};
 pub use srdf::{DisabledPair, SRDF_FIRST_LINE, disabled_pairs, srdf};
