@@ -4,8 +4,8 @@
 
 The table, `mesh_paths.json`, states for bodies the file that MuJoCo opens. It is tested here, and
 `crates/hullmap-robot` is tested against it. Each robot is written to its own folder and to another one; in
-MuJoCo, all colliding vertices must be where they were. A package whose name differs from its folder's must be found by
-Pinocchio and PyBullet.
+MuJoCo, all colliding vertices must be where they were. A package whose name differs from its folder's must be found
+by Pinocchio and PyBullet.
 """
 
 import json
@@ -74,10 +74,10 @@ def check(bake_path, case, folder):
         if pathlib.Path(found.get(body, "-")).resolve() != (folder / expected).resolve():
             yield f"MuJoCo reads {found.get(body)} for {body}, and the table says {expected}"
     before = vertices(model)
-    for out in (model.with_name("baked_" + model.name), folder / "out"):
-        run = subprocess.run(
-            [bake_path, "robot", str(model), "--out", str(out), "--json", "--quiet"], capture_output=True, text=True, cwd=folder
-        )
+    # The second one replaces included files.
+    for out in (folder / "out", model.with_name("baked_" + model.name)):
+        command = [bake_path, "robot", str(model), "--out", str(out), "--json", "--quiet", "--force"]
+        run = subprocess.run(command, capture_output=True, text=True, cwd=folder)
         if run.returncode:
             yield f"{run.stderr.strip() or run.stdout}"
             continue
@@ -93,8 +93,9 @@ def check(bake_path, case, folder):
 def check_package(bake_path, folder):
     """The folder is `my-robot`, the name in package.xml is `my_robot`."""
     mesh = '<geometry><mesh filename="package://my-robot/meshes/x.obj"/></geometry>'
-    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    urdf = f'<robot name="arm"><link name="a">{inertial}<visual>{mesh}</visual><collision>{mesh}</collision></link></robot>'
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    link = f'<inertial><mass value="1"/>{inertia}</inertial><visual>{mesh}</visual><collision>{mesh}</collision>'
+    urdf = f'<robot name="arm"><link name="a">{link}</link></robot>'
     files = {"my-robot/urdf/arm.urdf": urdf, "my-robot/package.xml": "<package><name>my_robot</name></package>"}
     case = {"meshes": ["my-robot/meshes/x.obj"], "files": files, "model": "my-robot/urdf/arm.urdf"}
     model = written(folder, case)
@@ -106,7 +107,7 @@ def check_package(bake_path, folder):
         robot = pinocchio.buildModelFromUrdf(str(output))
         kind = pinocchio.GeometryType.COLLISION
         try:
-            if pinocchio.buildGeomFromUrdf(robot, str(output), kind, [str(folder)]).ngeoms != 1:
+            if pinocchio.buildGeomFromUrdf(robot, str(output), kind, package_dirs=[str(folder)]).ngeoms != 1:
                 yield "Pinocchio reads no collision"
         except ValueError as error:
             yield f"Pinocchio: {error}"
@@ -125,7 +126,8 @@ def check_package(bake_path, folder):
 def main(bake_path, table):
     bake_path = str(pathlib.Path(bake_path).resolve())
     cases = json.loads(pathlib.Path(table).read_text())
-    cases.append({"name": "meshes in the model", "model": "m.xml", "files": {"m.xml": INLINE}, "meshes": [], "expected": {}})
+    inline = {"model": "m.xml", "files": {"m.xml": INLINE}, "meshes": [], "expected": {}}
+    cases.append({"name": "meshes in the model", **inline})
     failed = 0
     for case in cases:
         with tempfile.TemporaryDirectory() as folder:
