@@ -24,7 +24,7 @@ pub struct HeightFieldArgs {
     /// First vertex [default: the file's, or field centred at 0 0]
     #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub origin: Option<[f64; 2]>,
-    /// Sample that means no ground, in addition to NaN, rounded as samples are
+    /// Sample that means no ground, compared as samples are stored
     #[arg(long, value_name = "V", allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub hole: Option<Hole>,
     /// PNG beside each INPUT in which black pixels are holes

@@ -186,7 +186,8 @@ impl Chooser<'_> {
             layer.set_at(at, None);
         }
         if let (Some(reason), Some(true)) = (&shape.stays_single, layer.decompose()) {
-            choices.warnings.push(format!("{}: `{}` becomes one hull, because {reason}", place(), shape.name));
+            let name = if shape.name.is_empty() { &link.name } else { &shape.name };
+            choices.warnings.push(format!("{}: `{name}` becomes one hull, because {reason}", place()));
             set(&mut layer, "decompose", Value::Switch(false));
         }
         scale_lengths(&mut layer, mesh.stretch());
