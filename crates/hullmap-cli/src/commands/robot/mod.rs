@@ -205,8 +205,8 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
         folders.into_iter().for_each(sweep);
         for robot in ready() {
             let out = folder_of(&robot.target.file);
-            let changed = robot.inline.iter().filter(|own| own.state().is_ok_and(|state| state != State::Same));
-            changed.map(|own| own.write(out)).collect::<Result<(), Failure>>()?;
+            let mut changed = robot.inline.iter().filter(|own| own.state().is_ok_and(|state| state != State::Same));
+            changed.try_for_each(|own| own.write(out))?;
         }
     }
     let out = if target::is_file(args) { folder_of(&args.out) } else { &args.out };
