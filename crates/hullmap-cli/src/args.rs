@@ -458,8 +458,8 @@ pub struct RobotArgs {
     /// Folder that contains packages or models, or is one itself; repeatable
     #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Links that get collisions from their visuals: links without one (missing), all links, which
-    /// lose their own (always), or none (never)
+    /// Links that get collisions from their visuals: links of URDF and SDF without one (missing), all
+    /// links, which lose their own (always), or none (never)
     #[arg(
         long,
         value_enum,
@@ -510,7 +510,7 @@ pub struct RobotArgs {
 /// Links whose collisions are made from visuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FromVisual {
-    /// Links without a collision
+    /// Links of URDF and SDF without a collision
     Missing,
     /// All links with a visual mesh, in place of their collisions
     Always,

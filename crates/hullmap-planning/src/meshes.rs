@@ -8,7 +8,7 @@ use glam::DVec3;
 use hullmap::Pack;
 use hullmap_bake::{IndexKind, PointSet};
 use hullmap_import::{self as import, ImportOptions, Imported, Limits, ReadError, SourceFile, Split};
-use hullmap_robot::{MeshUse, Submesh};
+use hullmap_robot::{MeshUse, Submesh, Unresolved};
 
 use crate::PlanningError;
 use crate::convex::hull_of;
@@ -44,12 +44,18 @@ impl Packs {
     /// # Errors
     /// The file of the mesh or its pack cannot be read, or the pack is of another mesh.
     pub fn hulls(&mut self, mesh: &MeshUse) -> Result<Arc<Pack>, String> {
-        let file = mesh.file.as_ref().map_err(|reason| match reason {
-            hullmap_robot::Unresolved::Remote => {
-                format!("`{}` is on another machine; copy it beside the description", mesh.written)
+        let file = match &mesh.file {
+            Ok(file) => file,
+            Err(Unresolved::Inline(own)) => {
+                let source_vertices = (0..own.vertices.len() as u32).collect();
+                let points = PointSet { positions: own.vertices.clone(), source_vertices, ..PointSet::default() };
+                return hull_of(&points, IndexKind::Tree).map_err(|error| format!("mesh `{}`: {error}", own.name));
             }
-            hullmap_robot::Unresolved::Failed(cause) => cause.clone(),
-        })?;
+            Err(Unresolved::Remote) => {
+                return Err(format!("`{}` is on another machine; copy it beside the description", mesh.written));
+            }
+            Err(Unresolved::Failed(cause)) => return Err(cause.clone()),
+        };
         let key = (file.clone(), mesh.submesh.clone());
         if let Some(known) = self.known.get(&key) {
             return Ok(Arc::clone(known));

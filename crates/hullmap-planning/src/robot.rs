@@ -194,7 +194,12 @@ impl Robot {
             geoms: description.links.iter().map(geoms).collect(),
             filter: CollisionFilter::new(description),
             allowed: BTreeMap::new(),
-            notes: chain.notes.iter().cloned().chain(skipped_geometry.iter().map(Skipped::to_string)).collect(),
+            notes: [&description.warnings, &chain.warnings, &chain.notes]
+                .into_iter()
+                .flatten()
+                .cloned()
+                .chain(skipped_geometry.iter().map(Skipped::to_string))
+                .collect(),
             skipped_geometry,
             obstacles: Vec::new(),
             pairs: Vec::new(),

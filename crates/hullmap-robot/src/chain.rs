@@ -127,8 +127,10 @@ pub struct Chain {
     pub links: Vec<Placement>,
     /// The joints that are not fixed. Joints of one link are in the order in which they move it.
     pub joints: Vec<Joint>,
-    /// What could not be modelled, and what is done instead.
+    /// What is not modelled.
     pub notes: Vec<String>,
+    /// Faults of the description, and what is done instead, each with its line.
+    pub warnings: Vec<String>,
     /// The root of each link's tree, or a link nearer to it.
     towards_root: Vec<usize>,
 }
@@ -172,7 +174,8 @@ impl Chain {
         let mut is_ordered = vec![false; self.joints.len()];
         order.into_iter().for_each(|joint| is_ordered[joint] = true);
         for (joint, _) in self.joints.iter_mut().zip(is_ordered).filter(|(_, is_ordered)| !is_ordered) {
-            self.notes.push(format!("joint `{}` follows itself through others; it moves alone here", joint.name));
+            self.warnings
+                .push(format!("joint `{}` follows itself through others, so it moves alone; correct it", joint.name));
             joint.coupling = None;
         }
         self
@@ -369,7 +372,7 @@ mod tests {
         assert_eq!(values, [3.5, 3.5 * 3.5 + 3.5_f64.powi(4), 1.5].map(Displacement::Scalar));
         chain.joints[2].coupling = follow(1, [0.0; 5]);
         let cut = chain.without_circular_couplings();
-        assert!(cut.joints.iter().all(|joint| joint.coupling.is_none()) && cut.notes.len() == 3);
+        assert!(cut.joints.iter().all(|joint| joint.coupling.is_none()) && cut.warnings.len() == 3);
     }
 
     #[test]

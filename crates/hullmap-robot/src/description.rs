@@ -9,7 +9,7 @@ use crate::document::Document;
 use crate::error::RobotError;
 use crate::frame::Frame;
 use crate::mjcf::model::Model;
-use crate::places::{Places, Scheme, Unresolved, package_of, relative};
+use crate::places::{NamedPackage, Places, Scheme, Unresolved, relative};
 use crate::primitive::NamedPrimitive;
 
 /// Format of a description.
@@ -49,6 +49,8 @@ pub struct Description {
     pub references: Vec<Reference>,
     /// What is left alone, and why.
     pub notes: Vec<String>,
+    /// Faults that programs reject or read in different ways, each with its file and line.
+    pub warnings: Vec<String>,
     /// How its joints move the links.
     pub chain: Chain,
     /// What it states about contacts.
@@ -89,12 +91,13 @@ pub struct Unread {
 /// How a description names meshes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshNames {
-    /// The scheme of its meshes, if any.
-    pub scheme: Option<Scheme>,
+    /// The packages of its meshes.
+    pub packages: Vec<NamedPackage>,
     /// Folder relative to the description, from which names of meshes start.
     pub folder: String,
-    /// Whether programs remove folders from these names.
-    pub strips: bool,
+    /// The only folder of meshes, relative to the description, if programs remove folders from
+    /// names.
+    pub only_folder: Option<String>,
 }
 
 /// A rigid body of a robot.
@@ -116,6 +119,17 @@ pub struct Link {
     pub takes_visuals: bool,
     /// The mass that it states; in MJCF in `inertial`.
     pub mass: Option<f64>,
+}
+
+impl Link {
+    /// The meshes of its collisions, then of its visuals.
+    pub fn meshes(&self) -> impl Iterator<Item = &MeshUse> {
+        let shapes = self.collisions.iter().chain(&self.visuals);
+        shapes.filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => Some(mesh),
+            _ => None,
+        })
+    }
 }
 
 /// An element with a geometry.
@@ -273,25 +287,21 @@ impl Description {
     /// Folder of the new meshes, if only one will do: programs remove folders from their names.
     /// `target` is the folder of the edited description.
     pub fn mesh_folder(&self, target: &Path) -> Option<PathBuf> {
-        self.mesh_names.strips.then(|| target.join(&self.mesh_names.folder))
+        self.mesh_names.only_folder.as_ref().map(|folder| target.join(folder))
     }
 
     /// The name of a mesh in the description, if the description is written to the folder `target`.
-    /// Both paths are absolute. If other meshes are named by package or model, so is this one.
+    /// Both paths are absolute. If other meshes are named by package or model, so is this one: by
+    /// the name that they use, which need not be the name in `package.xml`.
     ///
     /// # Errors
     /// There is no such name, for instance because the mesh is on another drive.
     pub fn mesh_name(&self, mesh: &Path, target: &Path) -> Result<String, RobotError> {
         let names = &self.mesh_names;
-        if names.strips {
-            return Ok(mesh.file_name().unwrap_or_default().to_string_lossy().into_owned());
-        }
-        let in_package = names.scheme.and_then(|scheme| {
-            let (package, below) = package_of(scheme, mesh)?;
-            // A mesh is named by package only if the description is in the same package.
-            let own = package_of(scheme, &target.join("x"))?.0;
-            let below = below.to_str()?.replace('\\', "/");
-            (own == package).then(|| format!("{}{package}/{below}", scheme.prefix()))
+        let known = names.packages.iter().find_map(|package| package.name_of(mesh, target));
+        let in_package = known.or_else(|| {
+            let package = NamedPackage::above(names.packages.first()?.scheme, mesh)?;
+            package.name_of(mesh, target)
         });
         let name = in_package.or_else(|| relative(mesh, &target.join(&names.folder)));
         name.ok_or_else(|| {
@@ -324,28 +334,35 @@ pub(crate) fn scale(text: Option<&str>) -> Result<[f64; 3], String> {
     factors.ok_or_else(|| format!("the scale `{text}` is not three numbers other than 0; correct it"))
 }
 
-pub(crate) fn mesh_use(written: &str, scale_text: Option<&str>, places: &Places, folder: &Path) -> MeshUse {
-    let (scale, fault) = match scale(scale_text) {
-        Ok(scale) => (scale, None),
-        Err(fault) => ([1.0; 3], Some(fault)),
+/// A mesh with this scale. `find` returns its file.
+pub(crate) fn mesh_use(
+    written: &str,
+    scale_text: Option<&str>,
+    find: impl FnOnce(&str) -> Result<PathBuf, Unresolved>,
+) -> MeshUse {
+    let (scale, file) = match scale(scale_text) {
+        Ok(scale) => (scale, find(written)),
+        Err(fault) => ([1.0; 3], Err(Unresolved::Failed(fault))),
     };
-    let file = fault.map_or_else(|| places.resolve(written, folder), |fault| Err(Unresolved::Failed(fault)));
     MeshUse { written: written.to_owned(), file, scale, reference: Frame::IDENTITY, submesh: None }
 }
 
-/// A reference to an existing file by a relative path.
-pub(crate) fn reference(written: &str, places: &Places, folder: &Path) -> Option<Reference> {
+/// A reference to an existing file by a path relative to `folder`, of a description in `root`.
+pub(crate) fn reference(written: &str, places: &Places, folder: &Path, root: &Path) -> Option<Reference> {
     let is_relative = !written.contains("://") && !Path::new(written).has_root() && !written.trim().is_empty();
     let file = is_relative.then(|| places.resolve(written, folder).ok()).flatten()?;
-    Some(Reference { path: crate::places::plain(Path::new(written.trim())), written: written.to_owned(), file })
+    let absolute = |path: &Path| std::path::absolute(path).ok();
+    let below = relative(&absolute(&folder.join(written.trim()))?, &absolute(root)?)?;
+    Some(Reference { path: below.into(), written: written.to_owned(), file })
 }
 
-/// The scheme of the first mesh that has one.
-pub(crate) fn scheme_of(links: &[Link]) -> Option<Scheme> {
-    let shapes = links.iter().flat_map(|link| link.collisions.iter().chain(&link.visuals));
-    let meshes = shapes.filter_map(|shape| match &shape.geometry {
-        Geometry::Mesh(mesh) => Some(mesh),
-        _ => None,
-    });
-    meshes.filter_map(|mesh| Scheme::split(&mesh.written)).map(|(scheme, _)| scheme).next()
+/// The packages that meshes name.
+pub(crate) fn packages_of(links: &[Link]) -> Vec<NamedPackage> {
+    let mut packages: Vec<NamedPackage> = Vec::new();
+    let meshes = links.iter().flat_map(Link::meshes).filter(|mesh| Scheme::split(&mesh.written).is_some());
+    for mesh in meshes {
+        let package = mesh.file.as_ref().ok().and_then(|file| NamedPackage::of(&mesh.written, file));
+        packages.extend(package.filter(|package| !packages.contains(package)));
+    }
+    packages
 }

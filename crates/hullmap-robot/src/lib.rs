@@ -68,6 +68,6 @@ pub use element::escaped;
 pub use error::RobotError;
 pub use frame::Frame;
 pub use glam;
-pub use places::{Places, Scheme, Unresolved, relative};
+pub use places::{InlineMesh, Places, Scheme, Unresolved, relative};
 pub use primitive::{NamedPrimitive, Primitive};
 pub use srdf::{DisabledPair, SRDF_FIRST_LINE, SrdfPairs, srdf, srdf_pairs};

@@ -1,19 +1,23 @@
 //! The links of URDF and SDF, which differ in how they write names, meshes, poses and masses.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use roxmltree::Node;
 
 use crate::chain::Chain;
 use crate::description::{
-    Contacts, Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, mesh_use, scheme_of,
+    Contacts, Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, mesh_use, packages_of,
 };
 use crate::document::Document;
 use crate::element::{child, children};
 use crate::error::RobotError;
 use crate::frame::Frame;
-use crate::places::{Places, folder_of};
+use crate::places::Unresolved;
 use crate::primitive::{NamedPrimitive, Primitive};
+
+/// Finds the file of a mesh by its name.
+pub(crate) type Find<'f> = dyn Fn(&str) -> Result<PathBuf, Unresolved> + 'f;
 
 /// How a format writes links.
 pub(crate) struct Dialect {
@@ -35,7 +39,7 @@ pub(crate) struct Dialect {
 }
 
 impl Dialect {
-    /// The links at `nodes`.
+    /// The links at `nodes`. `find` returns the files of meshes.
     ///
     /// # Errors
     /// Two links have one name, or a link has none.
@@ -43,7 +47,7 @@ impl Dialect {
         &self,
         nodes: impl Iterator<Item = Node<'t, 't>>,
         document: &Document,
-        places: &Places,
+        find: &Find,
     ) -> Result<Vec<Link>, RobotError> {
         let mut links: Vec<Link> = Vec::new();
         let mut lines: BTreeMap<String, u32> = BTreeMap::new();
@@ -58,7 +62,7 @@ impl Dialect {
                 );
             }
             let shapes = |kind: &'static str| -> Vec<Shape> {
-                children(node, kind).map(|node| self.shape(node, kind == "visual", document, places)).collect()
+                children(node, kind).map(|node| self.shape(node, kind == "visual", document, find)).collect()
             };
             let (collisions, visuals) = (shapes("collision"), shapes("visual"));
             let mass = (self.mass)(node);
@@ -67,14 +71,14 @@ impl Dialect {
         Ok(links)
     }
 
-    fn shape(&self, node: Node, is_drawn: bool, document: &Document, places: &Places) -> Shape {
+    fn shape(&self, node: Node, is_drawn: bool, document: &Document, find: &Find) -> Shape {
         let geometry = child(node, "geometry").and_then(|geometry| geometry.first_element_child());
         let geometry = match geometry {
             None => Geometry::Other("it has no geometry".to_owned()),
             Some(element) => match element.tag_name().name() {
                 "mesh" => {
                     let [file, scale] = (self.mesh)(element);
-                    let own = mesh_use(file.unwrap_or_default(), scale, places, folder_of(document.path()));
+                    let own = mesh_use(file.unwrap_or_default(), scale, find);
                     Geometry::Mesh(MeshUse { submesh: (self.submesh)(element), ..own })
                 }
                 name if self.primitives.contains(&name) => {
@@ -109,7 +113,7 @@ impl Dialect {
         notes: Vec<String>,
         chain: Chain,
     ) -> Description {
-        let mesh_names = MeshNames { scheme: scheme_of(&links), ..MeshNames::default() };
+        let mesh_names = MeshNames { packages: packages_of(&links), ..MeshNames::default() };
         Description {
             format: self.format,
             name,
@@ -119,6 +123,7 @@ impl Dialect {
             notes,
             contacts: Contacts::default(),
             unread: Vec::new(),
+            warnings: Vec::new(),
             chain: chain.without_circular_couplings(),
             mesh_names,
             mjcf: None,

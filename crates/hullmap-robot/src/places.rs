@@ -5,6 +5,7 @@
 //! below folders that the caller names: the project, and the folders of packages.
 
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 /// Maximum number of folders above a description that are searched for a package.
 const MAX_ABOVE: usize = 64;
@@ -22,12 +23,85 @@ pub struct Places {
 }
 
 /// Why a name leads to no file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Unresolved {
     /// The name is on another machine.
     Remote,
+    /// The mesh is written in the description.
+    Inline(Arc<InlineMesh>),
     /// The cause, and what to do.
     Failed(String),
+}
+
+/// A mesh that a description contains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InlineMesh {
+    /// Its name.
+    pub name: String,
+    /// Its vertices.
+    pub vertices: Vec<[f32; 3]>,
+    /// Its triangles, counter-clockwise; if there are none, the mesh is the hull of its vertices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A name in a description, and where it starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Name<'a> {
+    /// As it is written, or without its folders.
+    pub name: &'a str,
+    /// The folder from which relative names start.
+    pub folder: &'a Path,
+    /// The attribute that states this folder, with its value; empty if none does.
+    pub stated_by: &'a str,
+    /// What to do if the file is missing.
+    pub remedy: &'a str,
+}
+
+impl<'a> Name<'a> {
+    /// A name of a mesh in a description in `folder`.
+    pub(crate) fn of_mesh(name: &'a str, folder: &'a Path) -> Self {
+        Self { name, folder, stated_by: "", remedy: "restore it, or leave its link alone with `bake robot --skip`" }
+    }
+}
+
+/// A package, by the name that a description uses for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct NamedPackage {
+    /// `package://` or `model://`.
+    pub scheme: Scheme,
+    /// Its name there, which may be the name of its folder or the name in its `package.xml`.
+    pub name: String,
+    /// Its folder, canonical.
+    pub folder: PathBuf,
+}
+
+impl NamedPackage {
+    /// The package that a name states, if the name leads to `file`.
+    pub(crate) fn of(name: &str, file: &Path) -> Option<Self> {
+        let (scheme, rest) = Scheme::split(name.trim())?;
+        let (package, below) = rest.trim_start_matches('/').split_once('/')?;
+        let below = plain(Path::new(&below.replace('\\', "/")));
+        let folder = file.ancestors().nth(below.components().count())?;
+        let folder = (folder.join(&below) == file).then(|| folder.canonicalize().ok())??;
+        Some(Self { scheme, name: package.to_owned(), folder })
+    }
+
+    /// The name of a file in this package, for a description in the folder `target`, which must be
+    /// in the same package.
+    pub(crate) fn name_of(&self, file: &Path, target: &Path) -> Option<String> {
+        let below = file.strip_prefix(&self.folder).ok().filter(|_| target.starts_with(&self.folder))?;
+        let below = below.to_str()?.replace('\\', "/");
+        Some(format!("{}{}/{below}", self.scheme.prefix(), self.name))
+    }
+
+    /// The package that a file lies in, by the marks of the folders above it.
+    pub(crate) fn above(scheme: Scheme, file: &Path) -> Option<Self> {
+        let file = plain(file);
+        let folder = file.ancestors().skip(1).take(MAX_ABOVE).find(|above| above.join(scheme.mark()).is_file())?;
+        let named = || folder.file_name().map(|name| name.to_string_lossy().into_owned());
+        let name = if scheme == Scheme::Package { stated_name(folder).or_else(named) } else { named() };
+        Some(Self { scheme, name: name?, folder: folder.to_owned() })
+    }
 }
 
 /// The scheme of a name.
@@ -75,13 +149,21 @@ impl Places {
         Ok(Self { packages: Vec::new(), roots: vec![package.unwrap_or(folder)] })
     }
 
-    /// The file that a name in a description in `folder` leads to.
+    /// The file that the name of a mesh in a description in `folder` leads to.
     ///
     /// # Errors
     /// There is no such file, or it lies outside of the folders that may be read. The error is the
     /// same whether or not a file is there.
     pub fn resolve(&self, name: &str, folder: &Path) -> Result<PathBuf, Unresolved> {
-        let name = name.trim();
+        self.find(Name::of_mesh(name, folder))
+    }
+
+    /// The file that a name leads to.
+    ///
+    /// # Errors
+    /// As for [`Self::resolve`].
+    pub(crate) fn find(&self, of: Name) -> Result<PathBuf, Unresolved> {
+        let (name, folder) = (of.name.trim(), of.folder);
         if name.is_empty() {
             return Err(Unresolved::Failed("the file name is empty; name a mesh".to_owned()));
         }
@@ -95,15 +177,17 @@ impl Places {
         } else {
             folder.join(name)
         };
-        self.checked(name, &with_slashes(path))
+        self.checked(Name { name, ..of }, &with_slashes(path))
     }
 
     /// The file at a path, if it is regular, and inside of the folders that may be read.
-    fn checked(&self, name: &str, path: &Path) -> Result<PathBuf, Unresolved> {
+    fn checked(&self, Name { name, stated_by, remedy, .. }: Name, path: &Path) -> Result<PathBuf, Unresolved> {
         let path = plain(path);
+        let starts_from_root = Path::new(name).has_root() || name.contains("://");
+        let start = if stated_by.is_empty() || starts_from_root { String::new() } else { format!(" from {stated_by}") };
         let outside = || {
             Unresolved::Failed(format!(
-                "`{name}` leads out of the project and of all packages; name its folder with --package-path (in Python: packages)"
+                "`{name}`{start} leads out of the project and of all packages; name its folder with --package-path (in Python: packages)"
             ))
         };
         let packages: Vec<PathBuf> = self.packages.iter().filter_map(|package| package.canonicalize().ok()).collect();
@@ -118,9 +202,9 @@ impl Places {
                 let real = |above: &Path| Path::new(".").join(above).canonicalize().ok();
                 let above = path.ancestors().skip(1).find_map(real);
                 match above {
-                    Some(above) if is_inside(&above) => Err(Unresolved::Failed(format!(
-                        "no file `{name}`; restore it, or leave its link alone with `bake robot --skip`"
-                    ))),
+                    Some(above) if is_inside(&above) => {
+                        Err(Unresolved::Failed(format!("no file `{name}`{start}; {remedy}")))
+                    }
                     _ => Err(outside()),
                 }
             }
@@ -186,16 +270,6 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
     }
-}
-
-/// The package that a file lies in, by the marks of the folders above it: its name, and the path
-/// of the file below it.
-pub fn package_of(scheme: Scheme, file: &Path) -> Option<(String, PathBuf)> {
-    let file = plain(file);
-    let folder = file.ancestors().skip(1).take(MAX_ABOVE).find(|above| above.join(scheme.mark()).is_file())?;
-    let named = || folder.file_name().map(|name| name.to_string_lossy().into_owned());
-    let name = if scheme == Scheme::Package { stated_name(folder).or_else(named) } else { named() };
-    Some((name?, file.strip_prefix(folder).ok()?.to_owned()))
 }
 
 /// The name that the `package.xml` of a folder states.
@@ -313,12 +387,25 @@ mod tests {
             }
         }
         assert_eq!(places.resolve("https://x/y.stl", &urdf), Err(Unresolved::Remote));
-        assert_eq!(
-            package_of(Scheme::Package, &root.join("ws/checkout/x/y.obj")),
-            Some(("other".to_owned(), "x/y.obj".into()))
-        );
-        assert_eq!(package_of(Scheme::Model, &root.join("else/far/x.obj")), Some(("far".to_owned(), "x.obj".into())));
-        assert_eq!(package_of(Scheme::Model, &root.join("ws/arm/x.obj")), None);
+        let named = |scheme, file: &str| NamedPackage::above(scheme, &root.join(file)).map(|own| own.name);
+        assert_eq!(named(Scheme::Package, "ws/checkout/x/y.obj").as_deref(), Some("other"));
+        assert_eq!(named(Scheme::Model, "else/far/x.obj").as_deref(), Some("far"));
+        assert_eq!(named(Scheme::Model, "ws/arm/x.obj"), None);
+        // A package keeps the name that the description uses for it.
+        for name in ["checkout", "other"] {
+            let package =
+                NamedPackage::of(&format!("package:///{name}/./c.stl"), &root.join("ws/checkout/c.stl")).unwrap();
+            let found = package.name_of(&root.join("ws/checkout/h/x.obj"), &root.join("ws/checkout/urdf"));
+            assert_eq!(found, Some(format!("package://{name}/h/x.obj")));
+            assert_eq!(package.name_of(&root.join("ws/checkout/h/x.obj"), &root.join("ws/arm")), None);
+        }
+        let outside = Name { stated_by: "meshdir=\"../..\"", ..Name::of_mesh("x.stl", Path::new("/")) };
+        match places.find(outside) {
+            Err(Unresolved::Failed(message)) => {
+                assert!(message.starts_with("`x.stl` from meshdir=\"../..\" leads out"), "{message}")
+            }
+            other => panic!("{other:?}"),
+        }
     }
 
     #[cfg(unix)]

@@ -14,7 +14,7 @@ use roxmltree::Node;
 use crate::description::{Change, Description, Format, Link, Reference, Submesh, Unread, numbers, reference};
 use crate::document::Document;
 use crate::edit::{Edit, edited};
-use crate::element::{child, escaped, lead, removed, rename, set, unique};
+use crate::element::{child, escaped, lead, removed, rename, set, unique, without};
 use crate::error::RobotError;
 use crate::links::Dialect;
 use crate::places::{Places, folder_of};
@@ -48,7 +48,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let is_link = |node: &Node| {
         node.has_tag_name("link") && node.parent_element().is_some_and(|model| model.has_tag_name("model"))
     };
-    let links = DIALECT.links(tree.descendants().filter(is_link), &document, places)?;
+    let find = |name: &str| places.resolve(name, folder);
+    let links = DIALECT.links(tree.descendants().filter(is_link), &document, &find)?;
     for node in tree.descendants().filter(|node| node.has_tag_name("include")) {
         let uri = child(node, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
         let line = document.line(node.range().start);
@@ -59,7 +60,8 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         unread.push(Unread { document: 0, line, element, reason: "it is another file; write its links into this one" });
     }
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
-    let references: BTreeSet<Reference> = named.filter_map(|node| reference(node.text()?, places, folder)).collect();
+    let references: BTreeSet<Reference> =
+        named.filter_map(|node| reference(node.text()?, places, folder, folder)).collect();
     let chain = joints::chain(tree.root_element(), &links, &document);
     let model = tree.descendants().find(|node| node.has_tag_name("model"));
     let name = model.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();
@@ -175,11 +177,16 @@ fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3
     vec![pose, inertia]
 }
 
-/// Edits that give a shape another mesh, which is a whole file.
-fn renamed(node: Node, text: &str, mesh: &str) -> Vec<Edit> {
-    let uri = uri_of(node).map(|span| Edit::replace(span, escaped(mesh)));
-    let submesh = child(node, "geometry").and_then(|geometry| child(child(geometry, "mesh")?, "submesh"));
-    uri.into_iter().chain(submesh.map(|submesh| removed(submesh, text))).collect()
+/// Edits that give a shape another mesh, which is a whole file and convex. So nothing that divides
+/// meshes applies to it.
+fn renamed(node: Node, text: &str, name: &str) -> Vec<Edit> {
+    let mut edits: Vec<Edit> = uri_of(node).map(|span| Edit::replace(span, escaped(name))).into_iter().collect();
+    if let Some(mesh) = child(node, "geometry").and_then(|geometry| child(geometry, "mesh")) {
+        let divisions = ["submesh", "convex_decomposition"].into_iter().filter_map(|name| child(mesh, name));
+        edits.extend(divisions.map(|division| removed(division, text)));
+        edits.extend(without(mesh, text, "optimization"));
+    }
+    edits
 }
 
 /// The span of the text in a shape's `uri`.

@@ -44,8 +44,10 @@ fn urdf() {
     .concat();
     let robot = read(&text);
     let joints = &robot.chain.joints;
-    assert_eq!([joints.len(), robot.chain.notes.len()], [2, 2], "{:?}", robot.chain.notes);
-    assert!(robot.chain.notes.iter().any(|note| note.starts_with("line 8: joint `da`: its child is above its parent")));
+    assert_eq!([joints.len(), robot.chain.warnings.len()], [2, 2], "{:?}", robot.chain.warnings);
+    assert!(
+        robot.chain.warnings.iter().any(|own| own.starts_with("line 8: joint `da`: its child is above its parent"))
+    );
     assert_eq!((joints[0].limits, joints[0].neutral), (Some([0.5, 1.5]), 1.0));
     assert_near(point(&robot, "d", [0.0; 3], &[0.0]), [1.0, 1.25, 3.0]);
     assert_near(point(&robot, "d", [0.0, 1.0, 0.0], &[FRAC_PI_2]), [-0.25 - 2.0 * FRAC_PI_2, -1.0, 3.0]);
@@ -117,7 +119,7 @@ fn sdf() {
     assert!(robot.chain.joints[0].limits.is_none());
     assert_eq!(robot.chain.joints[2].coupling.unwrap().follow(0.0), 0.0);
     assert_eq!(robot.chain.joints[2].coupling.unwrap().follow(1.0), 2.0);
-    let notes = robot.chain.notes.join("\n");
+    let notes = robot.chain.warnings.join("\n");
     assert!(
         notes.contains("joint `bad`: its child is not a link") && notes.contains("names no joint that moves"),
         "{notes}"
@@ -136,5 +138,5 @@ fn hostile_frames_end() {
     text += "<model name='n90'><frame name='f'/></model><link name='l'><pose relative_to='n0::f'/></link>";
     text += "<frame name='x' attached_to='y'/><frame name='y' attached_to='x'/><link name='k'><pose relative_to='x'/></link>";
     let robot = read(&(text + "</model></sdf>"));
-    assert_eq!(robot.chain.notes.len(), 1, "{:?}", robot.chain.notes);
+    assert_eq!(robot.chain.warnings.len(), 1, "{:?}", robot.chain.warnings);
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hullmap_robot::{Change, Description, Frame, Geometry, Places, RobotError};
+use hullmap_robot::{Change, Description, Frame, Geometry, Places, RobotError, Unresolved};
 
 /// A folder with these files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
@@ -25,6 +25,7 @@ fn kinds(description: &Description) -> Vec<(String, Vec<String>)> {
     let kind = |geometry: &Geometry| match geometry {
         Geometry::Mesh(mesh) => match &mesh.file {
             Ok(file) => format!("mesh {}", file.file_name().unwrap().display()),
+            Err(Unresolved::Inline(own)) => format!("inline {}", own.name),
             Err(_) => "missing".to_owned(),
         },
         Geometry::Primitive(primitive) => primitive.name.clone(),
@@ -127,6 +128,41 @@ fn sdf() {
     );
 }
 
+/// Parts are convex: a simulator that divides or encloses them again would change them.
+#[test]
+fn sdf_optimization_is_removed_from_parts() {
+    let mesh = |optimization: &str, inner: &str, uri: &str| {
+        format!(
+            "<collision name='c'><geometry><mesh{optimization}>{inner}<uri>{uri}</uri></mesh></geometry></collision>"
+        )
+    };
+    for (optimization, inner) in [
+        (
+            " optimization='convex_decomposition'",
+            "<convex_decomposition><max_convex_hulls>4</max_convex_hulls></convex_decomposition>",
+        ),
+        (" optimization=\"convex_hull\"", ""),
+        ("", ""),
+    ] {
+        let text = |own: String| {
+            format!(
+                "<sdf version='1.12'><model name='m'><link name='l'>{own}<visual name='v'><geometry><mesh optimization='convex_hull'><uri>a.stl</uri></mesh></geometry></visual></link></model></sdf>"
+            )
+        };
+        let folder = folder(&[("m.sdf", &text(mesh(optimization, inner, "a.stl"))), ("a.stl", "")]);
+        let description = read(folder.path(), "m.sdf").unwrap();
+        let found = changed(&description, &[replace(0, 0, &["x.obj", "y.obj"])]).remove(0);
+        let second = mesh("", "", "y.obj").replace("name='c'", "name='c_part_01'");
+        assert_eq!(found, text(mesh("", "", "x.obj") + &second));
+        let visual = Change::FromVisual { link: 0, visual: 0, meshes: Some(meshes(&["v.obj"])) };
+        let found = changed(&description, &[visual]).remove(0);
+        assert!(
+            found.contains("<collision name='v'><geometry><mesh><uri>v.obj</uri></mesh></geometry></collision>"),
+            "{found}"
+        );
+    }
+}
+
 /// Poses of collisions, and what becomes of each kind of `inertial`.
 #[test]
 fn sdf_inertia() {
@@ -179,6 +215,27 @@ fn third_slashes_and_second_end_tags_are_read_as_by_others() {
     assert_eq!(found, text.replace("package:///p/a.stl", "package://p/h.obj"));
 }
 
+/// Pinocchio and PyBullet look for a folder of this name, ROS for the name in `package.xml`:
+/// whichever the description uses is kept.
+#[test]
+fn packages_keep_the_name_that_the_description_uses() {
+    for name in ["my-robot", "my_robot"] {
+        let text = format!(
+            "<robot name='r'><link name='l'><collision><geometry><mesh filename='package://{name}/m/x.stl'/></geometry></collision></link></robot>"
+        );
+        let folder = folder(&[
+            ("my-robot/package.xml", "<package><name>my_robot</name></package>"),
+            ("my-robot/m/x.stl", ""),
+            ("my-robot/r.urdf", &text),
+        ]);
+        let description = read(folder.path(), "my-robot/r.urdf").unwrap();
+        let root = folder.path().canonicalize().unwrap();
+        let mesh =
+            |target: &str| description.mesh_name(&root.join(target).join("h/x.obj"), &root.join(target)).unwrap();
+        assert_eq!([mesh("my-robot"), mesh("other")], [format!("package://{name}/h/x.obj"), "h/x.obj".to_owned()]);
+    }
+}
+
 const MJCF: &str = r#"<mujoco>
   <compiler meshdir="assets"/>
   <default>
@@ -220,7 +277,7 @@ fn mjcf() {
     let expected = [
         own("world", &["other"]),
         own("one", &["mesh a.stl", "box"]),
-        own("two", &["mesh b.obj", "other", "mesh a.stl"]),
+        own("two", &["mesh b.obj", "inline inline", "mesh a.stl"]),
         own("three", &[]),
     ];
     assert_eq!(kinds(&description), expected);
@@ -255,6 +312,28 @@ fn mjcf() {
     let geom = "<geom class=\"vis\" mesh=\"bee\" name=\"drawn\"/>";
     let collision = "<geom class=\"vis\" mesh=\"v\" contype=\"1\" conaffinity=\"1\" group=\"3\" mass=\"0\"/>";
     assert!(text.contains(&format!("{geom}{collision}")), "{text}");
+}
+
+/// MuJoCo looks for names of an included file in `md` first, and opens them in `ad`: a new name
+/// would be found in neither, so its asset goes to the model's own file.
+#[test]
+fn new_assets_are_in_the_model_if_an_included_file_would_hide_them() {
+    let assets = "<mujocoinclude><asset><mesh name='a' file='a.stl' scale='2 2 2'/></asset></mujocoinclude>";
+    let model = |compilers: &str| {
+        format!(
+            "<mujoco>{compilers}<include file='inc/assets.xml'/><worldbody><body name='b'><geom type='mesh' mesh='a' group='3'/></body></worldbody>\n</mujoco>"
+        )
+    };
+    let one = "<compiler meshdir='ad'/>";
+    for (compilers, is_in_model) in [("<compiler meshdir='md'/><compiler assetdir='ad'/>", true), (one, false)] {
+        let text = model(compilers);
+        let folder = folder(&[("r.xml", &text), ("inc/assets.xml", assets), ("md/a.stl", ""), ("ad/a.stl", "")]);
+        let texts = changed(&read(folder.path(), "r.xml").unwrap(), &[replace(1, 0, &["../x.obj"])]);
+        let at = usize::from(!is_in_model);
+        let added = |text: &str| text.contains("<mesh name='x' file='../x.obj' scale='2 2 2'/>");
+        assert!(added(&texts[at]) && !added(&texts[1 - at]), "{texts:?}");
+        assert_eq!(texts[0].contains("</worldbody><asset>"), is_in_model, "{texts:?}");
+    }
 }
 
 /// Length of the assets that were added.
@@ -300,7 +379,11 @@ fn bad_descriptions_are_errors_with_line_and_remedy() {
             "<mujoco>\n<include file='a.xml'/></mujoco>",
             "a.xml:2: `a.xml` is included already; MuJoCo includes a file once, so this may be a cycle",
         ),
-        ("a.xml", "<mujoco>\n<include file='b.xml'/></mujoco>", "a.xml:2: no file `b.xml`"),
+        (
+            "a.xml",
+            "<mujoco>\n<include file='b.xml'/></mujoco>",
+            "a.xml:2: no file `b.xml`; restore it, or remove this include",
+        ),
         (
             "a.xml",
             "<mujoco>\n<include file='../../../../../../../../etc/hosts'/></mujoco>",

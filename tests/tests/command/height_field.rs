@@ -125,6 +125,42 @@ fn exports_bake_to_the_same_surface() {
     assert!(text.starts_with("v 105 205 0\n") && text.contains("\nf 1 2 5\n"));
 }
 
+/// The sample that is a hole, and the value as tools write it. Other values are a warning.
+#[test]
+fn holes_are_found_as_they_are_stored_or_a_warning_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    for (sample, hole, warns) in [
+        (-9999.9, "-9999.9", false),
+        (f32::MAX, "3.4028235e38", false),
+        (-3.4e38, "-3.4e38", false),
+        (f32::MIN, "-3.402823e+38", false),
+        (0.1, "0.1", false),
+        (1e30, "1e30", false),
+        (-9999.9, "-9999", true),
+        (0.25, "0", true),
+    ] {
+        let samples = (0..20).map(|at| if at == 6 { sample } else { 10.0 + at as f32 });
+        let bytes: Vec<u8> = samples.flat_map(f32::to_le_bytes).collect();
+        fs::write(folder.path().join("a.f32"), bytes).unwrap();
+        let line = format!("build a.f32 --height-field --rows 4 --columns 5 --spacing 1 --hole={hole} --out o --json");
+        for status in ["baked", "fresh"] {
+            let found = bake(&folder, &line).expect(0);
+            let row = found.json().remove(0);
+            assert_eq!((&row["status"], &row["holes"]), (&status.into(), &if warns { 0 } else { 4 }.into()), "{hole}");
+            let text = "no sample is";
+            assert_eq!(found.stderr.contains(text), warns, "{hole}: {}", found.stderr);
+            assert_eq!(row["warnings"].to_string().contains(text), warns, "{hole}: {row}");
+        }
+        bake(&folder, "verify o/a.hullfield --require-source --directions 50").expect(0);
+    }
+    // In an image, and beside the no-data value of a grid.
+    let folder = folder_with_grid();
+    bake(&folder, "build in/dem.asc --height-field --hole 77 --out o")
+        .expect(0)
+        .err("in/dem.asc: no sample is 77, so --hole");
+    bake(&folder, "build in/dem.asc --height-field --hole 77 --quiet --out o").expect(0);
+}
+
 #[test]
 fn errors_name_file_cause_and_remedy() {
     let folder = folder_with_grid();

@@ -420,3 +420,124 @@ fn submeshes_of_sdf_become_hulls_of_their_own() {
     assert!(centred.contains("<pose>0 0 0 0 0 0</pose>") || centred.contains("<pose>-0 "), "{centred}");
     assert_eq!(run(folder.path(), line).expect(0).json()[0]["status"], "fresh");
 }
+
+const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A project with these files.
+fn project(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join(".git")).unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+/// Vertices and faces in the text: a file beside the hulls, baked like others.
+#[test]
+fn meshes_in_mjcf_are_baked_like_files() {
+    let model = |height: &str| {
+        format!(
+            "<mujoco><asset>\n<mesh name='a b' vertex='0 0 0 1 0 0 0 1 0 0 0 {height}'/>\n\
+             <mesh name='f' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 2 1 0 1 3 0 3 2 1 2 3'/></asset>\n\
+             <worldbody><body name='b'><geom type='mesh' mesh='a b'/><geom type='mesh' mesh='f'/></body></worldbody></mujoco>"
+        )
+    };
+    let folder = project(&[("m.xml", &model("1"))]);
+    let line = "robot m.xml --out o --decompose --max-error 1mm --json";
+    assert_eq!(run(folder.path(), &format!("{line} --check")).expect(1).json()[0]["status"], "missing");
+    let found = run(folder.path(), line).expect(0);
+    assert_eq!(actions(&found.json()[0]), ["hull", "hull"]);
+    let text = fs::read_to_string(folder.path().join("o/m.xml")).unwrap();
+    assert!(text.contains("<mesh name='a_b_inline_hull' file=\"m_collision/a_b_inline_hull.obj\"/>"), "{text}");
+    assert!(found.stderr.contains("becomes one hull, because its mesh is the hull of points"), "{}", found.stderr);
+    assert_eq!(run(folder.path(), line).expect(0).json()[0]["status"], "fresh");
+    run(folder.path(), &format!("{line} --check --report r.html")).expect(2);
+    run(folder.path(), &format!("{line} --report r.html")).expect(0);
+    run(folder.path(), "verify o/m_collision --require-source").expect(0);
+    fs::write(folder.path().join("m.xml"), model("2")).unwrap();
+    let stale = run(folder.path(), &format!("{line} --check")).expect(1).json().remove(0);
+    assert_eq!(stale["status"], "stale");
+    assert!(stale["reason"].as_str().unwrap().contains("a_b_inline.obj is not the mesh in the description"), "{stale}");
+    run(folder.path(), line).expect(0);
+    let hull = fs::read_to_string(folder.path().join("o/m_collision/a_b_inline_hull.obj")).unwrap();
+    assert!(hull.contains("v 0 0 2\n"), "{hull}");
+}
+
+/// A geom of MJCF states that it does not collide; a link of URDF only has no collision.
+#[test]
+fn bodies_of_mjcf_that_do_not_collide_stay_so() {
+    let text = "<mujoco><asset><mesh file='t.obj'/></asset><default><default class='v'><geom contype='0' conaffinity='0'/></default></default>\
+                <worldbody><body name='target' mocap='true'><geom type='mesh' mesh='t' contype='0' conaffinity='0'/></body>\
+                <body name='shell'><freejoint/><geom class='v' type='mesh' mesh='t'/></body>\
+                <body name='solid'><freejoint/><geom type='mesh' mesh='t'/></body></worldbody></mujoco>";
+    let folder = project(&[("m.xml", text), ("t.obj", TETRAHEDRON)]);
+    let found = run(folder.path(), "robot m.xml --out o --json").expect(0);
+    assert_eq!(actions(&found.json()[0]), ["hull"]);
+    let note = "bodies whose geoms do not collide stay so: `target`, `shell`; --from-visual always";
+    assert!(found.stderr.contains(note), "{}", found.stderr);
+    let always = run(folder.path(), "robot m.xml --out o --from-visual always --json").expect(0);
+    assert_eq!(actions(&always.json()[0]), ["hull", "hull", "hull"]);
+}
+
+/// The output loads where it lies, or a warning says what will not be found.
+#[test]
+fn files_that_the_output_needs_are_copied_or_named() {
+    let attach = "<mujoco><asset><model name='rob' file='sub/robot.xml'/></asset>\n\
+                  <worldbody><frame pos='0 0 1'><attach model='rob' body='r' prefix='x_'/></frame></worldbody></mujoco>";
+    let robot = "<mujoco><compiler meshdir='assets'/><include file='more/a.xml'/>\
+                 <worldbody><body name='r'><geom type='mesh' mesh='t'/></body></worldbody></mujoco>";
+    let part = "<mujocoinclude><asset><mesh name='t' file='t.obj'/></asset></mujocoinclude>";
+    let mesh = |name: &str| format!("<geometry><mesh filename='{name}'/></geometry>");
+    let arm = format!(
+        "<robot name='r'>\n<link name='a'><visual>{0}</visual><collision>{0}</collision></link>\n<link name='b'/>\n\
+         <joint name='orphan' type='fixed'><parent link='a'/><child link='none'/></joint>\n\
+         <joint name='ab' type='fixed'><parent link='a'/><child link='b'/></joint>\n\
+         <joint name='ba' type='fixed'><parent link='b'/><child link='a'/></joint></robot>",
+        mesh("package://my-robot/m/t.obj")
+    );
+    let folder = project(&[
+        ("scene.xml", attach),
+        ("sub/robot.xml", robot),
+        ("sub/more/a.xml", part),
+        ("sub/assets/t.obj", TETRAHEDRON),
+        ("my-robot/package.xml", "<package><name>my_robot</name></package>"),
+        ("my-robot/m/t.obj", TETRAHEDRON),
+        ("my-robot/arm.urdf", &arm),
+    ]);
+    let found = run(folder.path(), "robot scene.xml --out o --json").expect(0);
+    assert!(
+        found.stderr.contains("the attached model `rob` keeps its collisions; name its file, too"),
+        "{}",
+        found.stderr
+    );
+    for file in ["sub/robot.xml", "sub/more/a.xml", "sub/assets/t.obj"] {
+        let copy = fs::read(folder.path().join("o").join(file)).unwrap();
+        assert_eq!(copy, fs::read(folder.path().join(file)).unwrap());
+    }
+    let beside = run(folder.path(), "robot my-robot/arm.urdf --out my-robot/hulls.urdf").expect(0);
+    for expected in [
+        "warning: my-robot/arm.urdf: line 4: joint `orphan`: its parent or child is not a link",
+        "warning: my-robot/arm.urdf: line 6: joint `ba`: its child is above its parent, so it closes a loop",
+    ] {
+        assert!(beside.stderr.contains(expected), "{}", beside.stderr);
+    }
+    let text = fs::read_to_string(folder.path().join("my-robot/hulls.urdf")).unwrap();
+    assert!(text.contains("package://my-robot/hulls_collision/t_hull.obj"), "{text}");
+    let lost = "names that lead to no file from";
+    assert!(!beside.stderr.contains(lost), "{}", beside.stderr);
+    // From another folder of the project, the package is found by its folder; from outside, it is
+    // not.
+    let above = run(folder.path(), "robot my-robot/arm.urdf --out x").expect(0);
+    assert!(!above.stderr.contains(lost), "{}", above.stderr);
+    let elsewhere = tempfile::tempdir().unwrap();
+    let line = format!("robot my-robot/arm.urdf --out {}", elsewhere.path().display());
+    let found = run(folder.path(), &line).expect(0);
+    assert!(
+        found.stderr.contains(lost) && found.stderr.contains("`package://my-robot/m/t.obj`; write the output into"),
+        "{}",
+        found.stderr
+    );
+}

@@ -1,6 +1,7 @@
 //! Arguments of `bake build --height-field`.
 
 use hullmap::height_field::Diagonal;
+use hullmap_import::height_field::Hole;
 
 use crate::options::table::Section;
 
@@ -23,9 +24,9 @@ pub struct HeightFieldArgs {
     /// First vertex [default: the file's, or field centred at 0 0]
     #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
     pub origin: Option<[f64; 2]>,
-    /// Sample that means no ground, in addition to NaN
-    #[arg(long, value_name = "V", value_parser = finite, allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
-    pub hole: Option<f64>,
+    /// Sample that means no ground, compared as samples are stored
+    #[arg(long, value_name = "V", allow_hyphen_values = true, requires = "is_set", hide_short_help = true)]
+    pub hole: Option<Hole>,
     /// PNG beside each INPUT in which black pixels are holes
     #[arg(long, value_name = "NAME", value_parser = name, requires = "is_set", hide_short_help = true)]
     pub hole_image: Option<String>,

@@ -6,6 +6,8 @@
 
 use std::fmt::Write as _;
 
+use hullmap_robot::InlineMesh;
+
 use super::body::Body;
 use super::names::line;
 
@@ -52,6 +54,19 @@ pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
             text += &format!("usemtl{name}\n");
         }
         push_element(&mut text, "f", corners.into_iter().map(|corner| 1 + u64::from(corner)));
+    }
+    text.into_bytes()
+}
+
+/// The file of a mesh that a description contains: its triangles, or its vertices if it has none.
+pub fn write_inline(mesh: &InlineMesh) -> Vec<u8> {
+    let mut text = format!("# Mesh of a robot, written by bake robot\no {}\n", line(&mesh.name));
+    push_vertices(&mut text, &mesh.vertices);
+    for corners in &mesh.triangles {
+        push_element(&mut text, "f", corners.iter().map(|corner| 1 + u64::from(*corner)));
+    }
+    if mesh.triangles.is_empty() {
+        push_element(&mut text, "p", 1..=mesh.vertices.len() as u64);
     }
     text.into_bytes()
 }

@@ -1,6 +1,7 @@
 //! ESRI ASCII grids: a header of keys with numbers, then the samples, the top row first.
 
 use super::grid::{HeightOptions, Heights, flipped, sample_count};
+use super::hole::Hole;
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::tokens::{Tokens, text};
 
@@ -18,7 +19,7 @@ struct Head {
     columns: Option<f64>,
     rows: Option<f64>,
     size: Option<f64>,
-    no_data: Option<f64>,
+    no_data: Option<Hole>,
     /// x and y of the lower left corner, or of the middle of the lower left cell.
     low: [Option<f64>; 2],
     /// Whether they belong to the middle of a cell.
@@ -44,13 +45,14 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
     if tokens.rest().len().saturating_add(1) < 2 * count {
         return Err(missing(format!("at most {}", tokens.rest().len().div_ceil(2))).of_file());
     }
-    let no_data = head.no_data.unwrap_or(NO_DATA);
+    let no_data = head.no_data.unwrap_or(Hole::new(NO_DATA));
+    let mut hole_samples = 0;
     let mut samples = Vec::with_capacity(count);
     while samples.len() < count {
         let Some(word) = tokens.next() else { return Err(missing(samples.len().to_string()).of_file()) };
         let sample = number(word).map_err(|fault| fault.at_line(tokens.line()))?;
-        let is_hole = sample == no_data || Some(sample) == options.hole;
-        samples.push(if is_hole { f32::NAN } else { options.height(sample) });
+        let height = options.height_of_number(sample, &mut hole_samples);
+        samples.push(if no_data.is_number(sample) { f32::NAN } else { height });
     }
     if let Some(word) = tokens.next() {
         let text = format!("`{}` after the last of {count} samples; correct `ncols` and `nrows`", excerpt(&text(word)));
@@ -62,7 +64,7 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
     let middle = |low: f64, is_middle: bool| if is_middle { low } else { low + 0.5 * size };
     let origin = x.zip(y).map(|(x, y)| [middle(x, mid_x), middle(y, mid_y)]);
     let heights = flipped(&samples, columns);
-    Ok(Heights { columns, rows, heights, origin, spacing: Some([size; 2]), is_image: false })
+    Ok(Heights { columns, rows, heights, hole_samples, origin, spacing: Some([size; 2]), is_image: false })
 }
 
 /// Reads keys and their numbers, up to the first sample.
@@ -76,19 +78,22 @@ fn head(tokens: &mut Tokens) -> Result<Head, LineFault> {
             return Ok(head);
         }
         let key = text(word).to_ascii_lowercase();
-        let Some(value) = tokens.next_in_line() else {
+        let Some(word) = tokens.next_in_line() else {
             return Err(
                 Fault::format(format!("`{}` has no value; complete the line", excerpt(&key))).at_line(tokens.line())
             );
         };
-        let value = number(value).map_err(|fault| fault.at_line(tokens.line()))?;
+        let value = number(word).map_err(|fault| fault.at_line(tokens.line()))?;
         let [x, y] = &mut head.low;
         let [mid_x, mid_y] = &mut head.is_middle;
         let field = match key.as_str() {
             "ncols" => &mut head.columns,
             "nrows" => &mut head.rows,
             "cellsize" => &mut head.size,
-            "nodata_value" => &mut head.no_data,
+            "nodata_value" => {
+                head.no_data = Some(text(word).parse().unwrap_or(Hole::new(value)));
+                continue;
+            }
             "xllcorner" | "xllcenter" => {
                 *mid_x = key == "xllcenter";
                 x

@@ -1,5 +1,6 @@
 //! Heights on a grid, and how samples become heights.
 
+use super::hole::Hole;
 use crate::fault::{Fault, LineFault};
 
 /// Maximum number of samples: a height field has at most 2²⁷ cells.
@@ -12,9 +13,9 @@ pub struct HeightOptions {
     pub scale: f64,
     /// Height of a sample of 0.
     pub offset: f64,
-    /// Sample without ground; in an image, a whole number from 0 to 65535 (or 255). In grids of
+    /// Samples without ground; in an image, a whole number from 0 to 65535 (or 255). In grids of
     /// numbers, NaN never has ground.
-    pub hole: Option<f64>,
+    pub hole: Option<Hole>,
     /// Numbers of columns and rows of a file of raw numbers, which does not state them.
     pub raw: Option<[usize; 2]>,
 }
@@ -25,6 +26,13 @@ impl HeightOptions {
 
     pub(super) fn height(&self, sample: f64) -> f32 {
         (self.offset + self.scale * sample) as f32
+    }
+
+    /// The height of a sample of a grid of numbers; NaN for [`hole`](Self::hole), which is counted.
+    pub(super) fn height_of_number(&self, sample: f64, hole_samples: &mut usize) -> f32 {
+        let is_hole = self.hole.is_some_and(|hole| hole.is_number(sample));
+        *hole_samples += usize::from(is_hole);
+        if is_hole { f32::NAN } else { self.height(sample) }
     }
 }
 
@@ -37,6 +45,8 @@ pub struct Heights {
     pub rows: usize,
     /// Heights, row by row, the row with the least y first; NaN without ground.
     pub heights: Vec<f32>,
+    /// Number of samples that are the [hole](HeightOptions::hole) of the options.
+    pub hole_samples: usize,
     /// x and y of the first sample, if the file states them.
     pub origin: Option<[f64; 2]>,
     /// Distance of samples along x and y, if the file states it.

@@ -5,6 +5,7 @@ use std::io::Cursor;
 use png::{BitDepth, ColorType, Decoder, Limits};
 
 use super::grid::{HeightOptions, Heights, flipped, sample_count};
+use super::hole::Hole;
 use crate::fault::{Fault, LineFault};
 
 /// Greatest ratio of the bytes of an image to its compressed bytes: a little above the ratio of
@@ -32,17 +33,18 @@ pub(super) fn is_png(bytes: &[u8]) -> bool {
 /// Heights of an image.
 pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, LineFault> {
     let Samples { columns, rows, samples, white } = samples(bytes)?;
-    let white = f64::from(white);
-    if let Some(hole) = options.hole.filter(|hole| !(0.0..=white).contains(hole) || hole.fract() != 0.0) {
+    let grey = |hole: Hole| {
         let text = format!("no sample is {hole}; name a grey value from 0 to {white} with --hole");
-        return Err(Fault::format(text).of_file());
-    }
-    let height = |sample: u16| {
-        let sample = f64::from(sample);
-        if Some(sample) == options.hole { f32::NAN } else { options.height(sample / white) }
+        hole.grey(white).ok_or_else(|| Fault::format(text).of_file())
     };
-    let heights = samples.into_iter().map(height).collect();
-    Ok(Heights { columns, rows, heights, origin: None, spacing: None, is_image: true })
+    let hole = options.hole.map(grey).transpose()?;
+    let height = |sample: &u16| match *sample {
+        sample if Some(sample) == hole => f32::NAN,
+        sample => options.height(f64::from(sample) / f64::from(white)),
+    };
+    let heights = samples.iter().map(height).collect();
+    let hole_samples = samples.iter().filter(|sample| Some(**sample) == hole).count();
+    Ok(Heights { columns, rows, heights, hole_samples, origin: None, spacing: None, is_image: true })
 }
 
 /// Cells that are holes, by an image of vertices or of cells.

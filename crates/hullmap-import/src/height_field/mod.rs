@@ -11,6 +11,7 @@
 
 mod esri;
 mod grid;
+mod hole;
 mod image;
 mod raw;
 #[cfg(test)]
@@ -19,6 +20,7 @@ mod tests;
 use std::path::Path;
 
 pub use grid::{HeightOptions, Heights};
+pub use hole::Hole;
 
 use crate::fault::{Fault, ImportError, LineFault};
 use crate::limits::Limits;

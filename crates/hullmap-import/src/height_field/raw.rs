@@ -20,10 +20,8 @@ pub(super) fn heights(
         return Err(Fault::format(text).of_file());
     }
     let (samples, _) = bytes.as_chunks::<4>();
-    let height = |sample: &[u8; 4]| {
-        let sample = f64::from(f32::from_le_bytes(*sample));
-        if Some(sample) == options.hole { f32::NAN } else { options.height(sample) }
-    };
-    let heights = samples.iter().map(height).collect();
-    Ok(Heights { columns, rows, heights, origin: None, spacing: None, is_image: false })
+    let mut hole_samples = 0;
+    let number = |sample: &[u8; 4]| f64::from(f32::from_le_bytes(*sample));
+    let heights = samples.iter().map(|sample| options.height_of_number(number(sample), &mut hole_samples)).collect();
+    Ok(Heights { columns, rows, heights, hole_samples, origin: None, spacing: None, is_image: false })
 }

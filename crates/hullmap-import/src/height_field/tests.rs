@@ -23,7 +23,7 @@ fn message(bytes: &[u8], options: &HeightOptions) -> String {
 
 #[test]
 fn images_count_from_black_to_white_and_their_top_row_is_the_last() {
-    let options = HeightOptions { scale: 100.0, offset: -10.0, hole: Some(7.0), ..HeightOptions::DEFAULT };
+    let options = HeightOptions { scale: 100.0, offset: -10.0, hole: Some(Hole::new(7.0)), ..HeightOptions::DEFAULT };
     let found = import_heights("a.png", &grey(3, 2, &[0, 65535, 7, 13107, 0, 0]), &options).unwrap();
     assert_eq!((found.columns, found.rows, found.is_image), (3, 2, true));
     assert_eq!(found.heights[..5], [10.0, -10.0, -10.0, -10.0, 90.0]);
@@ -31,7 +31,7 @@ fn images_count_from_black_to_white_and_their_top_row_is_the_last() {
     let eight = image(2, 1, png::ColorType::Grayscale, png::BitDepth::Eight, &[51, 255]);
     assert_eq!(import_heights("a", &eight, &options).unwrap().heights, [10.0, 90.0]);
     for hole in [256.0, -1.0, 0.5] {
-        let found = message(&eight, &HeightOptions { hole: Some(hole), ..options });
+        let found = message(&eight, &HeightOptions { hole: Some(Hole::new(hole)), ..options });
         assert!(found.contains(&format!("no sample is {hole}; name a grey value from 0 to 255")), "{found}");
     }
 }
@@ -65,7 +65,8 @@ fn crc(bytes: &[u8]) -> u32 {
 #[test]
 fn raw_numbers_have_the_stated_size() {
     let bytes: Vec<u8> = [1.0_f32, -2.0, f32::NAN, 4.0, 5.0, -1.0].iter().flat_map(|x| x.to_le_bytes()).collect();
-    let options = HeightOptions { raw: Some([2, 3]), scale: 2.0, hole: Some(-1.0), ..HeightOptions::DEFAULT };
+    let options =
+        HeightOptions { raw: Some([2, 3]), scale: 2.0, hole: Some(Hole::new(-1.0)), ..HeightOptions::DEFAULT };
     let found = import_heights("a.f32", &bytes, &options).unwrap();
     assert_eq!((found.columns, found.rows, &found.heights[..2]), (2, 3, &[2.0, -4.0][..]));
     assert!(found.heights[2].is_nan() && found.heights[5].is_nan());
@@ -77,9 +78,63 @@ fn raw_numbers_have_the_stated_size() {
     assert!(message(&bytes, &HeightOptions::DEFAULT).contains("expected a greyscale PNG"));
 }
 
+/// Values as tools write them, each with samples as they are stored that are this value, and others
+/// that are not. The nearest f32 is computed by the parser of f32, from the decimal.
+#[test]
+fn hole_values_match_samples_as_they_are_stored() {
+    let same = |text: &str| text.parse::<f32>().unwrap();
+    for (value, holes, others) in [
+        ("-9999", vec![same("-9999")], vec![same("-9999.4"), same("-9998.999")]),
+        ("-9999.9", vec![same("-9999.9")], vec![same("-9999.899")]),
+        ("-9999.900390625", vec![same("-9999.9")], vec![-9999.0]),
+        ("0.1", vec![0.1], vec![0.100_000_01, 0.0]),
+        ("1e30", vec![1e30], vec![same("1.0000002e30")]),
+        ("3.4028235e38", vec![f32::MAX], vec![f32::MAX.next_down().next_down(), f32::MIN]),
+        ("-3.4e38", vec![-3.4e38], vec![f32::MIN, same("-3.4000003e38")]),
+        // Rounded to six, seven and nine digits: of the least f32, and of its neighbours if they
+        // have the same digits.
+        ("-3.40282e+38", vec![f32::MIN, same("-3.402820e38")], vec![-3.4028e38]),
+        ("-3.402823e+38", vec![f32::MIN, f32::MIN.next_up()], vec![-3.4028e38, f32::MAX]),
+        ("-3.40282347E+38", vec![f32::MIN], vec![f32::MIN.next_up().next_up(), -3.4e38]),
+        ("-340282346638528859811704183484516925440", vec![f32::MIN], vec![f32::MIN.next_up()]),
+        ("1.000000e+05", vec![1e5], vec![100_000.1]),
+        ("100000", vec![1e5], vec![100_000.3]),
+        ("0", vec![0.0, -0.0], vec![0.3, f32::MIN_POSITIVE]),
+        ("0.000000e+00", vec![0.0], vec![1e-7]),
+        ("-1.797693e+308", vec![], vec![f32::MIN]),
+    ] {
+        let hole: Hole = value.parse().unwrap();
+        assert_eq!(hole.to_string().parse(), Ok(hole), "{value} reads back");
+        let options = HeightOptions { hole: Some(hole), ..HeightOptions::DEFAULT };
+        let samples: Vec<f32> = holes.iter().chain(&others).copied().chain([f32::NAN]).collect();
+        let bytes: Vec<u8> = samples.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let raw = HeightOptions { raw: Some([samples.len(), 1]), ..options };
+        let found = import_heights("a", &bytes, &raw).unwrap();
+        let numbers = format!("ncols {}\nnrows 1\ncellsize 1\n", samples.len());
+        let written = samples.iter().map(|x| f64::from(*x).to_string()).collect::<Vec<_>>().join(" ");
+        let in_text = import_heights("a", (numbers.clone() + &written).as_bytes(), &options).unwrap();
+        let stated = format!("{numbers}NODATA_value {value}\n{written}");
+        let by_header = import_heights("a", stated.as_bytes(), &HeightOptions::DEFAULT).unwrap();
+        for (heights, count) in [(&found, holes.len()), (&in_text, holes.len()), (&by_header, 0)] {
+            let is_hole: Vec<bool> = heights.heights.iter().map(|height| height.is_nan()).collect();
+            let (first, rest) = is_hole.split_at(holes.len());
+            assert!(first.iter().all(|hole| *hole), "{value}: {heights:?}");
+            assert!(rest[..others.len()].iter().all(|hole| !hole) && rest[others.len()], "{value}: {heights:?}");
+            assert_eq!(heights.hole_samples, count, "{value}");
+        }
+    }
+    // A value beyond f32 in a grid of text, and values that are none.
+    let hole: Hole = "-1.797693e+308".parse().unwrap();
+    assert!(hole.is_number(f64::MIN) && !hole.is_number(-1.7e308));
+    assert!(["", "x", "1e400", "nan", "1e", "--1"].iter().all(|text| text.parse::<Hole>().is_err()));
+    let none = HeightOptions { hole: Some(Hole::new(9.0)), ..HeightOptions::DEFAULT };
+    assert_eq!(import_heights("a", &grey(2, 1, &[1, 2]), &none).unwrap().hole_samples, 0);
+    assert_eq!(import_heights("a", &grey(2, 1, &[9, 9]), &none).unwrap().hole_samples, 2);
+}
+
 #[test]
 fn grids_of_text_name_the_line_of_a_fault() {
-    let options = HeightOptions { hole: Some(5.0), ..HeightOptions::DEFAULT };
+    let options = HeightOptions { hole: Some(Hole::new(5.0)), ..HeightOptions::DEFAULT };
     let head = "NCOLS 2\r\nnrows 2\nxllcenter -1.5\nyllcorner 4\ncellsize 0.5\nNODATA_value -1\n";
     let found = import_heights("a", format!("{head}1 2\n-1 5\n").as_bytes(), &options).unwrap();
     assert!(found.heights[0].is_nan() && found.heights[1].is_nan());
@@ -129,7 +184,7 @@ fn damaged_files_end_in_heights_or_an_error() {
     for (bytes, raw) in
         [(grid, None), (eight, None), (grey(3, 3, &[5, 0, 65535, 9, 9, 9, 1, 2, 3]), None), (raw, Some([3, 2]))]
     {
-        let options = HeightOptions { raw, hole: Some(5.0), ..HeightOptions::DEFAULT };
+        let options = HeightOptions { raw, hole: Some(Hole::new(5.0)), ..HeightOptions::DEFAULT };
         let mut try_out = |bytes: &[u8]| {
             match import_heights("a", bytes, &options) {
                 Ok(found) => {

@@ -48,6 +48,11 @@ impl Classes {
         }
     }
 
+    /// Whether a class exists.
+    pub fn has(&self, name: &str) -> bool {
+        name == "main" || self.named.contains_key(name)
+    }
+
     /// The attribute of an element, or of its class: the class that it states, or the class of the
     /// nearest body or frame with `childclass`.
     pub fn get<'b>(&'b self, element: &'b Element, childclass: Option<&str>, name: &str) -> Option<&'b str> {

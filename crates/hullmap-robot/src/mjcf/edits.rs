@@ -34,7 +34,14 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
     let tree = Tree { parsed: &parsed, includes: &model.includes };
     let nodes: BTreeMap<(usize, usize), Element> =
         tree.all().map(|element| ((element.document, element.node.range().start), element)).collect();
-    let mut assets = Assets { documents, taken: names_of_meshes(&tree), named: BTreeMap::new(), edits: Vec::new() };
+    let mut assets = Assets {
+        documents,
+        are_in_model: model.assets_in_model,
+        taken: names_of_meshes(&tree),
+        named: BTreeMap::new(),
+        edits: Vec::new(),
+        in_model: Vec::new(),
+    };
     let named = tree.all().filter(|element| element.name() == "geom").filter_map(|geom| geom.node.attribute("name"));
     let mut geoms: BTreeSet<String> = named.map(str::to_owned).collect();
     for change in changes {
@@ -68,6 +75,7 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
             Change::FromVisual { .. } => own.extend(names.iter().map(|name| writer.as_collision(Some(name)))),
         }
     }
+    result[0].extend(assets.section(&tree));
     for (document, edit) in assets.edits {
         result[document].push(edit);
     }
@@ -92,9 +100,21 @@ struct Assets<'a> {
     /// By the old asset and the new file.
     named: BTreeMap<((usize, usize), String), String>,
     edits: Vec<(usize, Edit)>,
+    /// Whether assets of included files are added to the model's own file.
+    are_in_model: bool,
+    /// Elements that are added there.
+    in_model: Vec<String>,
 }
 
 impl Assets<'_> {
+    /// The section of the assets in the model's own file. MuJoCo merges sections of the same name.
+    fn section(&self, tree: &Tree) -> Option<Edit> {
+        let last = tree.root().node.last_element_child().filter(|_| !self.in_model.is_empty())?;
+        let line = &self.documents[0].text()[lead(last, self.documents[0].text())];
+        let assets: String = self.in_model.iter().map(|asset| format!("{line}  {asset}")).collect();
+        Some(Edit::insert(last.range().end, format!("{line}<asset>{assets}{line}</asset>")))
+    }
+
     /// The names of the assets of these files, for a geom. An asset is added once for each file and
     /// old asset. It is a copy of the old one, with its scale and class.
     fn add_copies(&mut self, geom: &Geom, nodes: &BTreeMap<(usize, usize), Element>, files: &[String]) -> Vec<String> {
@@ -111,8 +131,13 @@ impl Assets<'_> {
             let node = asset.node;
             let mut own = vec![set(node, text, "name", &name), set(node, text, "file", file)];
             own.extend(NOT_OF_HULLS.iter().filter_map(|name| without(node, text, name)));
-            let copy = text[lead(node, text)].to_owned() + &edited(text, node.range(), own);
-            self.edits.push((asset.document, Edit::insert(node.range().end, copy)));
+            let copy = edited(text, node.range(), own);
+            if self.are_in_model && asset.document != 0 {
+                self.in_model.push(copy);
+            } else {
+                let copy = text[lead(node, text)].to_owned() + &copy;
+                self.edits.push((asset.document, Edit::insert(node.range().end, copy)));
+            }
             self.named.insert((key, file.clone()), name.clone());
             names.push(name);
         }

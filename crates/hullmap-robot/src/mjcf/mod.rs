@@ -8,9 +8,12 @@
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>
 
+mod attached;
 mod classes;
+pub(crate) mod compiler;
 mod contacts;
 mod edits;
+mod inline;
 mod joints;
 pub(crate) mod model;
 mod pose;
@@ -19,6 +22,7 @@ mod tree;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::slice;
+use std::sync::Arc;
 
 use crate::chain::{Chain, Joint};
 use crate::description::{
@@ -27,12 +31,14 @@ use crate::description::{
 use crate::document::Document;
 use crate::error::RobotError;
 use crate::frame::Frame;
-use crate::places::{Places, folder_of};
+use crate::places::{InlineMesh, Places, Unresolved, folder_of};
 use crate::primitive::{NamedPrimitive, Primitive};
+use crate::urdf;
 use classes::Classes;
+use compiler::{Compiler, Start};
 pub(crate) use edits::edits;
 use model::{Geom, Model};
-use pose::{Angles, between};
+use pose::between;
 use tree::{Element, Tree};
 
 /// Groups below this one are drawn unless the user hides them.
@@ -50,47 +56,41 @@ const NAMES_OF_GEOMS: [&str; 4] = ["geom", "geom1", "geom2", "objname"];
 /// A mesh asset.
 struct Asset<'a> {
     element: Element<'a>,
-    /// `None` for a mesh without a file.
-    file: Option<&'a str>,
+    source: Source<'a>,
 }
 
-/// Settings of `compiler`, over all files.
-struct Compiler<'a>(BTreeMap<&'a str, &'a str>);
-
-impl<'a> Compiler<'a> {
-    fn read(tree: &Tree<'a>) -> Self {
-        let compilers = tree.children(tree.root()).into_iter().filter(|element| element.name() == "compiler");
-        let stated = compilers.flat_map(|compiler| compiler.node.attributes().map(|own| (own.name(), own.value())));
-        Self(stated.collect())
-    }
-
-    /// The folder of these assets.
-    fn folder(&self, key: &str) -> &'a str {
-        self.0.get(key).or(self.0.get("assetdir")).copied().unwrap_or_default()
-    }
-
-    fn is(&self, key: &str, value: &str) -> bool {
-        self.0.get(key) == Some(&value)
-    }
-
-    fn angles(&self) -> Angles<'a> {
-        let sequence = self.0.get("eulerseq").copied().unwrap_or("xyz");
-        Angles { are_degrees: !self.is("angle", "radian"), sequence }
-    }
+/// What a mesh asset states.
+enum Source<'a> {
+    File(&'a str),
+    Inline(Arc<InlineMesh>),
+    /// Invalid numbers, with the cause and the remedy.
+    Invalid(String),
+    /// Neither a file nor vertices.
+    Other,
 }
 
-/// Finds the bodies of a model.
+/// Finds the bodies of a model. Its references include the files that attached models need.
 ///
 /// # Errors
 /// A file is missing, invalid, or included twice, or names are used twice.
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
+    let (mut description, attached) = read_one(document, places)?;
+    let read_other = |path: &Path| {
+        let document = Document::read(path)?;
+        let is_urdf = document.parse()?.root_element().has_tag_name("robot");
+        if is_urdf { Ok((urdf::read(document, places)?, Vec::new())) } else { read_one(document, places) }
+    };
+    attached::add_references(&mut description, attached, read_other);
+    Ok(description)
+}
+
+/// A model, and the files of the models that it attaches.
+fn read_one(document: Document, places: &Places) -> Result<(Description, Vec<Reference>), RobotError> {
     let (documents, includes) = tree::load(document, places)?;
     let parsed: Vec<roxmltree::Document> = documents.iter().map(Document::parse).collect::<Result<_, _>>()?;
     let tree = Tree { parsed: &parsed, includes: &includes };
-    let compiler = Compiler::read(&tree);
-    let strips = compiler.is("strippath", "true");
-    let folder = folder_of(documents[0].path()).to_owned();
-    let mesh_folder = folder.join(compiler.folder("meshdir"));
+    let compilers = tree.children(tree.root()).into_iter().filter(|element| element.name() == "compiler");
+    let compiler = Compiler::new(compilers.map(|compiler| compiler.node));
     let reader = Reader {
         documents: &documents,
         classes: Classes::read(&tree),
@@ -99,35 +99,40 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         paired: contacts::paired_geoms(&tree),
         compiler: &compiler,
         places,
-        mesh_folder: &mesh_folder,
-        strips,
         tree,
     };
-    let (links, geoms, chain) = reader.bodies()?;
-    let references = references(&reader, &folder);
+    let (links, geoms, chain, mut warnings) = reader.bodies()?;
+    let (references, attached) = references(&reader);
     let notes = reader.notes();
+    warnings.extend(reader.unknown_classes());
     let name = reader.tree.root().node.attribute("model").unwrap_or_default().to_owned();
     let (contacts, unknown) = contacts::contacts(&reader.tree, &links);
     let unread = reader.unread(unknown);
-    let mesh_names = MeshNames { scheme: None, folder: compiler.folder("meshdir").to_owned(), strips };
+    let meshes = compiler.opened("mesh").unwrap_or_default().path;
+    // Names of an included file must be found in both folders.
+    let assets_in_model = !compiler.strips() && compiler.probed("mesh").path != meshes;
+    let only_folder = compiler.strips().then(|| meshes.to_owned());
+    let mesh_names = MeshNames { packages: Vec::new(), folder: meshes.to_owned(), only_folder };
     drop(reader);
     drop(compiler);
     drop(parsed);
-    let mjcf = Some(Model { includes, geoms });
+    let mjcf = Some(Model { includes, geoms, assets_in_model });
     let chain = chain.without_circular_couplings();
-    Ok(Description {
+    let description = Description {
         format: Format::Mjcf,
         name,
         documents,
         links,
         references,
         notes,
+        warnings,
         chain,
         contacts,
         unread,
         mesh_names,
         mjcf,
-    })
+    };
+    Ok((description, attached))
 }
 
 /// The meshes of the assets, by name.
@@ -144,7 +149,8 @@ fn assets<'a>(tree: &Tree<'a>, documents: &[Document]) -> Result<BTreeMap<String
                 format!("mesh `{name}` exists already, at {}:{line}; rename one of them", document.path().display());
             return Err(documents[element.document].error(element.node.range().start, message));
         }
-        assets.insert(name, Asset { element, file });
+        let source = file.map_or_else(|| inline::source(element.node, &name), Source::File);
+        assets.insert(name, Asset { element, source });
     }
     Ok(assets)
 }
@@ -169,8 +175,6 @@ struct Reader<'a> {
     paired: BTreeSet<&'a str>,
     compiler: &'a Compiler<'a>,
     places: &'a Places,
-    mesh_folder: &'a Path,
-    strips: bool,
 }
 
 /// An element in a body.
@@ -194,10 +198,10 @@ struct Contents<'a, 'c> {
 type Geoms = BTreeMap<(usize, usize), Geom>;
 
 impl<'a> Reader<'a> {
-    fn bodies(&self) -> Result<(Vec<Link>, Geoms, Chain), RobotError> {
-        let (mut links, mut geoms) = (Vec::new(), Geoms::new());
-        let (mut placed, mut mocap, mut joints, mut notes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut names = BTreeMap::new();
+    fn bodies(&self) -> Result<(Vec<Link>, Geoms, Chain, Vec<String>), RobotError> {
+        let (mut links, mut geoms, mut warnings) = (Vec::new(), Geoms::new(), Vec::new());
+        let (mut placed, mut mocap, mut joints) = (Vec::new(), Vec::new(), Vec::new());
+        let mut names: BTreeMap<String, u32> = BTreeMap::new();
         let worlds = self.tree.children(self.tree.root()).into_iter().filter(|element| element.name() == "worldbody");
         let worlds: Vec<Element> = worlds.collect();
         let inside = |element| Inside { element, childclass: None, frame: Frame::IDENTITY };
@@ -210,11 +214,13 @@ impl<'a> Reader<'a> {
             let elements = if parent.is_none() { &worlds } else { slice::from_ref(&body.element) };
             let own = self.contents(elements, childclass);
             waiting.extend(own.bodies.into_iter().rev().map(|body| (body, Some(index))));
+            warnings.extend(own.geoms.iter().filter_map(|geom| self.unknown_mesh(geom)));
             let link = self.link(body.element, own.geoms, &mut geoms, &mut names)?;
             let rest = self.compiler.angles().frame(|name| body.element.node.attribute(name)).unwrap_or_else(|| {
-                notes.push(format!(
-                    "line {}: the pose of body `{}` is invalid; it is taken as 0 here",
-                    link.line, link.name
+                warnings.push(format!(
+                    "{}: the pose of body `{}` is invalid, so it is taken as 0; correct it",
+                    self.place(body.element),
+                    link.name
                 ));
                 Frame::IDENTITY
             });
@@ -232,9 +238,46 @@ impl<'a> Reader<'a> {
             }
         }
         mocap.into_iter().for_each(|link| chain.links[link].is_mocap = true);
-        (chain.joints, chain.notes) = (joints, notes);
+        chain.joints = joints;
         joints::couple(&self.tree, &mut chain);
-        Ok((links, geoms, chain))
+        Ok((links, geoms, chain, warnings))
+    }
+
+    /// A place in a file, for messages.
+    fn place(&self, element: Element) -> String {
+        let document = &self.documents[element.document];
+        format!("{}:{}", document.path().display(), document.line(element.node.range().start))
+    }
+
+    /// A warning about a geom whose mesh does not exist.
+    fn unknown_mesh(&self, geom: &Inside) -> Option<String> {
+        let get = |name| self.classes.get(&geom.element, geom.childclass, name);
+        let place = self.place(geom.element);
+        match get("mesh") {
+            Some(mesh) if self.assets.contains_key(mesh) => None,
+            Some(mesh) => Some(format!(
+                "{place}: no mesh `{mesh}` is among the assets, and MuJoCo rejects the model; add it, or correct the name"
+            )),
+            None => (get("type") == Some("mesh"))
+                .then(|| format!("{place}: this geom names no mesh, and MuJoCo rejects the model; add mesh=\"…\"")),
+        }
+    }
+
+    /// A warning about each class that is named and does not exist.
+    fn unknown_classes(&self) -> Vec<String> {
+        let mut seen = BTreeSet::new();
+        let named = self.tree.all().filter(|element| element.name() != "default").flat_map(|element| {
+            let classes = ["class", "childclass"].into_iter().filter_map(move |key| element.node.attribute(key));
+            classes.map(move |class| (element, class))
+        });
+        let unknown = named.filter(|(_, class)| !self.classes.has(class) && seen.insert(*class));
+        let warning = |(element, class)| {
+            let place = self.place(element);
+            format!(
+                "{place}: no default class `{class}` exists, and MuJoCo rejects the model; add it, or correct the name"
+            )
+        };
+        unknown.map(warning).collect()
     }
 
     /// A body as a link. Adds the facts about its geoms that edits need.
@@ -349,6 +392,9 @@ impl<'a> Reader<'a> {
         let at = geom.node.range().start;
         let own = ends.map(|(own, _)| own).or_else(|| self.compiler.angles().frame(get));
         let is_named = pinned.is_some();
+        let is_hull =
+            mesh.is_some_and(|(_, asset)| matches!(&asset.source, Source::Inline(own) if own.triangles.is_empty()));
+        let only_hull = is_hull.then(|| "its mesh is the hull of points".to_owned());
         let shape = Shape {
             name,
             document: geom.document,
@@ -357,7 +403,7 @@ impl<'a> Reader<'a> {
             pose: own.map(|own| frame * own),
             contact_bits,
             is_drawn,
-            stays_single: pinned.map(|by| format!("an element `{by}` names the geom")),
+            stays_single: pinned.map(|by| format!("an element `{by}` names the geom")).or(only_hull),
             at,
         };
         let asset = mesh.map(|(_, asset)| (asset.element.document, asset.element.node.range().start));
@@ -365,14 +411,15 @@ impl<'a> Reader<'a> {
     }
 
     fn mesh(&self, asset: &Asset) -> Geometry {
-        let Some(file) = asset.file else {
-            return Geometry::Other("its mesh is written in the model; save it as a file".to_owned());
-        };
         let scale = self.classes.get(&asset.element, None, "scale");
-        let name =
-            if self.strips { Path::new(file).file_name().and_then(|name| name.to_str()).unwrap_or(file) } else { file };
-        let mut mesh = mesh_use(name, scale, self.places, self.mesh_folder);
-        mesh.written = file.to_owned();
+        let mut mesh = match &asset.source {
+            Source::File(file) => {
+                mesh_use(file, scale, |file| self.places.find(self.start(asset.element, file).name()))
+            }
+            Source::Inline(own) => mesh_use(&own.name, scale, |_| Err(Unresolved::Inline(Arc::clone(own)))),
+            Source::Invalid(cause) => mesh_use("", scale, |_| Err(Unresolved::Failed(cause.clone()))),
+            Source::Other => return Geometry::Other("its mesh has neither a file nor vertices".to_owned()),
+        };
         let reference = |name: &str| match name {
             "pos" => self.classes.get(&asset.element, None, "refpos"),
             "quat" => self.classes.get(&asset.element, None, "refquat"),
@@ -398,13 +445,25 @@ impl<'a> Reader<'a> {
         found.map(unread).collect()
     }
 
+    /// Where a file of an element is looked for.
+    fn start<'n>(&self, of: Element, name: &'n str) -> Start<'n> {
+        let folder = |document: usize| folder_of(self.documents[document].path());
+        let included = Some(folder(of.document)).filter(|_| of.document != 0);
+        self.compiler.start(of.name(), name, (folder(0), included), self.places)
+    }
+
     fn notes(&self) -> Vec<String> {
-        let is_other = |element: &Element| ["attach", "flexcomp"].contains(&element.name());
         let note = |element: Element| {
             let line = self.documents[element.document].line(element.node.range().start);
-            format!("line {line}: `{}` keeps its collisions", element.name())
+            match (element.name(), element.node.attribute("model")) {
+                ("attach", Some(model)) => {
+                    Some(format!("line {line}: the attached model `{model}` keeps its collisions; name its file, too"))
+                }
+                (name @ ("attach" | "flexcomp"), _) => Some(format!("line {line}: `{name}` keeps its collisions")),
+                _ => None,
+            }
         };
-        self.tree.all().filter(is_other).map(note).collect()
+        self.tree.all().filter_map(note).collect()
     }
 }
 
@@ -417,23 +476,24 @@ fn read_primitive(kind: &str, mut size: Vec<f64>, half_length: Option<f64>) -> O
     Primitive::new(kind, &size)
 }
 
-/// Files that the model names by relative paths.
-fn references(reader: &Reader, folder: &Path) -> Vec<Reference> {
-    let mut found = BTreeSet::new();
+/// Files that the model names by relative paths: all of them, and the files of attached models.
+fn references(reader: &Reader) -> (Vec<Reference>, Vec<Reference>) {
+    let root = folder_of(reader.documents[0].path());
+    let (mut found, mut attached) = (BTreeSet::new(), BTreeSet::new());
     for element in reader.tree.all() {
-        let folders: &[&str] = match element.name() {
-            "mesh" | "skin" | "hfield" => &["meshdir", ""],
-            "texture" => &["texturedir", ""],
-            _ => &[""],
-        };
+        let probed = reader.compiler.probed(element.name()).path;
         let named = element.node.attributes().filter(|own| own.name().starts_with("file"));
-        for name in named.map(|own| own.value()) {
-            let within = |key: &&str| if key.is_empty() { "" } else { reader.compiler.folder(key) };
-            let path = |within: &str| Path::new(within).join(name).to_string_lossy().replace('\\', "/");
-            let reference =
-                folders.iter().map(within).find_map(|within| reference(&path(within), reader.places, folder));
-            found.extend(reference.map(|reference| Reference { written: name.to_owned(), ..reference }));
+        for written in named.map(|own| own.value()) {
+            let start = reader.start(element, written);
+            let opened = reference(start.name, reader.places, &start.folder, root);
+            if element.name() == "model" {
+                attached.extend(opened.clone());
+            }
+            // In an included file, the file that MuJoCo looks for first decides which one it opens.
+            let probed = (element.document != 0).then(|| reference(written, reader.places, &root.join(probed), root));
+            let exists = opened.into_iter().chain(probed.flatten());
+            found.extend(exists.map(|own| Reference { written: written.to_owned(), ..own }));
         }
     }
-    found.into_iter().collect()
+    (found.into_iter().collect(), attached.into_iter().collect())
 }

@@ -12,6 +12,9 @@ pub struct Model {
     pub includes: Includes,
     /// By document and start of the geom.
     pub geoms: BTreeMap<(usize, usize), Geom>,
+    /// Whether new assets must be in the model's own file: in an included file, MuJoCo would look
+    /// for their files elsewhere.
+    pub assets_in_model: bool,
 }
 
 /// A geom of a mesh or primitive.

@@ -8,7 +8,7 @@ use roxmltree::Node;
 use super::model::Includes;
 use crate::document::Document;
 use crate::error::RobotError;
-use crate::places::{Places, Unresolved, folder_of};
+use crate::places::{Name, Places, Unresolved, folder_of};
 
 /// Maximum number of included files.
 const MAX_FILES: usize = 1000;
@@ -32,12 +32,13 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
             let Some(file) = node.attribute("file") else {
                 return Err(document.error(at, "this include names no file; add file=\"…\""));
             };
-            let path = places
-                .resolve(file, &root)
-                .or_else(|error| places.resolve(file, folder_of(document.path())).map_err(|_| error));
+            let find = |folder| {
+                places.find(Name { remedy: "restore it, or remove this include", ..Name::of_mesh(file, folder) })
+            };
+            let path = find(&root).or_else(|error| find(folder_of(document.path())).map_err(|_| error));
             let path = path.map_err(|error| match error {
                 Unresolved::Failed(message) => document.error(at, message),
-                Unresolved::Remote => document.error(at, format!("`{file}` is not on this machine; save it here")),
+                _ => document.error(at, format!("`{file}` is not on this machine; save it here")),
             })?;
             if !seen.insert(canonical(&path)) {
                 let message = format!(

@@ -55,10 +55,15 @@ struct Reader<'a, 'd> {
 }
 
 impl<'a> Reader<'a, '_> {
-    fn note(&mut self, node: Node, message: &str) {
+    /// What is said about an element, with its line.
+    fn about(&self, node: Node, message: &str) -> String {
         let line = self.document.line(node.range().start);
         let name = node.attribute("name").unwrap_or_default();
-        self.chain.notes.push(format!("line {line}: {} `{name}`: {message}", node.tag_name().name()));
+        format!("line {line}: {} `{name}`: {message}", node.tag_name().name())
+    }
+
+    fn warn(&mut self, node: Node, message: &str) {
+        self.chain.warnings.push(self.about(node, message));
     }
 
     /// The frame of each link in the file's. It is their rest, too, until a joint attaches them.
@@ -67,7 +72,7 @@ impl<'a> Reader<'a, '_> {
             let Some(&index) = self.index.get(&link.range().start) else { continue };
             match self.frames.in_world(link) {
                 Some(frame) => self.chain.links[index].rest = frame,
-                None => self.note(link, "its pose cannot be determined; it is taken as 0 here"),
+                None => self.warn(link, "its pose cannot be determined, so it is taken as 0; correct it"),
             }
         }
         self.chain.links.iter().map(|link| link.rest).collect()
@@ -79,14 +84,14 @@ impl<'a> Reader<'a, '_> {
             self.index.get(&found.range().start).copied()
         };
         let (parent, Some(link)) = (link("parent"), link("child")) else {
-            return self.note(node, "its child is not a link; it is left out here");
+            return self.warn(node, "its child is not a link of this file, so it is left out");
         };
         if let Some(parent) = parent {
             if let Err(reason) = self.chain.attach(link, parent, in_world[parent].inverse() * in_world[link]) {
-                return self.note(node, &format!("{reason}; it is left out here"));
+                return self.warn(node, &format!("{reason}, and is left out; correct it"));
             }
         } else if end(node, "parent") != Some("world") {
-            return self.note(node, "its parent is not a link; it is left out here");
+            return self.warn(node, "its parent is not a link of this file, so it is left out");
         }
         let axes: &[(&'static str, Motion)] = match node.attribute("type").unwrap_or_default() {
             "revolute" | "continuous" => &[("axis", Motion::Hinge)],
@@ -94,11 +99,16 @@ impl<'a> Reader<'a, '_> {
             "universal" | "revolute2" => &[("axis", Motion::Hinge), ("axis2", Motion::Hinge)],
             "ball" => &[("", Motion::Ball)],
             "fixed" => &[],
-            _ => return self.add_unmoved(node, link, "joints of its type are not moved here"),
+            _ => {
+                let note = self.about(node, "joints of its type are not moved here");
+                self.chain.notes.push(note);
+                return self.add_unmoved(node, link);
+            }
         };
         let in_model = self.frames.in_world(model).zip(self.frames.in_model(node));
         let Some((model_in_world, joint_in_model)) = in_model else {
-            return self.add_unmoved(node, link, "its pose cannot be determined; it is not moved here");
+            self.warn(node, "its pose cannot be determined, so it is not moved; correct it");
+            return self.add_unmoved(node, link);
         };
         let model_in_link = in_world[link].inverse() * model_in_world;
         for (name, motion) in axes {
@@ -106,8 +116,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    fn add_unmoved(&mut self, node: Node, link: usize, message: &str) {
-        self.note(node, message);
+    fn add_unmoved(&mut self, node: Node, link: usize) {
         self.chain.joints.push(Joint::unmoved(node.attribute("name").unwrap_or_default(), link));
     }
 
@@ -131,7 +140,10 @@ impl<'a> Reader<'a, '_> {
             Some(name) => match self.frames.named_in_model(model, name) {
                 Some(frame) => model_in_link.rotation * frame.rotation,
                 None => {
-                    self.note(node, "the frame of its axis cannot be determined; the frame of the joint is used here");
+                    self.warn(
+                        node,
+                        "the frame of its axis cannot be determined, so the frame of the joint is used; correct it",
+                    );
                     joint_in_link.rotation
                 }
             },
@@ -180,7 +192,7 @@ impl<'a> Reader<'a, '_> {
                     let coefficients = [offset, factor, 0.0, 0.0, 0.0];
                     self.chain.joints[follower].coupling = Some(Coupling { leader: Some(leader), coefficients });
                 }
-                None => self.note(mimic, "it names no joint that moves; it is left out here"),
+                None => self.warn(mimic, "it names no joint that moves, so it is left out; correct it"),
             }
         }
     }

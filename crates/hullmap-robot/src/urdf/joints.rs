@@ -22,28 +22,24 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
     let mut mimics = Vec::new();
     for node in children(robot, "joint") {
         let name = node.attribute("name").unwrap_or_default();
-        let mut note = |message: &str| {
-            let line = document.line(node.range().start);
-            chain.notes.push(format!("line {line}: joint `{name}`: {message}"));
-        };
+        let line = document.line(node.range().start);
+        let mut warn =
+            |message: &str| chain.warnings.push(format!("line {line}: joint `{name}`: {message}; correct it"));
         let end = |kind| child(node, kind).and_then(|end| end.attribute("link")).and_then(|link| index.get(link));
         let (Some(&parent), Some(&link)) = (end("parent"), end("child")) else {
-            note("its parent or child is not a link; it is left out here");
+            warn("its parent or child is not a link, so it is left out");
             continue;
         };
         let rest = pose(node).unwrap_or_else(|| {
-            note("its origin is not three numbers each; it is taken as 0 here");
+            warn("its origin is not three numbers each, so it is taken as 0");
             Frame::IDENTITY
         });
         let kind = node.attribute("type").unwrap_or_default();
         if matches!(kind, "floating" | "planar") {
-            note("it is not moved here, since it has no single axis");
+            chain.notes.push(format!("line {line}: joint `{name}`: it is not moved here, since it has no single axis"));
         }
         if let Err(reason) = chain.attach(link, parent, rest) {
-            chain.notes.push(format!(
-                "line {}: joint `{name}`: {reason}; it is left out here",
-                document.line(node.range().start)
-            ));
+            chain.warnings.push(format!("line {line}: joint `{name}`: {reason}, and is left out; correct it"));
             continue;
         }
         let Some(joint) = joint(node, name, kind, link) else { continue };
@@ -69,7 +65,9 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
             }
             None => {
                 let line = document.line(mimic.range().start);
-                chain.notes.push(format!("line {line}: this mimic names no joint that moves; it is left out here"));
+                chain
+                    .warnings
+                    .push(format!("line {line}: this mimic names no joint that moves, so it is left out; correct it"));
             }
         }
     }

@@ -69,11 +69,16 @@ impl FieldSource {
         Ok((heights, holes))
     }
 
+    /// A warning if the value of holes is the value of no sample.
+    pub fn warning(&self, heights: &Heights, options: &FieldOptions) -> Option<String> {
+        let hole = options.hole.filter(|_| heights.hole_samples == 0)?;
+        Some(format!("{}: no sample is {hole}, so --hole makes no holes; check the value", self.name))
+    }
+
     /// The height field.
-    pub fn bake(&self, options: &FieldOptions) -> Result<BakedHeightField, Failure> {
-        let (heights, holes) = self.import(options)?;
-        let layout = layout(&self.name, &heights, options)?;
-        let grid = HeightGrid { layout, heights: &heights.heights, holes: &holes, materials: &[] };
+    pub fn bake(&self, heights: &Heights, holes: &[bool], options: &FieldOptions) -> Result<BakedHeightField, Failure> {
+        let layout = layout(&self.name, heights, options)?;
+        let grid = HeightGrid { layout, heights: &heights.heights, holes, materials: &[] };
         bake_height_field(&grid).map_err(|error| Failure::rejected(format!("{}: {error}", self.name)))
     }
 }

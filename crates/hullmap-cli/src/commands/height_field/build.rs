@@ -33,6 +33,8 @@ struct Row {
     holes: usize,
     bytes: usize,
     millis: f64,
+    /// Findings to act on.
+    warnings: Vec<String>,
     error: Option<String>,
 }
 
@@ -60,6 +62,7 @@ pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
             holes: 0,
             bytes: 0,
             millis: 0.0,
+            warnings: Vec::new(),
             error: None,
         };
         match build(args, &source, &target, &options, &mut row) {
@@ -70,6 +73,7 @@ pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
                 row.error = Some(failure.message);
             }
         }
+        row.warnings.iter().filter(|_| !args.run.quiet).for_each(terminal::warning);
         row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
         end(exit, write_row(args, &row, out))?;
     }
@@ -139,6 +143,9 @@ fn build(
         (row.columns, row.rows) = (field.layout().columns, field.layout().rows);
         (row.holes, row.bytes) = (field.hole_count(), field.bytes().len());
         if is_fresh {
+            if options.hole.is_some() {
+                row.warnings.extend(files.warning(&files.import(options)?.0, options));
+            }
             row.status = "fresh";
             return Ok(Exit::Done);
         }
@@ -147,8 +154,10 @@ fn build(
         row.status = if target.exists() { "stale" } else { "missing" };
         return Ok(Exit::Rejected);
     }
-    let baked = files.bake(options)?;
-    drop(files);
+    let (heights, holes) = files.import(options)?;
+    row.warnings.extend(files.warning(&heights, options));
+    let baked = files.bake(&heights, &holes, options)?;
+    drop((files, heights, holes));
     let counts = baked.counts();
     let bytes = write_height_field(baked, &record)
         .map_err(|error| Failure::rejected(format!("{}: {error}", source.display())))?;

@@ -6,7 +6,7 @@
 use std::fmt;
 
 use hullmap::height_field::Diagonal;
-use hullmap_import::height_field::HeightOptions;
+use hullmap_import::height_field::{HeightOptions, Hole};
 
 use crate::args::height_field::{HeightFieldArgs, name};
 
@@ -25,7 +25,7 @@ pub struct FieldOptions {
     pub diagonal: Diagonal,
     pub spacing: Option<[f64; 2]>,
     pub origin: Option<[f64; 2]>,
-    pub hole: Option<f64>,
+    pub hole: Option<Hole>,
     /// Columns and rows of raw numbers.
     pub raw: Option<[usize; 2]>,
     /// Name of the image of holes, beside the source.
@@ -62,11 +62,14 @@ impl FieldOptions {
         let mut options =
             Self { scale: None, offset: 0.0, diagonal, spacing: None, origin: None, hole: None, raw: None, hole_image };
         while let Some(key) = words.next() {
+            if key == "hole" {
+                options.hole = Some(words.next()?.parse().ok()?);
+                continue;
+            }
             let mut number = || words.next()?.parse::<f64>().ok();
             match key {
                 "scale" => options.scale = Some(number()?),
                 "offset" => options.offset = number()?,
-                "hole" => options.hole = Some(number()?),
                 "spacing" => options.spacing = Some([number()?, number()?]),
                 "origin" => options.origin = Some([number()?, number()?]),
                 "raw" => options.raw = Some([number()? as usize, number()? as usize]),
@@ -134,7 +137,7 @@ mod tests {
             diagonal: Diagonal::Falling,
             spacing: Some([0.3, 1e9]),
             origin: Some([-5.25, 7e5]),
-            hole: Some(-9999.0),
+            hole: "-3.402823e+38".parse().ok(),
             raw: Some([17, 4096]),
             hole_image: Some("holes of hole-image x.png".to_owned()),
         };

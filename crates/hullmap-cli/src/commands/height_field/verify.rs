@@ -108,12 +108,12 @@ fn verify(path: &Path, args: &VerifyArgs, result: &mut Verification) -> Result<(
     result.source = Some(shown.clone());
     let (path, options_text) = (field.source_path().to_owned(), field.options().to_owned());
     let record = SourceRecord { path, hash: files.hash(), options: options_text, warnings: Vec::new() };
-    let bytes = write_height_field(files.bake(&options)?, &record)
+    let (heights, holes) = files.import(&options)?;
+    let bytes = write_height_field(files.bake(&heights, &holes, &options)?, &record)
         .map_err(|error| Failure::rejected(format!("{shown}: {error}")))?;
     if bytes != field.bytes() {
         result.problems.push(format!("{file}: differs from what {shown} bakes to; bake it again"));
     }
-    let (heights, holes) = files.import(&options)?;
     let layout = layout(&shown, &heights, &options)?;
     let mut random = SplitMix64::new(args.seed);
     result.rays = args.directions;

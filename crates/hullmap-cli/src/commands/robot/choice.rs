@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use hullmap_robot::{Description, Geometry, Link, MeshUse, Shape, Submesh, Unresolved};
+use hullmap_robot::{Description, Format, Geometry, Link, MeshUse, Shape, Submesh, Unresolved};
 
 use super::files::starts_with;
 use super::target::Target;
@@ -136,7 +136,8 @@ impl Chooser<'_> {
         let has_mesh = link.visuals.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh(_)));
         link.takes_visuals
             && match self.args.from_visual {
-                FromVisual::Missing => link.collisions.is_empty(),
+                // A geom of MJCF collides unless it states that it does not.
+                FromVisual::Missing => link.collisions.is_empty() && self.description.format != Format::Mjcf,
                 FromVisual::Always => link.collisions.is_empty() || has_mesh && !is_skipped && !has_hulls(link),
                 FromVisual::Never => false,
             }
@@ -154,7 +155,8 @@ impl Chooser<'_> {
         let place = || format!("{}:{}", self.description.documents[shape.document].path().display(), shape.line);
         let file = match &mesh.file {
             Ok(file) => file,
-            Err(Unresolved::Remote) => {
+            // Meshes in the description are files by now.
+            Err(Unresolved::Remote | Unresolved::Inline(_)) => {
                 let reason = format!("`{}` is not on this machine", mesh.written);
                 choices.warnings.push(format!("{}: {reason}, so link `{}` keeps it; save it here", place(), link.name));
                 return Ok(Choice::Kept(reason));
@@ -184,7 +186,8 @@ impl Chooser<'_> {
             layer.set_at(at, None);
         }
         if let (Some(reason), Some(true)) = (&shape.stays_single, layer.decompose()) {
-            choices.warnings.push(format!("{}: `{}` becomes one hull, because {reason}", place(), shape.name));
+            let name = if shape.name.is_empty() { &link.name } else { &shape.name };
+            choices.warnings.push(format!("{}: `{name}` becomes one hull, because {reason}", place()));
             set(&mut layer, "decompose", Value::Switch(false));
         }
         scale_lengths(&mut layer, mesh.stretch());
@@ -223,11 +226,7 @@ impl Chooser<'_> {
     /// Stems that hulls must not have: programs that remove folders from names, as MuJoCo does in
     /// URDF, would confuse hulls and meshes.
     fn names_of_sources(&self) -> BTreeSet<String> {
-        let shapes = self.description.links.iter().flat_map(|link| link.collisions.iter().chain(&link.visuals));
-        let meshes = shapes.filter_map(|shape| match &shape.geometry {
-            Geometry::Mesh(mesh) => Some(mesh),
-            _ => None,
-        });
+        let meshes = self.description.links.iter().flat_map(Link::meshes);
         meshes.map(|mesh| stem(Path::new(&mesh.written)).to_lowercase()).filter(|stem| is_ending(stem)).collect()
     }
 }

@@ -15,6 +15,7 @@ mod choice;
 mod files;
 mod hulls;
 mod inertia;
+mod inline;
 mod meshes;
 mod page;
 mod pairs;
@@ -29,10 +30,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap_robot::{
-    Change, Description, Format, Geometry, Link, Places, RobotError, SRDF_FIRST_LINE, escaped, relative,
+    Change, Description, Format, Geometry, Link, Places, RobotError, SRDF_FIRST_LINE, Scheme, escaped, relative,
 };
 
-use crate::args::{DECIDED_BY_ROBOTS, RobotArgs, reason_of_robots};
+use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::interrupt;
@@ -59,6 +60,10 @@ struct Robot {
     description: Description,
     target: Target,
     choices: Choices,
+    /// Files of the meshes that it contains.
+    inline: Vec<files::Output>,
+    /// Names of packages that lead to no file from the output.
+    unreachable: Vec<String>,
     /// Index of its first job among the jobs of all descriptions.
     first_job: usize,
 }
@@ -156,12 +161,13 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let project = Project::of_pack(&place, Path::new("."));
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
     let places = Places { packages: args.packages.clone(), roots };
-    let description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
+    let mut description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
     if args.exclude_pairs && description.format == Format::Sdf {
         let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
         return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
     }
     let target = Target::new(args, &description).map_err(one)?;
+    let inline = inline::extract(&mut description, &target);
     let chooser = Chooser { args, description: &description, target: &target };
     let mut choices = chooser.choose(configs).map_err(one)?;
     // Before meshes are baked, which may take minutes.
@@ -176,7 +182,8 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     if let Some(unused) = unused {
         return Err(one(Failure::usage(unused.message(|key| format!("--{}", flag(key))))));
     }
-    Ok(Robot { description, target, choices, first_job: 0 })
+    let unreachable = unreachable(&description, &target, &choices, &places);
+    Ok(Robot { description, target, choices, inline, unreachable, first_job: 0 })
 }
 
 fn failure(error: &RobotError) -> Failure {
@@ -196,6 +203,11 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
         let folders: BTreeSet<&Path> =
             ready().flat_map(|robot| [robot.target.meshes.as_path(), &robot.target.folder]).collect();
         folders.into_iter().for_each(sweep);
+        for robot in ready() {
+            let out = folder_of(&robot.target.file);
+            let mut changed = robot.inline.iter().filter(|own| own.state().is_ok_and(|state| state != State::Same));
+            changed.try_for_each(|own| own.write(out))?;
+        }
     }
     let out = if target::is_file(args) { folder_of(&args.out) } else { &args.out };
     let build = Build {
@@ -212,17 +224,21 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
 
 /// Writes the files of a description, or compares them.
 fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {
-    let Robot { description, target, choices, .. } = robot;
-    row.format = Some(description.format.name());
-    row.links = Some(description.links.len());
-    row.output = Some(shown(&target.file));
-    row.notes.extend(description.notes.iter().cloned());
-    row.warnings.extend(choices.warnings.iter().cloned());
-    row.notes.extend(links_from_visuals(&description, &choices));
+    row.format = Some(robot.description.format.name());
+    row.links = Some(robot.description.links.len());
+    row.output = Some(shown(&robot.target.file));
+    remarks(args, &robot, row);
+    let Robot { description, target, choices, inline, .. } = robot;
     for (own, _) in baked {
         row.baked += usize::from(own.status == build_rows::Status::Baked);
         row.notes.extend(own.notes.iter().map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
         row.warnings.extend(own.warnings.iter().map(|warning| format!("{}: {warning}", shown(Path::new(&own.source)))));
+    }
+    let states: Vec<State> = inline.iter().map(files::Output::state).collect::<Result<_, _>>()?;
+    if let Some((own, _)) = inline.iter().zip(states).find(|(_, state)| *state != State::Same) {
+        row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
+        row.reason = Some(format!("{} is not the mesh in the description", shown(&own.path)));
+        return Ok(Exit::Rejected);
     }
     let failed: Vec<String> = baked.iter().filter_map(|(own, _)| own.error.clone()).collect();
     if let Some((last, others)) = failed.split_last() {
@@ -277,6 +293,21 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     Ok(exit)
 }
 
+/// Adds notes and warnings about a description.
+fn remarks(args: &RobotArgs, robot: &Robot, row: &mut Row) {
+    let Robot { description, target, choices, unreachable, .. } = robot;
+    row.notes.extend(description.notes.iter().cloned());
+    row.notes.extend(links_without_collision(description, choices, args.from_visual));
+    row.warnings.extend(description.warnings.iter().cloned());
+    row.warnings.extend(description.chain.warnings.iter().map(|own| format!("{}: {own}", row.file)));
+    row.warnings.extend(choices.warnings.iter().cloned());
+    if !unreachable.is_empty() {
+        let (names, out) = (listed(unreachable.iter().map(|name| format!("`{name}`"))), shown(&target.folder));
+        let remedy = "write the output into the package, or tell programs where the package is";
+        row.warnings.push(format!("{}: names that lead to no file from {out}: {names}; {remedy}", row.file));
+    }
+}
+
 /// Number of names in a note.
 const NAMES_IN_NOTE: usize = 5;
 
@@ -287,17 +318,26 @@ fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
     if others == 0 { first.join(", ") } else { format!("{} and {others} more", first.join(", ")) }
 }
 
-/// A note about links that had no collision and now have one.
-fn links_from_visuals(description: &Description, choices: &Choices) -> Option<String> {
-    let from_visual: BTreeSet<usize> =
-        choices.shapes.iter().filter(|own| own.from_visual).map(|own| own.link).collect();
-    let had_none: Vec<&Link> =
-        from_visual.iter().map(|link| &description.links[*link]).filter(|link| link.collisions.is_empty()).collect();
-    let names = listed(had_none.iter().map(|link| format!("`{}`", link.name)));
-    let note = format!(
-        "links without a collision get one from their visuals: {names}; --from-visual never leaves them without"
-    );
-    (!had_none.is_empty()).then_some(note)
+/// A note about links that have no collision, but visuals: whether they get one.
+fn links_without_collision(description: &Description, choices: &Choices, from_visual: FromVisual) -> Option<String> {
+    let gets_one: BTreeSet<usize> = choices.shapes.iter().filter(|own| own.from_visual).map(|own| own.link).collect();
+    let links = description.links.iter().enumerate().filter(|(_, link)| link.collisions.is_empty());
+    let (with, without): (Vec<_>, Vec<_>) = links
+        .filter(|(_, link)| link.takes_visuals && !link.visuals.is_empty())
+        .partition(|(at, _)| gets_one.contains(at));
+    let names = |links: &[(usize, &Link)]| listed(links.iter().map(|(_, link)| format!("`{}`", link.name)));
+    if !with.is_empty() {
+        return Some(format!(
+            "links without a collision get one from their visuals: {}; --from-visual never leaves them without",
+            names(&with)
+        ));
+    }
+    (from_visual == FromVisual::Missing && description.format == Format::Mjcf && !without.is_empty()).then(|| {
+        format!(
+            "bodies whose geoms do not collide stay so: {}; --from-visual always makes collisions of their geoms",
+            names(&without)
+        )
+    })
 }
 
 /// Lists the pairs that are excluded. For a URDF file, they are written to a separate file.
@@ -326,13 +366,30 @@ fn exclude(
     Ok(Some(output))
 }
 
+/// Names of meshes that stay, by package or model, and lead to no file, or to another one, if the
+/// description is written elsewhere.
+fn unreachable(description: &Description, target: &Target, choices: &Choices, places: &Places) -> Vec<String> {
+    let kept = choices.shapes.iter().filter(|own| matches!(own.choice, Choice::Kept(_)));
+    let kept = kept.map(|own| choices.shape(own, description));
+    let shapes = description.links.iter().flat_map(|link| &link.visuals).chain(kept);
+    let meshes: BTreeMap<&str, &PathBuf> = shapes
+        .filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => {
+                Some((Scheme::split(&mesh.written).map(|_| mesh.written.as_str())?, mesh.file.as_ref().ok()?))
+            }
+            _ => None,
+        })
+        .collect();
+    let is_reached =
+        |name: &str, file: &Path| places.resolve(name, &target.folder).is_ok_and(|found| is_same_file(&found, file));
+    let lost = meshes.into_iter().filter(|(name, file)| target.is_elsewhere() && !is_reached(name, file));
+    lost.map(|(name, _)| name.to_owned()).collect()
+}
+
 /// The meshes that the edited description may name.
 fn used(description: &Description, outputs: &[files::Output]) -> BTreeSet<PathBuf> {
-    let shapes = description.links.iter().flat_map(|link| link.collisions.iter().chain(&link.visuals));
-    let meshes = shapes.filter_map(|shape| match &shape.geometry {
-        Geometry::Mesh(mesh) => mesh.file.as_ref().ok()?.canonicalize().ok(),
-        _ => None,
-    });
+    let meshes = description.links.iter().flat_map(Link::meshes);
+    let meshes = meshes.filter_map(|mesh| mesh.file.as_ref().ok()?.canonicalize().ok());
     meshes.chain(outputs.iter().map(|output| output.path.clone())).collect()
 }
 
