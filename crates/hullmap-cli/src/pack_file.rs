@@ -269,8 +269,8 @@ fn relative(target: &Path, from: &Path) -> Option<String> {
     Some(steps.join("/"))
 }
 
-/// Whether a pack in this folder may record `source` so: by its name, or by a path that leads to it.
-/// Which of them a build records may depend on the folder where it was started.
+/// Whether a pack in this folder may record `source` so: by its name, or by a path that leads to
+/// it. Which of them a build records may depend on the folder where it was started.
 pub fn records_source(recorded: &str, source: &Path, pack_folder: &Path) -> bool {
     let leads_to =
         |path: PathBuf| path.canonicalize().is_ok_and(|path| source.canonicalize().is_ok_and(|source| source == path));

@@ -6,8 +6,8 @@ use hullmap_bake::number::LEAST_PLAIN;
 
 use crate::terminal::{Escaped, Output};
 
-/// Maximum width to which cells are padded. A longer cell, such as a long path, shifts the rest of its
-/// own row only.
+/// Maximum width to which cells are padded. A longer cell, such as a long path, shifts the rest of
+/// its own row only.
 const MAX_WIDTH: usize = 80;
 
 /// Alignment of a column.
@@ -39,8 +39,8 @@ impl Table {
         self.rows.push(row.into_iter().map(|cell| Escaped(cell).to_string()).collect());
     }
 
-    /// Writes heading and rows, two spaces between columns. A column is as wide as its widest cell of
-    /// at most [`MAX_WIDTH`].
+    /// Writes heading and rows, two spaces between columns. A column is as wide as its widest cell
+    /// of at most [`MAX_WIDTH`].
     pub fn write(&self, out: &mut Output) -> io::Result<()> {
         let width = |column: usize| {
             let cells = self.rows.iter().map(|row| row[column].chars().count()).filter(|width| *width <= MAX_WIDTH);

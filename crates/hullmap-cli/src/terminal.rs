@@ -16,8 +16,8 @@ use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter};
 
-/// JSON in which each `f32` is the shortest decimal that gives the same `f32` again, also to a reader
-/// that rounds to `f64` first.
+/// JSON in which each `f32` is the shortest decimal that gives the same `f32` again, also to a
+/// reader that rounds to `f64` first.
 pub fn json(object: &impl Serialize) -> io::Result<Vec<u8>> {
     let mut text = Vec::new();
     object.serialize(&mut serde_json::Serializer::with_formatter(&mut text, ExactFloats))?;

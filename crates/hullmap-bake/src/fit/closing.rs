@@ -83,7 +83,8 @@ pub fn turn(triangles: &mut [[u32; 3]]) -> Vec<usize> {
     Vec::new()
 }
 
-/// For each edge of each triangle the only other triangle there, and whether it faces the other way.
+/// For each edge of each triangle the only other triangle there, and whether it faces the other
+/// way.
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<(usize, bool)>; 3]> {
     let mut edges: Vec<([u32; 2], usize, usize, bool)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, &[a, b, c]) in triangles.iter().enumerate() {

@@ -4,7 +4,8 @@
 //! # Steps
 //! 1. Merge vertices of equal position, and drop triangles that repeat others. If the mesh is not
 //!    closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
-//! 2. Turn round triangles that face the other way than their surface, and close holes by cones ([`closing`]). Every point off the surface has an integer winding
+//! 2. Turn round triangles that face the other way than their surface, and close holes by cones
+//!    ([`closing`]). Every point off the surface has an integer winding
 //!    number then.
 //! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
 //!    certain, add the solid angles of all triangles.

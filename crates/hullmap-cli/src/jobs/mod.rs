@@ -79,8 +79,9 @@ pub enum Messages {
     All,
 }
 
-/// The meshes to bake, each with its options and its pack in `out`. Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh
-/// is left, or an option on the command line has no effect on any mesh.
+/// The meshes to bake, each with its options and its pack in `out`. Writes no file. Fails if an
+/// input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line has no
+/// effect on any mesh.
 pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Failure> {
     let warns = printed != Messages::Silent;
     if out.is_file() {

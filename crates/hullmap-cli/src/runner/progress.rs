@@ -28,8 +28,8 @@ const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// Share of the work after which the remaining time is estimated.
 const ESTIMATE_FROM: f64 = 0.02;
 
-/// Maximum change of the estimated total time, relative to itself, in the second half of the time so
-/// far. A less steady estimate is not shown: files differ in how long a byte takes.
+/// Maximum change of the estimated total time, relative to itself, in the second half of the time
+/// so far. A less steady estimate is not shown: files differ in how long a byte takes.
 const STEADY: f64 = 0.2;
 
 /// Progress of one build. Methods may be called from any thread.

@@ -568,8 +568,8 @@ impl Pack {
         self.storage.sections().nodes
     }
 
-    /// The first hull named `name`. A hull has the name of the object, node or part that it was baked
-    /// from.
+    /// The first hull named `name`. A hull has the name of the object, node or part that it was
+    /// baked from.
     ///
     /// # Errors
     /// [`NoHullNamed`], with the names of the hulls, if there is no such hull.

@@ -40,9 +40,9 @@ const NAME_ALONE: &str = "it is not pruned, because it does not record its sourc
 /// the folder where `bake` was started.
 ///
 /// A pack is an orphan if it opens, records its source, is not written by this build, and no file
-/// exists at the recorded path, as far as that stays inside the pack's [`Project`] or the inputs, or
-/// at the pack's own relative path below any input folder. Packs of other builds that share the folder
-/// have their sources. Files other than packs are ignored.
+/// exists at the recorded path, as far as that stays inside the pack's [`Project`] or the inputs,
+/// or at the pack's own relative path below any input folder. Packs of other builds that share the
+/// folder have their sources. Files other than packs are ignored.
 ///
 /// An orphan may be removed if this build would write the pack of the recorded source to that very
 /// path. The recorded path of a pack that was copied, moved or renamed leads elsewhere, so its

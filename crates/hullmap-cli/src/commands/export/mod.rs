@@ -396,8 +396,8 @@ impl Export<'_> {
         if mass.source == MassSource::Hulls {
             let of = if indices.len() > 1 { "hulls, whose overlaps count twice" } else { "hull" };
             terminal::note(format_args!(
-                "{}: the mass comes from the {of}, because the pack does not record the mass of the mesh (it is open, triangles are reversed, or only \
-             some of its parts are exported)",
+                "{}: the mass comes from the {of}, because the pack does not record the mass of the mesh (it is \
+                 open, triangles are reversed, or only some of its parts are exported)",
                 place.path.display()
             ));
         }

@@ -5,8 +5,8 @@
 //! a body, unless a node above it is one: then its hulls belong to that body.
 //!
 //! Unreal finds collision parts by their names, so for it hulls are ordinary meshes in the frame of
-//! their node: nodes are named after the node, meshes after its mesh. In an OBJ file they are groups
-//! after the others.
+//! their node: nodes are named after the node, meshes after its mesh. In an OBJ file they are
+//! groups after the others.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -287,8 +287,8 @@ impl Added<'_> {
         }
         if are_hulls {
             terminal::note(format_args!(
-                "{}: masses come from hulls, where the pack does not record the mass of the mesh (it is open, triangles are reversed, or only \
-             some of its parts are exported)",
+                "{}: masses come from hulls, where the pack does not record the mass of the mesh (it is open, \
+                 triangles are reversed, or only some of its parts are exported)",
                 self.path.display()
             ));
         }

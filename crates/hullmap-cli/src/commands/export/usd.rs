@@ -55,8 +55,8 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (text, of_hulls) = write(&layer).map_err(|error| Failure::usage(format!("--for usd: {error}")))?;
     for mesh in of_hulls {
         terminal::note(format_args!(
-            "{mesh}: the mass comes from its hulls, because the pack does not record the mass of the mesh (it is open, triangles are reversed, or only \
-             some of its parts are exported)"
+            "{mesh}: the mass comes from its hulls, because the pack does not record the mass of the mesh (it is \
+             open, triangles are reversed, or only some of its parts are exported)"
         ));
     }
     let file = ExportedFile { name: String::new(), bytes: text.into_bytes(), counts: Some(counts) };

@@ -17,8 +17,8 @@ use crate::jobs::{Job, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
 
-/// Runs the command. Fails if an input or `hullmap.toml` cannot be read. A mesh that cannot be read,
-/// or whose path cannot be written, is reported and left out.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read. A mesh that cannot be
+/// read, or whose path cannot be written, is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, mut exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
@@ -48,8 +48,8 @@ pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(exit, out.flush().map_err(Failure::from))
 }
 
-/// The task of a batch, without meshes that cannot be planned, and the exit code for those; `None` if
-/// no mesh is left.
+/// The task of a batch, without meshes that cannot be planned, and the exit code for those; `None`
+/// if no mesh is left.
 fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> (Option<Task>, Exit) {
     let limits = args.meshes.limits.limits();
     let found = batch.par_iter().map(|job| match &job.name.clash {
