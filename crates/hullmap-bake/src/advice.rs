@@ -7,9 +7,9 @@
 use std::collections::HashMap;
 
 use crate::decompose::{Cover, Length};
-use crate::fit::Looseness;
-use crate::number::{percent, short};
-use crate::{BakedHull, Fit, SolidKind, mass};
+use crate::fit::{self, Looseness};
+use crate::number::{grouped, percent, rounded, short};
+use crate::{BakedHull, Fit, PointSet, SolidKind, mass};
 
 pub mod usability;
 
@@ -342,6 +342,24 @@ pub fn openings(name: &str, share: f64) -> Option<Remark> {
         );
         Remark { weight: share, ..Remark::warning("closed openings", name, text) }
     })
+}
+
+/// Warning about a closed mesh whose mass is unknown, because some triangles face the other way
+/// than the others.
+pub fn reversed(mesh: &PointSet) -> Option<Remark> {
+    let (reversed, is_closed) = fit::reversed(mesh);
+    let (name, first) = (&mesh.name, *reversed.first().filter(|_| is_closed)?);
+    let corners = mesh.triangles[first].map(|v| mesh.positions[v as usize].map(f64::from));
+    let at = [0, 1, 2].map(|axis| rounded(corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)).join(" ");
+    let found = match reversed.len() {
+        1 => format!("triangle {first} (at {at}) is reversed: it faces"),
+        count => format!("{} triangles are reversed, the first is {first} (at {at}): they face", grouped(count as u64)),
+    };
+    let text = format!(
+        "{name}: {found} the other way than the triangles beside, so the mass of the mesh is not recorded; recalculate \
+         the normals in an editor"
+    );
+    Some(Remark { weight: reversed.len() as f64, ..Remark::warning("reversed triangles", name, text) })
 }
 
 /// A mesh that cannot be decomposed, because it has no surface.

@@ -143,6 +143,9 @@ pub struct MeshArgs {
     /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
     pub exclude: Vec<Glob>,
+    /// In folders, also bake hidden meshes, and meshes that a .gitignore names
+    #[arg(long, hide_short_help = true, help_heading = FILES)]
+    pub no_ignore: bool,
     /// In folders, bake only meshes of these formats; for instance `obj,glb`
     #[arg(
         long,
@@ -198,13 +201,13 @@ pub struct BuildArgs {
     /// Verify each pack before it replaces the old one
     #[arg(long, help_heading = RUNNING)]
     pub verify: bool,
-    /// Keep running and bake files that change, until Ctrl-C
+    /// Keep running and bake files that change, or whose packs are deleted, until Ctrl-C
     #[arg(long, help_heading = RUNNING)]
     pub watch: bool,
     /// Write the dependencies of each pack to FILE, for Ninja and Make
     #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub depfile: Option<PathBuf>,
-    /// Write a single target, which depends on all sources, to the depfile
+    /// Write a single target, which depends on all sources and folders, to the depfile
     #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
     pub depfile_target: Option<PathBuf>,
     /// How jobs run.

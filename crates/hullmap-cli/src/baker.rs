@@ -76,6 +76,7 @@ pub fn bake_pack(
     if let IndexChoice::Budget { bytes_per_vertex } = index {
         remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
+    remarks.extend(point_sets.iter().filter(|points| points.stands_for.is_none()).filter_map(advice::reversed));
     remarks.append(&mut over_budget);
     if let Some(budget) = options.budget() {
         remarks.extend(hulls.iter().filter_map(|baked| form_warning(baked, budget)));

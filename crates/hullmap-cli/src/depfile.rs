@@ -37,7 +37,8 @@ pub fn text(rules: &[Rule]) -> io::Result<String> {
 }
 
 /// A path as both programs read it: `\ ` for a space (with the backslashes before it doubled),
-/// `\#`, `$$`. A `%` needs no escape in a rule without a pattern.
+/// `\#`, `\:`, `$$`. A `%` needs no escape in a rule without a pattern. On Windows a colon follows
+/// a drive only, and neither program expects an escape there.
 fn escaped(path: &Path) -> io::Result<String> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {what}", path.display()));
     let path_text = path
@@ -56,6 +57,7 @@ fn escaped(path: &Path) -> io::Result<String> {
                 text.extend(std::iter::repeat_n('\\', backslashes + 1));
             }
             '#' => text.push('\\'),
+            ':' if !cfg!(windows) => text.push('\\'),
             '$' => text.push('$'),
             _ => {}
         }
@@ -88,6 +90,7 @@ mod tests {
             ("a b", "a\\ b"),
             ("a\\ b", "a\\\\\\ b"),
             ("a#b", "a\\#b"),
+            ("12:30", if cfg!(windows) { "12:30" } else { "12\\:30" }),
             ("$a", "$$a"),
             ("100%", "100%"),
             ("a\\b", "a\\b"),

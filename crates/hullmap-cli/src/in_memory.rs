@@ -153,6 +153,45 @@ fn import_source(
     Ok((imported, SourceRecord { path: name.into_owned(), hash: source.hash, ..SourceRecord::default() }))
 }
 
+/// Advice that only callers of the command can follow.
+const ADVICE_ON_LIMITS: [&str; 3] =
+    [", or raise --max-input-bytes", ", or raise --max-objects", ", or raise --max-instanced"];
+
+/// A message of the command for callers without flags: `--max-vertices` becomes `name` of the key
+/// `max_vertices`. Only flags that are options are changed, and nothing in backticks is, which is a
+/// command to run.
+///
+/// # Examples
+/// ```
+/// let text = "split it, or raise --max-objects; use --split none, or run `bake build --prune`";
+/// let expected = "split it; use split none, or run `bake build --prune`";
+/// assert_eq!(hullmap_cli::without_flags(text, str::to_owned), expected);
+/// ```
+pub fn without_flags(message: &str, name: impl Fn(&str) -> String) -> String {
+    let message = ADVICE_ON_LIMITS.iter().fold(message.to_owned(), |text, advice| text.replace(advice, ""));
+    let mut text = String::with_capacity(message.len());
+    for (at, part) in message.split('`').enumerate() {
+        if at > 0 {
+            text.push('`');
+        }
+        let mut words = part.split("--");
+        text += words.next().unwrap_or_default();
+        for word in words {
+            let end = word.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(word.len());
+            let (flag, rest) = word.split_at(end);
+            let key = flag.replace('-', "_");
+            if at % 2 == 0 && OPTIONS.iter().any(|option| option.key == key) {
+                text += &name(&key);
+            } else {
+                text += "--";
+                text += flag;
+            }
+            text += rest;
+        }
+    }
+    text
+}
+
 fn bake(
     mut imported: Imported,
     options: &BuildOptions,

@@ -100,7 +100,7 @@ use args::{Cli, Command};
 pub use baker::BakedPack;
 pub use hullmap_bake::progress::{Progress, Stage};
 pub use hullmap_verify::estimates::{DecomposedObject, PartsEstimates};
-pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_level, bake_source};
+pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_level, bake_source, without_flags};
 #[cfg(feature = "command")]
 pub use mesh_file::usda;
 #[cfg(feature = "command")]

@@ -9,8 +9,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
+use ignore::WalkBuilder;
 use tempfile::{Builder, NamedTempFile};
-use walkdir::WalkDir;
 
 use crate::interrupt;
 
@@ -165,7 +165,14 @@ pub fn sweep(folder: &Path) {
 
 /// Like [`sweep`], in `folder` and all folders below it. Links are not followed.
 pub fn sweep_below(folder: &Path) {
-    WalkDir::new(folder).into_iter().flatten().for_each(|entry| sweep_file(entry.path()));
+    walk(folder).build().flatten().for_each(|entry| sweep_file(entry.path()));
+}
+
+/// A walk over everything in a folder, sorted by name. Links are not followed.
+pub fn walk(folder: &Path) -> WalkBuilder {
+    let mut walk = WalkBuilder::new(folder);
+    walk.standard_filters(false).sort_by_file_name(OsStr::cmp);
+    walk
 }
 
 /// Removes a temporary file if its process is dead.
@@ -215,8 +222,7 @@ pub fn folder_of(file: &Path) -> &Path {
 }
 
 /// The path of `source` that a pack in `pack_folder`, which may not exist yet, records: relative to
-/// that folder, with `/`, if both lie in `project`, the folder where `bake` was started; otherwise
-/// the bare file name.
+/// that folder, with `/`, if both lie in the folder `project`; otherwise the bare file name.
 ///
 /// So the bytes of the pack depend on the layout of the project, but not on the rest of the
 /// machine. Fails if the canonical path of one of the three cannot be determined, because a bare
@@ -261,6 +267,15 @@ fn relative(target: &Path, from: &Path) -> Option<String> {
         steps.push(component.as_os_str().to_str()?);
     }
     Some(steps.join("/"))
+}
+
+/// Whether a pack in this folder may record `source` so: by its name, or by a path that leads to
+/// it. Which of them a build records may depend on the folder where it was started.
+pub fn records_source(recorded: &str, source: &Path, pack_folder: &Path) -> bool {
+    let leads_to =
+        |path: PathBuf| path.canonicalize().is_ok_and(|path| source.canonicalize().is_ok_and(|source| source == path));
+    source.file_name().is_some_and(|name| name == recorded)
+        || resolve_recorded(recorded, pack_folder).is_some_and(leads_to)
 }
 
 /// Resolves a recorded path from a pack's folder; `None` if the path is empty or not relative.

@@ -4,9 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use hullmap_format::header::FileKind;
-use walkdir::WalkDir;
 
 use crate::outcome::Failure;
+use crate::pack_file::walk;
 
 /// A pack, and its folder relative to the one that was searched.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
             continue;
         }
         let before = places.len();
-        for entry in WalkDir::new(input).sort_by_file_name() {
+        for entry in walk(input).build() {
             let entry = entry.map_err(|error| {
                 Failure::usage(format!("{}: cannot search: {error}; check its permissions", input.display()))
             })?;
@@ -48,6 +48,13 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
         }
     }
     Ok(places)
+}
+
+/// Number of height fields in the folders among the inputs.
+pub fn fields_in(inputs: &[PathBuf]) -> usize {
+    let folders = inputs.iter().filter(|input| input.is_dir());
+    let entries = folders.flat_map(|folder| walk(folder).build().flatten());
+    entries.filter(|entry| kind_by_name(entry.path()) == Some(FileKind::HeightField)).count()
 }
 
 /// Whether a file has the extension of files that `bake build` writes: packs, triangle meshes.

@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::config::FILE_NAME;
-use crate::pack_file::{folder_of, plain};
+use crate::pack_file::{canonical_of_gone, folder_of, plain};
 use crate::packs::PackPlace;
 
 /// Folders that mark the root of a project.
@@ -37,16 +37,17 @@ impl Project {
     /// The project of a pack; `start` is the folder where `bake` was started.
     ///
     /// It is the widest of these folders above the pack:
-    /// 1. `start`, because `bake build` records paths inside that folder only, unless it is the
-    ///    root of the file system;
+    /// 1. `start`, unless it is the root of the file system;
     /// 2. the nearest folder with `.git`, `.hg` or a `hullmap.toml`;
     /// 3. the parent of the folder that was searched for packs, or of the pack's own folder, unless
     ///    it is the root of the file system. So packs in `baked` find their sources in `assets`
     ///    beside it from wherever the command is started.
     ///
-    /// `None` if the pack's folder cannot be resolved.
+    /// `bake build` records the paths of sources inside it, so that they are found again from
+    /// anywhere. Only `start` depends on the current folder. The pack's folder may not exist yet;
+    /// `None` if it cannot be resolved.
     pub fn of_pack(place: &PackPlace, start: &Path) -> Option<Self> {
-        let folder = folder_of(&place.path).canonicalize().ok()?;
+        let folder = canonical_of_gone(folder_of(&place.path))?;
         let is_marked = |above: &&Path| ROOT_MARKS.iter().chain([&FILE_NAME]).any(|mark| above.join(mark).exists());
         let depth = place.below.components().count();
         let searched = folder.ancestors().nth(depth + 1).filter(|above| above.parent().is_some());

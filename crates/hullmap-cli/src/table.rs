@@ -6,6 +6,10 @@ use hullmap_bake::number::LEAST_PLAIN;
 
 use crate::terminal::{Escaped, Output};
 
+/// Maximum width to which cells are padded. A longer cell, such as a long path, shifts the rest of
+/// its own row only.
+const MAX_WIDTH: usize = 80;
+
 /// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
@@ -35,10 +39,11 @@ impl Table {
         self.rows.push(row.into_iter().map(|cell| Escaped(cell).to_string()).collect());
     }
 
-    /// Writes heading and rows, two spaces between columns.
+    /// Writes heading and rows, two spaces between columns. A column is as wide as its widest cell
+    /// of at most [`MAX_WIDTH`].
     pub fn write(&self, out: &mut Output) -> io::Result<()> {
         let width = |column: usize| {
-            let cells = self.rows.iter().map(|row| row[column].chars().count());
+            let cells = self.rows.iter().map(|row| row[column].chars().count()).filter(|width| *width <= MAX_WIDTH);
             cells.chain([self.columns[column].0.len()]).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
@@ -92,6 +97,19 @@ mod tests {
         table.write(&mut Output::new(&mut out)).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text, "file        bytes\né       1 234 567\nlonger          -\n");
+    }
+
+    #[test]
+    fn a_long_path_widens_its_own_row_only() {
+        let mut table = Table::new(&[("file", Align::Left), ("bytes", Align::Right)]);
+        let long = "x".repeat(1500);
+        for name in ["short.obj", &long] {
+            table.push(vec![name.to_owned(), "7".to_owned()]);
+        }
+        let mut out = Vec::new();
+        table.write(&mut Output::new(&mut out)).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert_eq!(text, format!("file       bytes\nshort.obj      7\n{long}      7\n"));
     }
 
     #[test]

@@ -14,6 +14,31 @@ use std::io::{self, BufWriter, IsTerminal, Write, stderr, stdout};
 
 use indicatif::ProgressDrawTarget;
 use serde::Serialize;
+use serde_json::ser::{CompactFormatter, Formatter};
+
+/// JSON in which each `f32` is the shortest decimal that gives the same `f32` again, also to a
+/// reader that rounds to `f64` first.
+pub fn json(object: &impl Serialize) -> io::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    object.serialize(&mut serde_json::Serializer::with_formatter(&mut text, ExactFloats))?;
+    Ok(text)
+}
+
+struct ExactFloats;
+
+impl Formatter for ExactFloats {
+    fn write_f32<W: ?Sized + Write>(&mut self, writer: &mut W, number: f32) -> io::Result<()> {
+        let mut shortest = Vec::new();
+        CompactFormatter.write_f32(&mut shortest, number)?;
+        let read = std::str::from_utf8(&shortest).ok().and_then(|text| text.parse::<f64>().ok());
+        // The shortest decimal of 7.038531e-26 lies in the middle between two `f32`.
+        if read.is_some_and(|read| (read as f32).to_bits() == number.to_bits()) {
+            writer.write_all(&shortest)
+        } else {
+            self.write_f64(writer, number.into())
+        }
+    }
+}
 
 /// Text in one line: characters that move the cursor, end a line or change the direction of writing
 /// become `\u{1b}`. All other characters are left alone, also beyond ASCII.
@@ -76,7 +101,7 @@ impl<'a> Output<'a> {
 
     /// Writes an object as one line of JSON.
     pub fn json(&mut self, object: &impl Serialize) -> io::Result<()> {
-        serde_json::to_writer(&mut self.writer, object).map_err(io::Error::from)?;
+        self.writer.write_all(&json(object)?)?;
         writeln!(self.writer)
     }
 
@@ -153,8 +178,9 @@ mod tests {
         let mut out = Output::new(&mut bytes);
         out.line("a\nb").unwrap();
         out.json(&"c\n\u{9b}").unwrap();
+        out.json(&[0.1, 7.038_531e-26_f32, 1.0]).unwrap();
         out.verbatim(b"d\n").unwrap();
         drop(out);
-        assert_eq!(String::from_utf8(bytes).unwrap(), "a\\u{a}b\n\"c\\n\u{9b}\"\nd\n");
+        assert_eq!(String::from_utf8(bytes).unwrap(), "a\\u{a}b\n\"c\\n\u{9b}\"\n[0.1,7.038530691851209e-26,1.0]\nd\n");
     }
 }

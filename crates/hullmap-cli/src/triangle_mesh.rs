@@ -1,9 +1,9 @@
 //! Triangle meshes, which keep the triangles of a source: how they are baked, and what is counted.
 
 use hullmap::{EdgeClass, TriangleMesh};
-use hullmap_bake::SourceRecord;
 use hullmap_bake::number::grouped;
 use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap_bake::{PointSet, SourceRecord, fit};
 use hullmap_import::{Imported, Materials};
 
 /// Maximum number of material names in a summary: rows of a batch share a blob of bounded size.
@@ -164,7 +164,7 @@ pub fn bake_triangles(imported: &Imported, source: &SourceRecord) -> Result<Bake
         materials: Some(imported.materials.names().iter().take(MAX_MATERIALS).cloned().collect()),
     };
     let mut source = source.clone();
-    source.warnings.extend(warnings(&summary, junctions, &imported.materials));
+    source.warnings.extend(warnings(&summary, junctions, &imported.materials, points));
     let bytes = write_triangle_mesh(baked, &source).map_err(|error| error.to_string())?;
     Ok(BakedTriangles { bytes, notes: notes(&summary), summary, warnings: source.warnings })
 }
@@ -199,7 +199,7 @@ fn notes(summary: &MeshSummary) -> Vec<String> {
 }
 
 /// Findings that make contact normals at edges worse.
-fn warnings(summary: &MeshSummary, junctions: TJunctions, materials: &Materials) -> Vec<String> {
+fn warnings(summary: &MeshSummary, junctions: TJunctions, materials: &Materials, points: &PointSet) -> Vec<String> {
     let mut warnings = Vec::new();
     if summary.edges.non_manifold > 0 {
         let edges = counted(summary.edges.non_manifold, "edge of a triangle is", "edges of triangles are");
@@ -210,10 +210,12 @@ fn warnings(summary: &MeshSummary, junctions: TJunctions, materials: &Materials)
     }
     if summary.edges.reversed > 0 {
         let edges = counted(summary.edges.reversed, "edge of a triangle is", "edges of triangles are");
-        warnings.push(format!(
-            "{edges} reversed: two triangles have their fronts on opposite sides; make the orientation of the faces \
-             consistent"
-        ));
+        let why = match fit::reversed(points).0.as_slice() {
+            [] => "two triangles have their fronts on opposite sides".to_owned(),
+            [triangle] => format!("triangle {triangle} is reversed"),
+            [first, others @ ..] => format!("triangle {first} and {} more are reversed", grouped(others.len() as u64)),
+        };
+        warnings.push(format!("{edges} reversed: {why}; make the orientation of the faces consistent"));
     }
     if junctions.count > 0 {
         let at_least = if junctions.is_complete { "" } else { "at least " };

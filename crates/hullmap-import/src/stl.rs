@@ -201,7 +201,7 @@ fn read_text<T: MergeKey>(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, L
             } else {
                 mesh.begin_object(name, limits.objects);
             }
-        } else if is(word, "endsolid") {
+        } else if ends(&mut tokens, word, "solid") {
             tokens.rest_of_line();
         } else if is(word, "facet") {
             read_facet(&mut tokens, &mut merger, &mut mesh.faces)?;
@@ -239,7 +239,7 @@ fn read_facet<T: MergeKey>(
         let word = tokens.next();
         match word {
             Some(word) if is(word, "vertex") => {}
-            Some(word) if is(word, "endloop") => break,
+            Some(word) if ends(tokens, word, "loop") => break,
             _ => return Err(unexpected(tokens, word, "`vertex` or `endloop`")),
         }
         let mut position = [T::ZERO; 3];
@@ -260,7 +260,20 @@ fn read_facet<T: MergeKey>(
         return Err(Fault::TooManyReferences.of_file());
     }
     faces.end();
-    expect(tokens, "endfacet")
+    match tokens.next() {
+        Some(word) if ends(tokens, word, "facet") => Ok(()),
+        other => Err(unexpected(tokens, other, "`endfacet`")),
+    }
+}
+
+/// Whether a word ends an element: `endsolid`, or `end solid`, as some programs write.
+fn ends(tokens: &mut Tokens, word: &[u8], element: &str) -> bool {
+    match word.split_at_checked("end".len()) {
+        Some((end, rest)) if is(end, "end") => {
+            is(rest, element) || rest.is_empty() && tokens.next().is_some_and(|word| is(word, element))
+        }
+        _ => false,
+    }
 }
 
 fn is(word: &[u8], keyword: &str) -> bool {

@@ -15,7 +15,7 @@
 //! use parry3d::shape::{Ball, SharedShape};
 //!
 //! let pack: Arc<hullmap::Pack> = Arc::new(pack);
-//! let cube: SharedShape = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?).into();
+//! let cube: SharedShape = BakedHull::new(pack.shared_hull_named("cube")?).into();
 //! // The cube extends by 1 from its centre.
 //! let ball = Ball::new(0.5);
 //! let distance = query::distance(&Pose::IDENTITY, &*cube, &Pose::translation(3.0, 0.0, 0.0), &ball)?.distance;

@@ -124,17 +124,6 @@ fn bake(
 }
 
 /// A message of the command, with the options as keywords: `--max-vertices` becomes `max_vertices`.
-fn in_python(message: &str) -> String {
-    let mut words = message.split("--");
-    let mut text = words.next().unwrap_or_default().to_owned();
-    for word in words {
-        let end = word.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(word.len());
-        let (flag, rest) = word.split_at(end);
-        if flag.is_empty() {
-            text += "--";
-        }
-        text += &flag.replace('-', "_");
-        text += rest;
-    }
-    text
+pub fn in_python(message: &str) -> String {
+    hullmap_cli::without_flags(message, str::to_owned)
 }

@@ -11,6 +11,7 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+use crate::bake::in_python;
 use crate::error::{self, ArrayError, BakeError, Error, InvalidPack};
 use crate::mesh::{row, rows};
 use crate::shape::{Shape, Side};
@@ -97,7 +98,7 @@ impl HeightField {
         facts.set_item("byte_len", field.bytes().len())?;
         facts.set_item("source_path", field.source_path())?;
         facts.set_item("options", lines.next().unwrap_or_default())?;
-        facts.set_item("warnings", lines.collect::<Vec<_>>())?;
+        facts.set_item("warnings", lines.map(in_python).collect::<Vec<_>>())?;
         Ok(facts)
     }
 

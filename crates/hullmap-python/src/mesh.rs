@@ -10,6 +10,7 @@ use numpy::{Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+use crate::bake::in_python;
 use crate::error::{self, ArrayError, BakeError, Error, InvalidPack};
 use crate::shape::{Shape, Side};
 
@@ -82,7 +83,7 @@ impl TriangleMesh {
         facts.set_item("byte_len", mesh.bytes().len())?;
         facts.set_item("source_path", mesh.source_path())?;
         facts.set_item("options", mesh.options())?;
-        facts.set_item("warnings", mesh.warnings().collect::<Vec<_>>())?;
+        facts.set_item("warnings", mesh.warnings().map(in_python).collect::<Vec<_>>())?;
         Ok(facts)
     }
 

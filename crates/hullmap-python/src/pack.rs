@@ -96,14 +96,7 @@ impl Pack {
     }
 
     fn hull_named(&self, name: &str) -> PyResult<Hull> {
-        let Some(hull) = self.pack.shared_hull_named(name) else {
-            let names: Vec<String> = self.names().into_iter().take(20).collect();
-            let count = self.pack.hull_count();
-            let noun = if count == 1 { "hull" } else { "hulls" };
-            return Err(PyKeyError::new_err(format!(
-                "no hull has the name {name:?}: the pack has {count} {noun}, among them {names:?}"
-            )));
-        };
+        let hull = self.pack.shared_hull_named(name).map_err(|error| PyKeyError::new_err(error.to_string()))?;
         Ok(Hull { hull })
     }
 

@@ -105,7 +105,7 @@ impl Options {
                     return Err(error(format!("option {key}: WebAssembly has no clock to stop a search: {remedy}")));
                 }
                 _ if key.contains('_') => {
-                    let meant = camel_case(&key, '_');
+                    let meant = camel_case(&key);
                     return Err(error(format!("unknown option {key}: write it as in JavaScript, {meant}")));
                 }
                 _ => options.pairs.push((snake_case(&key), text)),
@@ -129,25 +129,14 @@ impl Options {
 /// becomes `maxVertices`, and so does `max_vertices` in a message about options.
 pub fn in_javascript(message: &str, is_about_options: bool) -> String {
     if is_about_options {
-        return camel_case(message, '_');
+        return camel_case(message);
     }
-    let mut words = message.split("--");
-    let mut text = words.next().unwrap_or_default().to_owned();
-    for word in words {
-        let end = word.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(word.len());
-        let (flag, rest) = word.split_at(end);
-        if flag.is_empty() {
-            text += "--";
-        }
-        text += &camel_case(flag, '-');
-        text += rest;
-    }
-    text
+    hullmap_cli::without_flags(message, camel_case)
 }
 
-/// `maxVertices` of `max_vertices`, where the separator is `_`.
-fn camel_case(text: &str, separator: char) -> String {
-    let mut words = text.split(separator);
+/// `maxVertices` of `max_vertices`.
+fn camel_case(text: &str) -> String {
+    let mut words = text.split('_');
     let mut out = words.next().unwrap_or_default().to_owned();
     for word in words {
         let mut letters = word.chars();

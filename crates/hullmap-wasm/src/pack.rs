@@ -140,10 +140,13 @@ impl Pack {
         self.0.shared_hull(index).map(Hull).map_err(error)
     }
 
-    /// The first hull with this name; undefined if there is none.
+    /// The first hull with this name.
+    ///
+    /// # Errors
+    /// There is no such hull; the error names some that there are.
     #[wasm_bindgen(js_name = hullNamed)]
-    pub fn hull_named(&self, name: &str) -> Option<Hull> {
-        self.0.shared_hull_named(name).map(Hull)
+    pub fn hull_named(&self, name: &str) -> Result<Hull, JsError> {
+        self.0.shared_hull_named(name).map(Hull).map_err(error)
     }
 
     /// Mass properties of all hulls as one rigid body of this density. Each object has the mass of

@@ -116,7 +116,7 @@ assert.deepEqual(baked.notes, ["the file has no elements, so all vertices are us
 const pack = new Pack(baked.pack), cube = pack.hull(0);
 assert.deepEqual([pack.hullCount, pack.source, pack.options], [1, "cube.obj", "split none, vertices referenced, index tree 8"]);
 assert.equal(pack.hullNamed("cube").vertexCount, 8);
-assert.equal(pack.hullNamed("sphere"), undefined);
+assert.throws(() => pack.hullNamed("sphere"), /no hull has the name "sphere": the pack has 1 \(cube\)/);
 assert.deepEqual([cube.name, cube.rank, cube.vertexCount, cube.faceCount], ["cube", 3, 8, 6]);
 assert.ok(Math.abs(cube.volume - 1) < 1e-12);
 assert.deepEqual([cube.vertices().length, cube.triangles().length, cube.edges().length], [24, 36, 24]);

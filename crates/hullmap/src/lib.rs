@@ -79,7 +79,7 @@
 //! use hullmap::shapes::Sphere;
 //! use hullmap::{Cache, CastSettings, Motion, Pose, Ray, Settings};
 //!
-//! let cube = pack.hull_named("cube").ok_or("no cube")?; // extends by 1 from its centre
+//! let cube = pack.hull_named("cube")?; // extends by 1 from its centre
 //! let down = Ray::new(DVec3::new(0.3, 0.2, 5.0), DVec3::NEG_Z)?;
 //! let hit = hullmap::ray(&cube, &down, &CastSettings::default());
 //! assert!(hit.hit && (hit.t - 4.0).abs() < 1e-9);
@@ -114,7 +114,7 @@
 //! use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
 //!
 //! let floor = Cuboid::new(DVec3::new(20.0, 20.0, 1.0))?; // its top is at z = 1
-//! let cube = pack.hull_named("cube").ok_or("no cube")?; // its centre of mass is the origin
+//! let cube = pack.hull_named("cube")?; // its centre of mass is the origin
 //! let body = cube.mass_properties(1.0);
 //!
 //! // The frame of the floor is the frame of the world. The cube starts tilted, above the floor.
@@ -279,7 +279,7 @@ pub use hullmap_format::{
     FORMAT_VERSION, IndexKind, LEAN_FORMAT_VERSION, PrimitiveKind, SolidKind, header::Header, walk::Cost,
 };
 pub use manifold::{Manifold, ManifoldSettings, Prediction};
-pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
+pub use pack::{InvalidPack, NoHullNamed, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
 pub use shapes::{Corner, Feature, Shape, ShapeError};
 pub use solver::cast::cast;

@@ -63,10 +63,13 @@ fn with_name_or_none_packs_are_equal_in_every_layout() {
         run(folder.path(), &format!("build one/in --out {choice}/one --record-source {choice} --check")).expect(0);
     }
     assert_ne!(bake("relative", "one/in", "r/one"), bake("relative", "two/deep/er", "r/two/x"));
-    // Freshness includes the recorded path, which can be chosen in the file of options.
-    run(folder.path(), "build one/in --out name/one --check").expect(1);
+    // Freshness includes the recorded path, which can be chosen in the file of options. A build
+    // that was started elsewhere may have recorded the name.
+    run(folder.path(), "build one/in --out name/one --check").expect(0);
+    run(folder.path(), "build one/in --out r/one --check").expect(0);
     write(folder.path(), "one/in/hullmap.toml", "[defaults]\nrecord_source = \"name\"\n");
     run(folder.path(), "build one/in --out name/one --check").expect(0);
+    run(folder.path(), "build one/in --out r/one --check").expect(1);
 }
 
 #[test]

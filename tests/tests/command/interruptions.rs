@@ -314,6 +314,14 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     wait_for(&out, "4 baked, 0 fresh");
     wait_for(&messages, "watching");
 
+    // A pack that was deleted was not baked again.
+    fs::remove_file(folder.path().join("in/o/1.hullmap")).unwrap();
+    wait_for(&out, "1 baked, 0 fresh");
+    wait_for(&messages, "watching");
+    fs::remove_dir_all(folder.path().join("in/o")).unwrap();
+    wait_for(&out, "4 baked, 0 fresh");
+    wait_for(&messages, "watching");
+
     fs::remove_file(folder.path().join("in/0.obj")).unwrap();
     wait_for(&messages, "0.hullmap: its source ");
     wait_for(&messages, "watching");

@@ -8,6 +8,8 @@ mod export;
 mod farm;
 #[cfg(target_os = "linux")]
 mod faults;
+#[cfg(unix)]
+mod folders;
 mod height_field;
 #[cfg(unix)]
 mod interruptions;

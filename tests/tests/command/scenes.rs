@@ -99,6 +99,56 @@ fn everything_else_keeps_its_bytes_and_colliders_come_back() {
     gltf_crate(&folder, "out.glb");
 }
 
+/// Unreal finds collision parts by their names, and only in the file of their mesh.
+#[test]
+fn unreal_gets_hulls_beside_their_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = model().glb();
+    fs::write(folder.path().join("model.glb"), &file).unwrap();
+    bake(&folder, "build model.glb --split object --decompose --out . --quiet").expect(0);
+    bake(&folder, "export model.hullmap --into model.glb --for unreal --out out.glb").expect(0);
+    let (text, bytes) = chunks(&fs::read(folder.path().join("out.glb")).unwrap());
+    assert!(bytes.starts_with(&chunks(&file).1) && !text.contains("KHR_") && !text.contains("\"extensions"));
+    // Nodes are named after the node, meshes after its mesh.
+    for name in ["UCX_arm_00", "UCX_ell_00", "UCX_drum_00"] {
+        assert!(text.contains(&format!("\"name\":\"{name}\"")), "{text}");
+    }
+    bake(&folder, "build out.glb --split auto --out . --quiet").expect(0);
+    assert_same_parts(&hulls(&folder, "model.hullmap"), &hulls(&folder, "out.hullmap"), 4);
+    gltf_crate(&folder, "out.glb");
+    let run = bake(&folder, "export model.hullmap --into out.glb --for unreal --out more.glb").expect(1);
+    assert!(run.stderr.contains("out.glb: already has the collision part UCX_"), "{}", run.stderr);
+
+    // An OBJ file, in its own unit and axes.
+    let points = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 5\nv 9 9 9\n";
+    let rock = format!("{points}o Rock\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4");
+    fs::write(folder.path().join("rock.obj"), &rock).unwrap();
+    bake(&folder, "build rock.obj --split object --out plain --quiet").expect(0);
+    bake(&folder, "build rock.obj --split object --unit-scale 0.5 --up-axis y-to-z --out . --quiet").expect(0);
+    bake(&folder, "export rock.hullmap --into rock.obj --for unreal --out with.obj").expect(0);
+    let text = fs::read_to_string(folder.path().join("with.obj")).unwrap();
+    assert!(text.starts_with(&rock) && text.contains("\no UCX_Rock_00\ng UCX_Rock_00\nv "), "{text}");
+    bake(&folder, "build with.obj --split auto --out . --quiet").expect(0);
+    assert_same_parts(&hulls(&folder, "plain/rock.hullmap"), &hulls(&folder, "with.hullmap"), 1);
+}
+
+/// Whether the parts of objects came back as collision parts for Unreal, to within rounding.
+#[track_caller]
+fn assert_same_parts(before: &BTreeMap<String, Vec<[u32; 3]>>, after: &BTreeMap<String, Vec<[u32; 3]>>, least: usize) {
+    assert!(before.len() == after.len() && before.len() >= least, "{:?} {:?}", before.keys(), after.keys());
+    for (name, hull) in before {
+        let (object, number) = name.rsplit_once("_part_").unwrap_or((name, "00"));
+        let other = &after[&format!("UCX_{object}_{number}")];
+        let mut sorted: Vec<[f32; 3]> = other.iter().map(|v| v.map(f32::from_bits)).collect();
+        assert_eq!(hull.len(), sorted.len(), "{name}");
+        for vertex in hull.iter().map(|v| v.map(f32::from_bits)) {
+            let is_near = |w: &[f32; 3]| w.iter().zip(vertex).all(|(a, b)| (a - b).abs() <= 1e-5);
+            let found = sorted.iter().position(is_near).unwrap_or_else(|| panic!("{name}: {vertex:?}"));
+            sorted.swap_remove(found);
+        }
+    }
+}
+
 /// Reads a file with the crate `gltf`.
 fn gltf_crate(folder: &TempDir, name: &str) {
     let document = ::gltf::Gltf::open(folder.path().join(name)).unwrap();

@@ -384,7 +384,7 @@ fn inspect_prints_the_documented_fields() {
     assert_eq!((&dot["name"], &dot["rank"], &dot["vertices"]), (&"dot".into(), &0.into(), &1.into()));
     let text = bake(&folder, "inspect two.hullmap").expect(0);
     assert!(text.stdout.contains("cube") && text.stdout.contains("dot"));
-    assert!(text.stdout.contains("mass unknown: not a closed mesh"), "{}", text.stdout);
+    assert!(text.stdout.contains("mass unknown: it is open, or some triangles are reversed"), "{}", text.stdout);
     let closed = format!("{CUBE}f 1 2 6 5\nf 2 4 8 6\nf 4 3 7 8\nf 3 1 5 7\n").replace("f 1 2 4 3\n", "f 3 4 2 1\n");
     fs::write(folder.path().join("closed.obj"), closed).unwrap();
     bake(&folder, "build closed.obj --out .").expect(0);

@@ -9,7 +9,8 @@
 //!
 //! The boundary of the triangles and the cones is empty, whatever the triangles are: watertight or
 //! open, consistently oriented or not. A triangle that faces the wrong way leaves a boundary of
-//! double edges, and the cones over it turn it round.
+//! double edges, and the cones over it turn it round. [`turn`] avoids that: it turns such triangles
+//! first, so that cones close holes only.
 //!
 //! # Complexity
 //! O(n log n) for n triangles.
@@ -33,6 +34,73 @@ pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
         cones.extend(hole.iter().zip(next).map(|(from, to)| [at(*to), at(*from), apex]));
     }
     cones
+}
+
+/// Turns triangles round that face the other way than most others of their surface, and returns
+/// their indices. Changes nothing if no boundary becomes shorter: if the mesh is consistently
+/// oriented, cannot be, or has no triangles with two neighbours. Triangles must be distinct.
+///
+/// Surfaces are connected through edges that exactly two triangles share.
+pub fn turn(triangles: &mut [[u32; 3]]) -> Vec<usize> {
+    let length = |triangles: &[[u32; 3]]| boundary(triangles).values().map(Vec::len).sum::<usize>();
+    let before = length(triangles);
+    if before == 0 {
+        return Vec::new();
+    }
+    let neighbours = neighbours(triangles);
+    let mut is_turned: Vec<Option<bool>> = vec![None; triangles.len()];
+    for start in 0..triangles.len() {
+        if is_turned[start].is_some() {
+            continue;
+        }
+        is_turned[start] = Some(false);
+        let (mut surface, mut at, mut is_orientable) = (vec![start], 0, true);
+        while let Some(&triangle) = surface.get(at) {
+            for &(other, is_opposed) in neighbours[triangle].iter().flatten() {
+                let expected = is_turned[triangle].map(|is_turned| is_turned != is_opposed);
+                match is_turned[other] {
+                    None => {
+                        is_turned[other] = expected;
+                        surface.push(other);
+                    }
+                    found => is_orientable &= found == expected,
+                }
+            }
+            at += 1;
+        }
+        let count = surface.iter().filter(|triangle| is_turned[**triangle] == Some(true)).count();
+        for triangle in &surface {
+            let turned = is_turned[*triangle] == Some(true);
+            is_turned[*triangle] = Some(is_orientable && turned != (2 * count > surface.len()));
+        }
+    }
+    let turned: Vec<usize> = (0..triangles.len()).filter(|index| is_turned[*index] == Some(true)).collect();
+    turned.iter().for_each(|index| triangles[*index].swap(0, 1));
+    if length(triangles) < before {
+        return turned;
+    }
+    turned.iter().for_each(|index| triangles[*index].swap(0, 1));
+    Vec::new()
+}
+
+/// For each edge of each triangle the only other triangle there, and whether it faces the other
+/// way.
+fn neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<(usize, bool)>; 3]> {
+    let mut edges: Vec<([u32; 2], usize, usize, bool)> = Vec::with_capacity(3 * triangles.len());
+    for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
+        for (edge, (from, to)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+            edges.push(([from.min(to), from.max(to)], triangle, edge, from < to));
+        }
+    }
+    edges.sort_unstable();
+    let mut neighbours = vec![[None; 3]; triangles.len()];
+    for same in edges.chunk_by(|a, b| a.0 == b.0) {
+        if let [(_, a, of_a, a_way), (_, b, of_b, b_way)] = *same {
+            neighbours[a][of_a] = Some((b, a_way == b_way));
+            neighbours[b][of_b] = Some((a, a_way == b_way));
+        }
+    }
+    neighbours
 }
 
 /// The edges at which a mesh ends, as the multiset of edges that leave each vertex, ascending.
@@ -135,6 +203,20 @@ mod tests {
             triangles[reversed].swap(0, 1);
             assert!((solid(&triangles) - 2.0).abs() < 1e-12, "{reversed}");
         }
+    }
+
+    /// Found and turned, alone and together; also of an open mesh, where the hole stays.
+    #[test]
+    fn reversed_triangles_are_found() {
+        for (count, reversed) in [(6, &[][..]), (6, &[0]), (6, &[5]), (6, &[1, 4]), (5, &[2]), (4, &[3])] {
+            let mut triangles = PYRAMID[..count].to_vec();
+            reversed.iter().for_each(|index: &usize| triangles[*index].swap(1, 2));
+            assert_eq!(turn(&mut triangles), reversed);
+            assert_eq!(boundary(&triangles), boundary(&PYRAMID[..count]), "{count} {reversed:?}");
+        }
+        // A Möbius strip has no orientation.
+        let strip = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5], [4, 5, 1], [1, 5, 0]];
+        assert_eq!(turn(&mut strip.to_vec()), [0; 0]);
     }
 
     #[test]

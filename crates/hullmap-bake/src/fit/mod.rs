@@ -51,7 +51,7 @@ pub use looseness::{Looseness, looseness, looseness_of_parts, overlap};
 pub use mesh_mass::mesh_mass;
 pub use protrusion::{Protrusion, protrusion};
 pub use remainder::remainder;
-pub use solid::{Solid, SolidKind};
+pub use solid::{Solid, SolidKind, reversed};
 pub use voids::{Voids, VoidsShare, voids};
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! # Steps
 //! 1. Merge vertices of equal position, and drop triangles that repeat others. If the mesh is not
 //!    closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
-//! 2. Close holes by cones ([`closing`]). Every point off the surface has an integer winding
+//! 2. Turn round triangles that face the other way than their surface, and close holes by cones
+//!    ([`closing`]). Every point off the surface has an integer winding
 //!    number then.
 //! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
 //!    certain, add the solid angles of all triangles.
@@ -89,15 +90,15 @@ impl Solid {
         let diagonal = if mesh.triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
         let (mut positions, mut indices) = merged(mesh, &source);
         let mut distinct = distinct(&indices);
-        let mut cones = closing::cones(&positions, &chosen(&indices, &distinct));
+        let mut cones = close(&positions, &mut indices, &distinct);
         let mut moved = 0.0;
         if !cones.is_empty() {
             let open = &cones.iter().flat_map(|[to, from, _]| [*to, *from]).collect::<Vec<_>>();
             let merged = merge_open(&positions, open, MERGE_DISTANCE * diagonal);
             if let Some(merged) = merged {
-                let merged_indices: Vec<[u32; 3]> = indices.iter().map(|t| t.map(|v| merged[v as usize])).collect();
+                let mut merged_indices: Vec<[u32; 3]> = indices.iter().map(|t| t.map(|v| merged[v as usize])).collect();
                 let merged_distinct = self::distinct(&merged_indices);
-                let merged_cones = closing::cones(&positions, &chosen(&merged_indices, &merged_distinct));
+                let merged_cones = close(&positions, &mut merged_indices, &merged_distinct);
                 if merged_cones.len() < cones.len() {
                     moved = MERGE_DISTANCE * diagonal;
                     (indices, distinct, cones) = (merged_indices, merged_distinct, merged_cones);
@@ -363,6 +364,33 @@ fn distinct(triangles: &[[u32; 3]]) -> Vec<bool> {
         distinct[index] = a != b && b != c;
     }
     distinct
+}
+
+/// Triangles that close the mesh of the distinct triangles, once those that face the wrong way have
+/// been turned round.
+fn close(positions: &[DVec3], indices: &mut [[u32; 3]], distinct: &[bool]) -> Vec<Triangle> {
+    let mut chosen = chosen(indices, distinct);
+    if !closing::turn(&mut chosen).is_empty() {
+        let places = indices.iter_mut().zip(distinct).filter(|(_, distinct)| **distinct);
+        places.zip(&chosen).for_each(|((place, _), triangle)| *place = *triangle);
+    }
+    closing::cones(positions, &chosen)
+}
+
+/// The triangles of a mesh that face the other way than most others of their surface, ascending,
+/// and whether the mesh is closed once they are turned round. Vertices of equal position count as
+/// one.
+///
+/// # Complexity
+/// O(n log n) for n triangles.
+pub fn reversed(mesh: &PointSet) -> (Vec<usize>, bool) {
+    let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+    let indices = merged(mesh, &source).1;
+    let distinct = distinct(&indices);
+    let places: Vec<usize> = (0..indices.len()).filter(|index| distinct[*index]).collect();
+    let mut chosen = chosen(&indices, &distinct);
+    let turned = closing::turn(&mut chosen).into_iter().map(|index| places[index]).collect();
+    (turned, closing::boundary(&chosen).is_empty())
 }
 
 /// The distinct triangles.

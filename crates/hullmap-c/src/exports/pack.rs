@@ -124,13 +124,8 @@ pub unsafe extern "C" fn hullmap_pack_find(pack: *const Pack, name: *const c_cha
         // SAFETY: the caller keeps the rules at the head of the header.
         let (pack, name, out) =
             unsafe { (border::handle("pack", pack)?, border::text("name", name)?, Out::new("index", index)?) };
-        let found = pack.pack().hulls().position(|hull| hull.name().as_bytes() == name.to_bytes());
-        let Some(found) = found else {
-            let message =
-                format_args!("no hull is named \"{}\": `bake inspect` lists the names", name.to_string_lossy());
-            return Err(Failure::new(Result::NotFound, message));
-        };
-        out.write(found);
+        let found = pack.pack().shared_hull_named(&name.to_string_lossy());
+        out.write(found.map_err(|error| Failure::new(Result::NotFound, error))?.index());
         Ok(())
     })
 }

@@ -29,7 +29,7 @@ pub struct ExportArgs {
     )]
     pub target: Option<Target>,
     /// Add the hulls to this glTF file as colliders, below the nodes of their objects; with --for
-    /// khr-physics, omi, both or godot
+    /// khr-physics, omi, both, godot or unreal (also to an OBJ file)
     #[arg(long, value_name = "FILE", requires = "target")]
     pub into: Option<PathBuf>,
     /// With --into, write static colliders, without masses

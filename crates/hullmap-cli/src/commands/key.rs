@@ -29,7 +29,7 @@ struct Row<'a> {
 pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (project, limits) = (Path::new("."), args.meshes.limits.limits());
     let out_folder = args.out.as_deref().unwrap_or(Path::new(""));
-    let (mut jobs, mut exit) = jobs(&args.meshes, out_folder, project, Messages::Warnings)?.report_empty();
+    let (mut jobs, mut exit) = jobs(&args.meshes, out_folder, Messages::Warnings)?.report_empty();
     if args.out.is_none() {
         jobs.iter_mut().for_each(lie_beside_the_mesh);
     }

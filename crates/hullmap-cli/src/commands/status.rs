@@ -6,7 +6,6 @@
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
 
 use hullmap::{HeightField, OpenError, Pack, TriangleMesh};
 use hullmap_format::header::{FileKind, HEADER_LEN, Header, options_hash};
@@ -46,7 +45,7 @@ struct Row {
 
 /// Runs the command. Fails if an input or `hullmap.toml` cannot be read.
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let (jobs, exit) = jobs(&args.meshes, &args.out, Path::new("."), Messages::Warnings)?.report_empty();
+    let (jobs, exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();
     let is_complete = rows.iter().all(|row| row.status == State::Present);
     let exit = exit.max(if is_complete { Exit::Done } else { Exit::Rejected });

@@ -10,20 +10,18 @@ use super::rules::Rule;
 use super::{Config, FILE_NAME};
 use crate::options::OptionLayer;
 use crate::outcome::Failure;
-use crate::pack_file::{folder_of, shown_from};
+use crate::pack_file::folder_of;
 use crate::project::ROOT_MARKS;
 
 /// The `hullmap.toml` files of a build, each read once.
 ///
 /// The nearest file applies to a mesh: in the mesh's folder, or in the next folder above it that
-/// has one. The search ends at the folder that holds `.git` or `.hg`, otherwise at the folder where
-/// `bake` was started, otherwise at the root of the file system. So the choice depends on where the
-/// mesh lies, not on how it was named.
+/// has one. The search ends at the folder that holds `.git` or `.hg`, otherwise at the root of the
+/// file system. So the choice depends on where the mesh lies, not on how it was named, or where
+/// `bake` was started.
 #[derive(Debug)]
 pub struct Configs {
     choice: Choice,
-    /// The folder where `bake` was started, canonical.
-    project: PathBuf,
     /// The file found for each canonical folder.
     found: HashMap<PathBuf, Option<Arc<Config>>>,
     /// Each file that was read, by its folder.
@@ -31,8 +29,6 @@ pub struct Configs {
     /// The files in use, by their canonical folders, each with the indices of the rules that
     /// matched a mesh.
     used: BTreeMap<PathBuf, (Arc<Config>, BTreeSet<usize>)>,
-    /// Files above the starting folder, which would be used if `bake` had been started there.
-    unread: BTreeSet<PathBuf>,
 }
 
 /// Settings in `hullmap.toml` for a mesh.
@@ -58,7 +54,7 @@ enum Choice {
 impl Configs {
     /// The files of a build: no file, the named one, or the nearest ones. Fails if the named file
     /// cannot be read or is invalid.
-    pub fn new(named: Option<&Path>, none: bool, project: &Path) -> Result<Self, Failure> {
+    pub fn new(named: Option<&Path>, none: bool) -> Result<Self, Failure> {
         let choice = match named {
             _ if none => Choice::None,
             Some(path) => {
@@ -67,14 +63,7 @@ impl Configs {
             }
             None => Choice::Nearest,
         };
-        Ok(Self {
-            choice,
-            project: canonical(project)?,
-            found: HashMap::new(),
-            read: HashMap::new(),
-            used: BTreeMap::new(),
-            unread: BTreeSet::new(),
-        })
+        Ok(Self { choice, found: HashMap::new(), read: HashMap::new(), used: BTreeMap::new() })
     }
 
     /// Settings for `mesh`. Fails if the file cannot be read or is invalid.
@@ -122,12 +111,12 @@ impl Configs {
         Ok(Chosen { layer, skips, config: Some(config) })
     }
 
-    /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: files that
-    /// are not read, rules without meshes, and unused options of decomposed meshes.
+    /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: rules
+    /// without meshes, and unused options of decomposed meshes.
     ///
     /// `is_cut` returns whether meshes of a file are decomposed for other reasons.
     pub fn warnings(&self, inputs: &[PathBuf], is_cut: impl Fn(&Path) -> bool) -> Vec<String> {
-        let mut warnings: Vec<String> = self.unread.iter().map(|path| self.unread_warning(path)).collect();
+        let mut warnings = Vec::new();
         let folders: Vec<PathBuf> =
             inputs.iter().filter(|input| input.is_dir()).filter_map(|input| input.canonicalize().ok()).collect();
         for (root, (config, used)) in &self.used {
@@ -151,15 +140,6 @@ impl Configs {
         warnings
     }
 
-    fn unread_warning(&self, path: &Path) -> String {
-        let file = shown_from(path, &self.project);
-        let file = file.display();
-        format!(
-            "{file} is not read, because it lies above the folder where bake was started; \
-             start bake there, or pass --config {file} or --no-config"
-        )
-    }
-
     /// The nearest file in or above a canonical folder. `shown` is the user's name of the folder.
     fn nearest(&mut self, folder: &Path, shown: &Path) -> Result<Option<Arc<Config>>, Failure> {
         if let Some(found) = self.found.get(folder) {
@@ -178,32 +158,12 @@ impl Configs {
                 }
                 break;
             }
-            if self.is_root(above, folder)? {
-                if !is_marked(above)? {
-                    let mut files = above.ancestors().skip(1).map(|above| above.join(FILE_NAME));
-                    self.unread.extend(files.find(|file| file.is_file()));
-                }
+            if is_marked(above)? {
                 break;
             }
         }
         self.found.insert(folder.to_owned(), found.clone());
         Ok(found)
-    }
-
-    /// Whether the search from `folder` upwards ends at `above`.
-    fn is_root(&self, above: &Path, folder: &Path) -> Result<bool, Failure> {
-        if is_marked(above)? {
-            return Ok(true);
-        }
-        if above != self.project || !folder.starts_with(&self.project) {
-            return Ok(false);
-        }
-        for above in above.ancestors() {
-            if is_marked(above)? {
-                return Ok(false);
-            }
-        }
-        Ok(true)
     }
 }
 
@@ -294,7 +254,7 @@ mod tests {
     #[test]
     fn the_nearest_file_up_to_the_root_is_used() {
         let folder = folder(&FILES);
-        let mut configs = Configs::new(None, false, folder.path()).unwrap();
+        let mut configs = Configs::new(None, false).unwrap();
         for (mesh, expected) in [
             ("x.obj", Some(1.0)),
             ("repo/assets/x.obj", Some(2.0)),
@@ -309,22 +269,10 @@ mod tests {
     }
 
     #[test]
-    fn without_version_control_the_current_folder_is_the_root() {
-        let folder = folder(&[("hullmap.toml", "[defaults]\nunit_scale = 1\n"), ("a/b/x.obj", "")]);
-        let mut inside = Configs::new(None, false, &folder.path().join("a")).unwrap();
-        assert_eq!(scale(&mut inside, folder.path(), "a/b/x.obj"), None);
-        let warnings = inside.warnings(&[], |_| false);
-        assert!(warnings.len() == 1 && warnings[0].starts_with("../hullmap.toml is not read"), "{warnings:?}");
-        let mut outside = Configs::new(None, false, folder.path()).unwrap();
-        assert_eq!(scale(&mut outside, folder.path(), "a/b/x.obj"), Some(1.0));
-        assert!(outside.warnings(&[], |_| false).is_empty());
-    }
-
-    #[test]
     fn unused_rules_are_reported_if_the_whole_folder_is_built() {
         let text = "[defaults]\nmax_parts = 5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
         let folder = folder(&[("a/hullmap.toml", text), ("a/b/x.obj", "")]);
-        let mut configs = Configs::new(None, false, folder.path()).unwrap();
+        let mut configs = Configs::new(None, false).unwrap();
         configs.layer(&folder.path().join("a/b/x.obj")).unwrap();
         let warned = |input: &str| configs.warnings(&[folder.path().join(input)], |_| input == "a").join("|");
         assert!(warned("a").ends_with("a/hullmap.toml:5: no mesh matches `propz/**` or `*.stl`"), "{}", warned("a"));
@@ -336,12 +284,12 @@ mod tests {
     fn a_named_file_applies_to_all_meshes() {
         let folder = folder(&FILES);
         let named = folder.path().join("repo/assets/hullmap.toml");
-        let mut configs = Configs::new(Some(&named), false, folder.path()).unwrap();
+        let mut configs = Configs::new(Some(&named), false).unwrap();
         assert_eq!(scale(&mut configs, folder.path(), "repo/other/x.obj"), Some(2.0));
         assert_eq!(scale(&mut configs, folder.path(), "repo/assets/deep/x.obj"), Some(3.0));
-        let mut configs = Configs::new(None, true, folder.path()).unwrap();
+        let mut configs = Configs::new(None, true).unwrap();
         assert_eq!(scale(&mut configs, folder.path(), "repo/assets/x.obj"), None);
-        assert!(Configs::new(Some(&folder.path().join("no.toml")), false, folder.path()).is_err());
+        assert!(Configs::new(Some(&folder.path().join("no.toml")), false).is_err());
     }
 
     #[test]

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::pack_names::PackName;
 use crate::options::{BuildOptions, RecordSource};
-use crate::pack_file::{folder_of, recorded_path};
+use crate::pack_file::{folder_of, recorded_path, records_source};
+use crate::packs::PackPlace;
+use crate::project::Project;
 
 /// One mesh, its pack, and the options.
 #[derive(Clone, Debug)]
@@ -34,18 +36,31 @@ pub struct Job {
 }
 
 impl Job {
-    /// The source's path, as the pack records it. `project` is the folder where `bake` was started.
+    /// The source's path, as the pack records it: relative if the source lies in the pack's
+    /// [`Project`]. `start` is the folder where `bake` was started.
     ///
     /// # Errors
     /// The canonical path of the source or of the pack's folder cannot be determined.
-    pub fn recorded_path(&self, project: &Path) -> io::Result<String> {
+    pub fn recorded_path(&self, start: &Path) -> io::Result<String> {
         let name = || self.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match (&self.records, self.options.record_source()) {
             (Some(path), _) => Ok(path.clone()),
-            (None, RecordSource::Relative) => recorded_path(&self.source, folder_of(&self.output), project),
+            (None, RecordSource::Relative) => {
+                let below = Path::new(&self.place).parent().unwrap_or(Path::new("")).to_owned();
+                let project = Project::of_pack(&PackPlace { path: self.output.clone(), below }, start);
+                let root = project.as_ref().map_or(start, Project::root);
+                recorded_path(&self.source, folder_of(&self.output), root)
+            }
             (None, RecordSource::Name) => Ok(name()),
             (None, RecordSource::None) => Ok(String::new()),
         }
+    }
+
+    /// Whether a pack with this record of its source is fresh, where `expected` would be recorded
+    /// now. A build that was started elsewhere may have recorded the source in another way.
+    pub fn accepts_record(&self, recorded: &str, expected: &str) -> bool {
+        let is_relative = self.records.is_none() && self.options.record_source() == RecordSource::Relative;
+        recorded == expected || is_relative && records_source(recorded, &self.source, folder_of(&self.output))
     }
 
     /// Bytes of the mesh and of its buffers that were planned; `None` if any will do.

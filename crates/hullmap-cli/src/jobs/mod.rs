@@ -46,6 +46,8 @@ pub struct Jobs {
     pub unread: Vec<Unread>,
     /// Input folders without meshes. They do not stop the others.
     pub empty: Vec<PathBuf>,
+    /// All folders that were searched.
+    pub folders: Vec<PathBuf>,
 }
 
 /// A mesh whose format is not supported.
@@ -77,10 +79,10 @@ pub enum Messages {
     All,
 }
 
-/// The meshes to bake, each with its options and its pack in `out`. `project` is the folder where
-/// `bake` was started. Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh
-/// is left, or an option on the command line has no effect on any mesh.
-pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, printed: Messages) -> Result<Jobs, Failure> {
+/// The meshes to bake, each with its options and its pack in `out`. Writes no file. Fails if an
+/// input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line has no
+/// effect on any mesh.
+pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Failure> {
     let warns = printed != Messages::Silent;
     if out.is_file() {
         return Err(Failure::usage(format!(
@@ -89,11 +91,15 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, printed: Messages) -> R
         )));
     }
     let mut filter = Filter::new(args);
-    let Found { meshes, unread: unsupported, empty } = search::search(&args.inputs, out, &mut filter)?;
+    let found = search::search(&args.inputs, out, &mut filter, args.no_ignore)?;
+    if let Some(passed_over) = found.passed_over().filter(|_| warns) {
+        terminal::note(passed_over);
+    }
+    let Found { meshes, unread: unsupported, empty, folders, .. } = found;
     for glob in filter.unused().filter(|_| warns) {
         terminal::warning(format_args!("--exclude: no mesh matches `{glob}`"));
     }
-    let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
+    let mut configs = Configs::new(args.config.as_deref(), args.no_config)?;
     let mut chosen = Vec::with_capacity(meshes.len());
     for mesh in meshes {
         let Chosen { layer, skips, config } = configs.layer(&mesh.source)?;
@@ -147,7 +153,7 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, printed: Messages) -> R
             ));
         }
     }
-    Ok(Jobs { jobs, unread, empty })
+    Ok(Jobs { jobs, unread, empty, folders })
 }
 
 /// Folder of the pack relative to `out`, and name of the mesh.

@@ -78,11 +78,12 @@ pub fn pack_names(meshes: &[Unnamed]) -> Vec<PackName> {
             };
             let (source, output) = (meshes[index].mesh.source.display(), names[index].output.display());
             let clash = other(true).map(|other| {
-                let (first, second) = (index.min(other), index.max(other));
-                let [first, second] = [first, second].map(|index| meshes[index].mesh.source.display());
+                let [first, second] = [index.min(other), index.max(other)].map(|index| &meshes[index].mesh.source);
+                let or_full = if first.file_name() == second.file_name() { "" } else { ", or use --pack-names full" };
+                let (first, second) = (first.display(), second.display());
                 format!(
-                    "{first} and {second} would both become {output}; rename one, bake them into separate folders, \
-                     or try --pack-names full"
+                    "{first} and {second} would both become {output}; rename one, or bake them into separate \
+                     folders{or_full}"
                 )
             });
             let warning = other(false).map(|other| {
@@ -172,6 +173,17 @@ mod tests {
         }
         assert_eq!(names(&["x.obj", "y.obj"], Some(true)), ["o/x.obj.hullmap", "o/y.obj.hullmap"]);
         assert_eq!(names(&["x.obj", "x.stl", "y.obj"], Some(false)), ["o/x.hullmap!", "o/x.hullmap!", "o/y.hullmap"]);
+    }
+
+    /// It was suggested for meshes of the same name, too, which it cannot help.
+    #[test]
+    fn full_names_are_suggested_only_where_they_differ() {
+        for (second, helps) in [("b/x.stl", true), ("b/x.obj", false)] {
+            let meshes = ["a/x.obj", second].map(|mesh| Mesh { source: mesh.into(), folder: "o".into() });
+            let unnamed = |mesh| Unnamed { mesh, keeps_extension: Some(false), kind: FileKind::Pack };
+            let clash = pack_names(&[unnamed(&meshes[0]), unnamed(&meshes[1])])[0].clash.clone().unwrap();
+            assert_eq!(clash.contains("--pack-names full"), helps, "{clash}");
+        }
     }
 
     #[test]

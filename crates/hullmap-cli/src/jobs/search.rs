@@ -1,12 +1,14 @@
 //! The meshes that inputs name, and the folders of their packs.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use walkdir::WalkDir;
+use ignore::{DirEntry, Error, WalkBuilder};
 
 use super::filter::Filter;
 use crate::outcome::Failure;
+use crate::project::ROOT_MARKS;
 use hullmap_import::{NAMES, is_source, unread_format};
 
 /// One mesh and the folder of its pack.
@@ -27,15 +29,33 @@ pub struct Found {
     pub unread: Vec<Mesh>,
     /// The folders without meshes.
     pub empty: Vec<PathBuf>,
+    /// All folders that were searched, except those of packs.
+    pub folders: Vec<PathBuf>,
+    /// Number of meshes in folders that are hidden, or in hidden folders.
+    pub hidden: usize,
+    /// Number of other meshes in folders that a `.gitignore` names.
+    pub ignored: usize,
+}
+
+impl Found {
+    /// The meshes in folders that are passed over, with the reason and the remedy; `None` if there
+    /// are none.
+    pub fn passed_over(&self) -> Option<String> {
+        let reasons = [(self.hidden, "hidden"), (self.ignored, "named by .gitignore")];
+        let counts = reasons.iter().filter(|(count, _)| *count > 0).map(|(count, reason)| format!("{count} {reason}"));
+        let counts: Vec<String> = counts.collect();
+        (!counts.is_empty()).then(|| format!("meshes passed over: {} (--no-ignore bakes them)", counts.join(", ")))
+    }
 }
 
 /// The meshes that inputs name.
 ///
 /// Packs of files lie in `out`; files in a folder keep their path relative to it. Links to folders
 /// are followed, except in cycles. A file that is reached twice with the same folder is baked once.
+/// In folders, hidden files and files that a `.gitignore` names are passed over, unless `is_all`.
 /// Fails if an input is missing or cannot be read, all of them are folders without meshes, or
 /// `filter` leaves none.
-pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Found, Failure> {
+pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter, is_all: bool) -> Result<Found, Failure> {
     let mut found = Found::default();
     let mut left_out = 0;
     for input in inputs {
@@ -44,7 +64,7 @@ pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Fou
         })?;
         if kind.is_dir() {
             let before = found.meshes.len();
-            let count = search_folder(input, out, filter, &mut found)?;
+            let count = search_folder(input, out, filter, is_all, &mut found)?;
             if count == 0 {
                 found.empty.push(input.clone());
             }
@@ -58,14 +78,16 @@ pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Fou
     if let Some(empty) = found.empty.first().filter(|_| found.meshes.is_empty() && left_out == 0) {
         let unread = in_words(found.unread.iter().map(|mesh| mesh.source.as_path()));
         let unread = unread.map_or(String::new(), |unread| format!("; not read: {unread}"));
-        return Err(Failure::usage(format!("{}{unread}", without_meshes(empty))));
+        let passed_over = found.passed_over().map_or(String::new(), |passed_over| format!("; {passed_over}"));
+        return Err(Failure::usage(format!("{}{unread}{passed_over}", without_meshes(empty))));
     }
     if found.meshes.is_empty() {
         return Err(Failure::usage(format!(
             "--exclude and --ext leave no mesh to bake (left out: {left_out}); change one of them"
         )));
     }
-    Ok(Found { meshes: without_repeats(found.meshes), unread: without_repeats(found.unread), empty: found.empty })
+    let (meshes, unread) = (without_repeats(found.meshes), without_repeats(found.unread));
+    Ok(Found { meshes, unread, ..found })
 }
 
 /// The fault of a folder without meshes.
@@ -86,35 +108,97 @@ pub fn in_words<'a>(files: impl Iterator<Item = &'a Path>) -> Option<String> {
 }
 
 /// Adds the meshes in a folder; returns how many it holds, before `filter` leaves any out.
-fn search_folder(folder: &Path, out: &Path, filter: &mut Filter, found: &mut Found) -> Result<usize, Failure> {
+fn search_folder(
+    folder: &Path,
+    out: &Path,
+    filter: &mut Filter,
+    is_all: bool,
+    found: &mut Found,
+) -> Result<usize, Failure> {
+    let is_mesh = |path: &Path| is_source(path) || unread_format(path).is_some();
+    let is_folder = |entry: &DirEntry| entry.file_type().is_some_and(|kind| kind.is_dir());
+    let searched = (!is_all).then(|| {
+        let path = |entry: Result<DirEntry, Error>| match entry {
+            Ok(entry) => (is_folder(&entry) || is_mesh(entry.path())).then(|| entry.into_path()),
+            Err(error) => dangling(&error).map(Path::to_owned),
+        };
+        walk(folder, false).build().filter_map(path).collect::<HashSet<PathBuf>>()
+    });
+    let is_searched = |path: &Path| searched.as_ref().is_none_or(|searched| searched.contains(path));
     let mut count = 0;
-    for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
-        let entry = match entry {
-            Ok(entry) => entry,
-            Err(error) if error.loop_ancestor().is_some() => continue,
-            // A dangling link is ignored unless it has the name of a mesh.
-            Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_source(path)) => {
+    for entry in walk(folder, true).build() {
+        let path = match entry {
+            Ok(entry) if is_folder(&entry) => {
+                let is_input = is_searched(entry.path()) && !entry.path().starts_with(out);
+                found.folders.extend(is_input.then(|| entry.into_path()));
                 continue;
             }
-            Err(error) => {
-                return Err(Failure::usage(format!(
-                    "{}: cannot search: {error}; check its permissions",
-                    folder.display()
-                )));
-            }
+            // Neither a pipe nor a device.
+            Ok(entry) if !entry.file_type().is_some_and(|kind| kind.is_file()) => continue,
+            Ok(entry) => entry.into_path(),
+            Err(error) => match dangling(&error) {
+                // Its bake fails, and does not stop the others. A hidden one is an editor's lock.
+                Some(path) if !is_hidden(path.file_name()) => path.to_owned(),
+                Some(_) => continue,
+                None if is_loop(&error) => continue,
+                None => {
+                    return Err(Failure::usage(format!(
+                        "{}: cannot search: {error}; check its permissions",
+                        folder.display()
+                    )));
+                }
+            },
         };
-        let is_unread = unread_format(entry.path()).is_some();
-        if entry.file_type().is_file() && (is_unread || is_source(entry.path())) {
-            count += usize::from(!is_unread);
-            let below = entry.path().strip_prefix(folder).unwrap_or(entry.path());
-            if filter.keeps(Some(below), entry.path()) {
-                let folder = out.join(below.parent().unwrap_or(Path::new("")));
-                let meshes = if is_unread { &mut found.unread } else { &mut found.meshes };
-                meshes.push(Mesh { source: entry.path().to_owned(), folder });
-            }
+        let below = path.strip_prefix(folder).unwrap_or(&path);
+        if !is_mesh(&path) || !filter.keeps(Some(below), &path) {
+            count += usize::from(is_source(&path));
+            continue;
         }
+        if !is_searched(&path) {
+            let is_hidden = below.iter().any(|part| is_hidden(Some(part)));
+            *(if is_hidden { &mut found.hidden } else { &mut found.ignored }) += usize::from(is_source(&path));
+            continue;
+        }
+        let folder = out.join(below.parent().unwrap_or(Path::new("")));
+        let meshes = if is_source(&path) { &mut found.meshes } else { &mut found.unread };
+        count += usize::from(is_source(&path));
+        meshes.push(Mesh { source: path, folder });
     }
     Ok(count)
+}
+
+/// A walk through a folder in the order of names, also through links to folders: everything except
+/// the data of version control, or what is neither hidden nor named by a `.gitignore`. Settings of
+/// the user and the machine have no influence.
+fn walk(folder: &Path, is_all: bool) -> WalkBuilder {
+    let mut walk = WalkBuilder::new(folder);
+    walk.standard_filters(false).follow_links(true).sort_by_file_name(OsStr::cmp);
+    if is_all {
+        walk.filter_entry(|entry| !ROOT_MARKS.iter().any(|mark| entry.file_name() == *mark));
+    } else {
+        walk.hidden(true).parents(true).git_ignore(true).require_git(false);
+    }
+    walk
+}
+
+fn is_hidden(name: Option<&OsStr>) -> bool {
+    name.is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+}
+
+/// The link that leads nowhere, if that is the error.
+fn dangling(error: &Error) -> Option<&Path> {
+    match error {
+        Error::WithDepth { err, .. } => dangling(err),
+        Error::WithPath { path, .. } => Some(path.as_path()).filter(|path| path.is_symlink()),
+        _ => None,
+    }
+}
+
+fn is_loop(error: &Error) -> bool {
+    match error {
+        Error::WithDepth { err, .. } | Error::WithPath { err, .. } => is_loop(err),
+        _ => matches!(error, Error::Loop { .. }),
+    }
 }
 
 fn without_repeats(meshes: Vec<Mesh>) -> Vec<Mesh> {
@@ -152,7 +236,7 @@ mod tests {
     }
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
-        let meshes = search(inputs, Path::new("out"), &mut Filter::default()).unwrap().meshes;
+        let meshes = search(inputs, Path::new("out"), &mut Filter::default(), false).unwrap().meshes;
         let unnamed = |mesh| Unnamed { mesh, keeps_extension: None, kind: FileKind::Pack };
         let meshes: Vec<_> = meshes.iter().map(unnamed).collect();
         let names = pack_names(&meshes);
@@ -178,18 +262,11 @@ mod tests {
     #[test]
     fn missing_and_empty_inputs_are_errors() {
         let meshes = folder(&["a.txt"]);
-        assert!(
-            search(&[meshes.path().join("no.obj")], Path::new("out"), &mut Filter::default())
-                .unwrap_err()
-                .message
-                .contains("no.obj")
-        );
-        assert!(
-            search(&[meshes.path().to_owned()], Path::new("out"), &mut Filter::default())
-                .unwrap_err()
-                .message
-                .contains("no meshes")
-        );
+        for (input, words) in [("no.obj", "no.obj"), ("", "no meshes")] {
+            let inputs = [meshes.path().join(input)];
+            let failure = search(&inputs, Path::new("out"), &mut Filter::default(), false).unwrap_err();
+            assert!(failure.message.contains(words), "{failure}");
+        }
     }
 
     /// The other inputs were not baked.
@@ -197,9 +274,9 @@ mod tests {
     fn a_folder_without_meshes_does_not_stop_the_others() {
         let meshes = folder(&["a/x.obj", "b/readme.txt", "c/y.usd"]);
         let inputs = ["a", "b", "c"].map(|name| meshes.path().join(name));
-        let found = search(&inputs, Path::new("out"), &mut Filter::default()).unwrap();
+        let found = search(&inputs, Path::new("out"), &mut Filter::default(), false).unwrap();
         assert_eq!((found.meshes.len(), found.unread.len(), &found.empty[..]), (1, 1, &inputs[1..]));
-        let failure = search(&inputs[1..], Path::new("out"), &mut Filter::default()).unwrap_err();
+        let failure = search(&inputs[1..], Path::new("out"), &mut Filter::default(), false).unwrap_err();
         assert!(failure.message.contains("b: no meshes") && failure.message.contains("1 .usd (USD)"), "{failure}");
     }
 

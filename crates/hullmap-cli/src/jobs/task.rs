@@ -58,7 +58,8 @@ pub struct TaskMesh {
 }
 
 impl TaskMesh {
-    /// A mesh of a plan. Fails if a path cannot be written as JSON.
+    /// A mesh of a plan. Fails if a path cannot be written as JSON, or would be another one on
+    /// Windows.
     pub fn new(job: &Job, out: &Path, from: Ingredients) -> Result<Self, String> {
         let text = |path: &Path| {
             path.to_str().map(str::to_owned).ok_or_else(|| {
@@ -66,6 +67,13 @@ impl TaskMesh {
             })
         };
         let pack = job.output.strip_prefix(out).unwrap_or(&job.output);
+        if pack.components().any(|part| part.as_os_str().as_encoded_bytes().contains(&b'\\')) {
+            return Err(format!(
+                "{}: its pack would have a `\\` in its path, which divides folders on Windows, so it cannot be planned; \
+                 rename it",
+                job.source.display()
+            ));
+        }
         text(pack)?;
         Ok(Self {
             source: text(&job.source)?,

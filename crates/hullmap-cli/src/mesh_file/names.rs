@@ -95,6 +95,18 @@ pub fn unreal(names: &[(&str, u32)], mesh: Option<&str>) -> Vec<String> {
     unique(named.collect())
 }
 
+/// `UCX_<render mesh>_<nn>` for hulls beside these render meshes in one file, numbered for each.
+/// The names keep all characters: the importer changes those of both in the same way.
+pub fn unreal_beside(meshes: &[&str]) -> Vec<String> {
+    let mut counts: HashMap<&str, u32> = HashMap::new();
+    let mut number = |mesh| {
+        let count = counts.entry(mesh).or_default();
+        *count += 1;
+        *count - 1
+    };
+    meshes.iter().map(|&mesh| format!("UCX_{mesh}_{:02}", number(mesh))).collect()
+}
+
 /// Names of nodes in Godot. The colliders are described by an extension, so a suffix that Godot
 /// would read is removed: it would add a second collider.
 pub fn godot(names: &[(&str, u32)], node: Option<&str>) -> Vec<String> {

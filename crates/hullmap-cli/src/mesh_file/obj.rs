@@ -16,9 +16,14 @@ pub const FIRST_LINE: &str = "# Convex hulls, exported by bake\n";
 
 /// The file. With `has_groups`, each object is a group too: Unreal makes a mesh of each group.
 pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
-    let mut text = String::from(FIRST_LINE);
+    [FIRST_LINE.as_bytes(), &objects(bodies, has_groups, 0)].concat()
+}
+
+/// The objects, to follow a text with `before` vertices.
+pub fn objects(bodies: &[Body], has_groups: bool, before: usize) -> Vec<u8> {
+    let mut text = String::new();
     // OBJ counts from 1, over all objects.
-    let mut first = 1_u64;
+    let mut first = 1 + before as u64;
     for body in bodies {
         let name = line(&body.name);
         text += &format!("o {name}\n");

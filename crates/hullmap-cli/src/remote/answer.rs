@@ -194,6 +194,6 @@ fn is_of(member: &Member, row: &Row, build: &Build) -> bool {
         return read.is_ok_and(|source| source.hash == member.hash);
     }
     let Ok(recorded_path) = member.job.recorded_path(build.project) else { return false };
-    let expected = Expected { source_hash: member.hash, options: &member.job.options, recorded_path: &recorded_path };
+    let expected = Expected { source_hash: member.hash, job: member.job, recorded_path: &recorded_path };
     matches!(judge(&member.job.output, &expected), Found::Fresh(_))
 }

@@ -11,6 +11,7 @@ use std::path::Path;
 use hullmap_format::header::{HEADER_LEN, Header, options_hash};
 use hullmap_import::open_regular;
 
+use crate::jobs::Job;
 use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
@@ -23,9 +24,9 @@ const SOURCE_CHANGED: &str = "the source has changed";
 pub struct Expected<'a> {
     /// XXH3-128 of the source's bytes.
     pub source_hash: u128,
-    /// The build options.
-    pub options: &'a BuildOptions,
-    /// The source's path, as recorded by a pack in this folder.
+    /// The job.
+    pub job: &'a Job,
+    /// The source's path, as a bake would record it.
     pub recorded_path: &'a str,
 }
 
@@ -50,12 +51,12 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Missing,
         Err(error) => return Found::Stale(format!("the pack cannot be read: {error}")),
     }
-    let header = match Header::read_kind(&bytes, expected.options.file_kind()) {
+    let header = match Header::read_kind(&bytes, expected.job.options.file_kind()) {
         Ok(header) => header,
         Err(error) => return Found::Stale(error.to_string()),
     };
     let source_changed = header.source_hash != expected.source_hash;
-    let text = expected.options.to_string();
+    let text = expected.job.options.to_string();
     if source_changed && header.options_hash == options_hash(&text) {
         return Found::Stale(SOURCE_CHANGED.to_owned());
     }
@@ -81,7 +82,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
             }
             Found::Stale(reasons.join("; "))
         }
-        Ok(pack) if pack.source_path() != expected.recorded_path => {
+        Ok(pack) if !expected.job.accepts_record(pack.source_path(), expected.recorded_path) => {
             let was = pack.source_path();
             Found::Stale(format!("the pack records its source as `{was}`, but it is `{}`", expected.recorded_path))
         }

@@ -130,7 +130,7 @@ impl Build<'_> {
         let cannot_write = |error| cannot_write(&output, &error);
         make_folder(folder).map_err(cannot_write)?;
         let recorded_path = self.recorded_path(job)?;
-        let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
+        let expected = Expected { source_hash, job, recorded_path: &recorded_path };
         let file = write_beside(&job.output, bytes).map_err(cannot_write)?;
         match judge(file.path(), &expected) {
             Found::Fresh(file) => fill_from_file(&file, row),
@@ -228,7 +228,7 @@ impl Build<'_> {
         // A missing folder has no pack either.
         let found = if folder_of(&job.output).try_exists().map_err(|error| cannot_place(job, &error))? {
             let recorded_path = self.recorded_path(job)?;
-            let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
+            let expected = Expected { source_hash, job, recorded_path: &recorded_path };
             judge(&job.output, &expected)
         } else {
             Found::Missing

@@ -1,7 +1,7 @@
 //! Progress of a build: bars on a terminal, otherwise an occasional line, or nothing with
 //! `--quiet`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -25,8 +25,12 @@ const MAX_NAMES: usize = 6;
 /// Time between two lines without a terminal, so that logs stay short.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
-/// Share of the work after which the remaining time is shown; earlier estimates would jump.
+/// Share of the work after which the remaining time is estimated.
 const ESTIMATE_FROM: f64 = 0.02;
+
+/// Maximum change of the estimated total time, relative to itself, in the second half of the time
+/// so far. A less steady estimate is not shown: files differ in how long a byte takes.
+const STEADY: f64 = 0.2;
 
 /// Progress of one build. Methods may be called from any thread.
 #[derive(Debug)]
@@ -54,6 +58,9 @@ struct State {
     /// Files in progress, by their index in the build.
     in_work: BTreeMap<usize, InWork>,
     last_line: Option<Instant>,
+    /// Estimates of the total time, in seconds, in the second half of the time so far, and one
+    /// before.
+    totals: VecDeque<(Duration, f64)>,
 }
 
 /// A file in progress.
@@ -104,13 +111,15 @@ impl Progress {
             Display::None => {}
             Display::Lines => {
                 let mut state = self.state();
+                state.estimate(now - self.start);
                 if now - state.last_line.unwrap_or(self.start) >= LINE_INTERVAL {
                     state.last_line = Some(now);
                     terminal::say(state.line(now - self.start, now));
                 }
             }
             Display::Bars { overall, names, .. } if now - self.start >= BARS_AFTER => {
-                let state = self.state();
+                let mut state = self.state();
+                state.estimate(now - self.start);
                 overall.set_message(state.summary(now - self.start));
                 overall.set_position(state.reached());
                 let mut shown = state.longest(now, NAME_AFTER).into_iter();
@@ -158,10 +167,30 @@ impl State {
                 text += &format!(", {} {word}", grouped(count as u64));
             }
         }
-        if let Some(left) = time_left(elapsed, self.reached(), self.cost) {
+        if let Some(left) = self.time_left(elapsed) {
             text += &format!(", about {} left", HumanDuration(left));
         }
         text
+    }
+
+    /// Notes the total time, in proportion to the work done.
+    fn estimate(&mut self, elapsed: Duration) {
+        let share = self.reached() as f64 / self.cost.max(1) as f64;
+        if share >= ESTIMATE_FROM {
+            self.totals.push_back((elapsed, elapsed.as_secs_f64() / share));
+        }
+        while self.totals.get(1).is_some_and(|(at, _)| *at <= elapsed / 2) {
+            self.totals.pop_front();
+        }
+    }
+
+    /// Remaining time; `None` until the estimate of the total time has been steady for half of the
+    /// time so far.
+    fn time_left(&self, elapsed: Duration) -> Option<Duration> {
+        let (&(first, _), &(_, total)) = (self.totals.front()?, self.totals.back()?);
+        let is_steady = self.totals.iter().all(|(_, then)| (then - total).abs() <= STEADY * total);
+        let left = total - elapsed.as_secs_f64();
+        (first <= elapsed / 2 && is_steady && left > 0.0).then(|| Duration::from_secs_f64(left))
     }
 
     /// Cost of all that is done, also of files in progress.
@@ -196,23 +225,29 @@ impl State {
     }
 }
 
-/// Remaining time, in proportion to the work done; `None` until enough is done.
-fn time_left(elapsed: Duration, done: u64, all: u64) -> Option<Duration> {
-    let share = done as f64 / all.max(1) as f64;
-    (share >= ESTIMATE_FROM && done < all).then(|| elapsed.mul_f64((1.0 - share) / share))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The build said 16, 21, 38 and 52 seconds left in turn.
     #[test]
-    fn time_left_is_in_proportion() {
-        let second = Duration::from_secs(1);
-        assert_eq!(time_left(second, 1, 4), Some(3 * second));
-        assert_eq!(time_left(second, 1, 1000), None);
-        assert_eq!(time_left(second, 4, 4), None);
-        assert_eq!(time_left(second, 0, 0), None);
+    fn time_left_is_shown_once_it_is_steady() {
+        let left = |done: &dyn Fn(u64) -> u64, seconds: u64| {
+            let mut state = State { cost: 1000, ..State::default() };
+            for second in 1..=seconds {
+                state.done_cost = done(second);
+                state.estimate(Duration::from_secs(second));
+            }
+            state.time_left(Duration::from_secs(seconds)).map(|left| left.as_secs_f64().round())
+        };
+        assert_eq!(left(&|second| 10 * second, 20), Some(80.0));
+        assert_eq!(left(&|second| 10 * second, 3), None, "too little is done");
+        assert_eq!(left(&|_| 1000, 20), None, "all is done");
+        assert_eq!(left(&|second| (second as f64).sqrt() as u64 * 100, 20), None, "ever slower");
+        // Steady again for half of the time.
+        assert_eq!(left(&|second| if second < 10 { 10 } else { 10 * second }, 19), None);
+        assert_eq!(left(&|second| if second < 10 { 10 } else { 10 * second }, 20), Some(80.0));
+        assert_eq!(State::default().time_left(Duration::ZERO), None);
     }
 
     #[test]
@@ -220,6 +255,10 @@ mod tests {
         let start = Instant::now();
         let now = start + Duration::from_secs(60);
         let mut state = State { files: 12_000, cost: 400, done: 3000, done_cost: 100, ..State::default() };
+        let steady = |state: &mut State| {
+            state.totals = [30, 60].map(|at| (Duration::from_secs(at), 24e3 / state.reached() as f64)).into()
+        };
+        steady(&mut state);
         assert_eq!(state.line(now - start, now), "3 000 of 12 000 files, about 3 minutes left");
         (state.baked, state.failed) = (5, 1);
         let mut insert = |index, name: &str, seconds| {
@@ -239,6 +278,7 @@ mod tests {
         // The bar stood still while one mesh was decomposed.
         done.whole().reach(0.5);
         assert_eq!(state.reached(), 200);
+        steady(&mut state);
         let line = state.line(now - start, now);
         assert!(line.contains("about 60 seconds left; in progress: big.obj (12.0 s, 50%)"), "{line}");
         assert_eq!(state.longest(now, NAME_AFTER).len(), 2);

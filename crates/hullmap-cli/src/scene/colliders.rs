@@ -72,6 +72,9 @@ pub struct Form {
     pub is_omi: bool,
     /// Whether the hulls are drawn.
     pub is_visible: bool,
+    /// Whether positions are written in the frame of the node, so that the new node needs no
+    /// transform.
+    pub is_in_node: bool,
 }
 
 /// A hull, and where it belongs.
@@ -79,6 +82,8 @@ pub struct Form {
 pub struct Collider {
     /// The hull, in the frame of its pack.
     pub body: Body,
+    /// Name of its mesh; `None`: the name of the hull.
+    pub mesh_name: Option<String>,
     /// Node below which it is added; `None`: at the root of the scene.
     pub node: Option<usize>,
     /// Transform from the frame of the pack to the frame of the node, or of the scene.
@@ -250,7 +255,7 @@ impl<'a> Writer<'a> {
     fn add_collider(&mut self, collider: &Collider, form: &Form, buffer: &mut Buffer) -> Result<(), String> {
         let body = &collider.body;
         check_range(collider)?;
-        let keeps_positions = is_similarity(&collider.pack_in_node);
+        let keeps_positions = !form.is_in_node && is_similarity(&collider.pack_in_node);
         if let Some(primitive) = body.primitive.filter(|_| keeps_positions && !form.is_visible) {
             self.add_primitive(collider, &primitive, form);
             return Ok(());
@@ -279,7 +284,8 @@ impl<'a> Writer<'a> {
         let vertices = self.push(List::Accessors, vertices.to_string());
         let indices = self.push(List::Accessors, indices.to_string());
         let primitive = json!({ "attributes": { "POSITION": vertices }, "indices": indices });
-        let mesh = self.push(List::Meshes, json!({ "name": body.name, "primitives": [primitive] }).to_string());
+        let mesh_name = collider.mesh_name.as_ref().unwrap_or(&body.name);
+        let mesh = self.push(List::Meshes, json!({ "name": mesh_name, "primitives": [primitive] }).to_string());
 
         let mut extensions = serde_json::Map::new();
         if let Some(draft) = form.khr {
@@ -297,7 +303,10 @@ impl<'a> Writer<'a> {
             let shape = self.add_shape(OMI_LIST, &json!({ "type": "convex", "convex": { "mesh": mesh } }));
             extensions.insert(OMI_BODY.to_owned(), json!({ "collider": { "shape": shape } }));
         }
-        let mut node = json!({ "name": body.name, "extensions": extensions });
+        let mut node = json!({ "name": body.name });
+        if !extensions.is_empty() {
+            node["extensions"] = extensions.into();
+        }
         if form.is_visible {
             node["mesh"] = mesh.into();
         }
@@ -560,9 +569,10 @@ mod tests {
             mesh: None,
             primitive: None,
         };
-        let form = Form { khr: None, is_omi: true, is_visible: false };
+        let form = Form { khr: None, is_omi: true, is_visible: false, is_in_node: false };
         let add = |scale: DVec3, mass: f64| {
-            let collider = Collider { body: body(), node: None, pack_in_node: DAffine3::from_scale(scale) };
+            let collider =
+                Collider { body: body(), mesh_name: None, node: None, pack_in_node: DAffine3::from_scale(scale) };
             let motion =
                 Motion { node: 0, mass, center: DVec3::ZERO, moments: DVec3::ONE, orientation: DQuat::IDENTITY };
             super::add(

@@ -374,6 +374,7 @@ fn stl_variants_and_errors() {
         text.replace('\n', "\r\n"),
         text.replace('\n', " ").replace(" solid", "\nsolid").replace("facet normal", "\nfacet normal"),
         text.replace("normal 0 0 0", "normal nan -inf x"),
+        text.replace("end", "end "),
     ] {
         assert_eq!(import_bytes("a.stl", text.trim_start().as_bytes(), OBJECTS).unwrap().point_count(), 30);
     }
@@ -402,6 +403,7 @@ fn stl_variants_and_errors() {
         (b"solid x\nfacet normal 0 0", "the file ends; expected one of the three numbers of a normal"),
         (b"solid x\nfacets\nendsolid", "a.stl:2: found `facets`; expected `facet`"),
         (b"solid x\nendsolid x", "no triangles found"),
+        (b"solid x\nend facet\nendsolid x", "a.stl:2: found `end`; expected `facet`"),
     ] {
         fails("a.stl", bytes, expected);
     }

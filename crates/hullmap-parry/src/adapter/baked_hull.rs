@@ -28,7 +28,7 @@ use super::parry::shape::SharedShape;
 /// use parry3d::shape::{Shape, SharedShape};
 ///
 /// let pack: Arc<hullmap::Pack> = Arc::new(pack);
-/// let cube = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?);
+/// let cube = BakedHull::new(pack.shared_hull_named("cube")?);
 /// assert_eq!(cube.hull().vertex_count(), 8);
 ///
 /// let ray = Ray::new(Vector::new(0.2, 0.3, 5.0), -Vector::Z);

@@ -20,7 +20,7 @@ impl BakedHull {
     /// # let pack = std::sync::Arc::new(pack());
     /// use hullmap_parry::BakedHull;
     ///
-    /// let cube = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?);
+    /// let cube = BakedHull::new(pack.shared_hull_named("cube")?);
     /// let (vertices, triangles) = cube.to_trimesh();
     /// assert_eq!((vertices.len(), triangles.len()), (8, 12));
     /// # Ok(())
@@ -55,7 +55,7 @@ impl BakedHull {
     /// # let pack = std::sync::Arc::new(pack());
     /// use hullmap_parry::BakedHull;
     ///
-    /// let cube = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?);
+    /// let cube = BakedHull::new(pack.shared_hull_named("cube")?);
     /// let polyhedron = cube.to_convex_polyhedron().ok_or("flat")?;
     /// assert_eq!(polyhedron.points().len(), 8);
     /// # Ok(())

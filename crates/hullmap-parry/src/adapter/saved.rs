@@ -159,7 +159,7 @@ impl SavedShape {
     /// use parry3d::shape::SharedShape;
     ///
     /// let packs = BTreeMap::from([("scenery".to_owned(), Arc::new(pack))]);
-    /// let cube = packs["scenery"].shared_hull_named("cube").ok_or("no cube")?;
+    /// let cube = packs["scenery"].shared_hull_named("cube")?;
     /// let shape: SharedShape = BakedHull::new(cube).into();
     ///
     /// let text = serde_json::to_string(&SavedShape::from_shape(&shape, &packs)?)?;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Hull;
 use crate::{
     facets::view::Facets,
-    pack::{NoSuchHull, Pack},
+    pack::{NoHullNamed, NoSuchHull, Pack},
     shapes::{Feature, Shape},
     solver::Ray,
     support::{Lookup, SupportMap, SupportPoint},
@@ -46,7 +46,7 @@ self_cell::self_cell!(
 ///
 /// let pack: Arc<Pack> = Arc::new(pack());
 /// let collider = Collider {
-///     shape: pack.shared_hull_named("cube").ok_or("no cube")?,
+///     shape: pack.shared_hull_named("cube")?,
 ///     world: Pose::from_translation(DVec3::new(5.0, 0.0, 0.0))?,
 /// };
 /// let probe = collider.shape.clone();
@@ -93,7 +93,10 @@ impl Pack {
         SharedHull::new(Arc::clone(self), index)
     }
 
-    /// The first hull named `name`, as a value that keeps the pack alive, or `None`.
+    /// The first hull named `name`, as a value that keeps the pack alive.
+    ///
+    /// # Errors
+    /// [`NoHullNamed`], with the names of the hulls, if there is no such hull.
     ///
     /// # Complexity
     /// O(number of hulls).
@@ -109,9 +112,9 @@ impl Pack {
     /// assert_eq!(rock.index(), 0);
     /// # }
     /// ```
-    pub fn shared_hull_named(self: &Arc<Self>, name: &str) -> Option<SharedHull> {
-        let index = self.hulls().position(|hull| hull.name() == name)?;
-        self.shared_hull(index).ok()
+    pub fn shared_hull_named(self: &Arc<Self>, name: &str) -> Result<SharedHull, NoHullNamed> {
+        let index = self.hulls().position(|hull| hull.name() == name);
+        index.and_then(|index| self.shared_hull(index).ok()).ok_or_else(|| self.no_hull_named(name))
     }
 }
 

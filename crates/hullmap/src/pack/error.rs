@@ -86,6 +86,23 @@ pub struct NoSuchHull {
     pub hull_count: usize,
 }
 
+/// A pack has no hull of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no hull has the name \"{name}\": the pack has {hull_count} ({})", listed(names, *hull_count))]
+pub struct NoHullNamed {
+    /// Requested name.
+    pub name: String,
+    /// Names of the first hulls of the pack.
+    pub names: Vec<String>,
+    /// Number of hulls in the pack.
+    pub hull_count: usize,
+}
+
+fn listed(names: &[String], count: usize) -> String {
+    let more = if names.len() < count { ", …" } else { "" };
+    format!("{}{more}", names.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use crate::Pack;

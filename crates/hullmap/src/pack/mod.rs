@@ -62,8 +62,11 @@ use hullmap_format::{
 use crate::facets::table::FacetTable;
 use crate::file::{self, Bytes, check_checksum, check_options};
 use crate::hull::Hull;
-pub use error::{InvalidPack, NoSuchHull, OpenError};
+pub use error::{InvalidPack, NoHullNamed, NoSuchHull, OpenError};
 use storage::Storage;
+
+/// Maximum number of names in an error.
+const MAX_NAMES: usize = 8;
 
 /// An opened pack.
 ///
@@ -565,8 +568,11 @@ impl Pack {
         self.storage.sections().nodes
     }
 
-    /// The first hull named `name`, or `None`. A hull has the name of the object, node or part that
-    /// it was baked from; `bake inspect` lists the names.
+    /// The first hull named `name`. A hull has the name of the object, node or part that it was
+    /// baked from.
+    ///
+    /// # Errors
+    /// [`NoHullNamed`], with the names of the hulls, if there is no such hull.
     ///
     /// # Complexity
     /// O(number of hulls). Keep the hull or its index.
@@ -574,15 +580,22 @@ impl Pack {
     /// # Examples
     /// ```
     /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
+    /// # fn main() -> Result<(), hullmap::NoHullNamed> {
     /// let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.vertex_count(), 8);
-    /// assert!(pack.hull_named("sphere").is_none());
+    /// assert_eq!(pack.hull_named("cube")?.vertex_count(), 8);
+    /// let error = pack.hull_named("sphere").unwrap_err().to_string();
+    /// assert_eq!(error, "no hull has the name \"sphere\": the pack has 2 (rock, cube)");
+    /// # Ok(())
     /// # }
     /// ```
-    pub fn hull_named(&self, name: &str) -> Option<Hull<'_>> {
-        self.hulls().find(|hull| hull.name() == name)
+    pub fn hull_named(&self, name: &str) -> Result<Hull<'_>, NoHullNamed> {
+        self.hulls().find(|hull| hull.name() == name).ok_or_else(|| self.no_hull_named(name))
+    }
+
+    /// The error for a name that no hull has.
+    pub(crate) fn no_hull_named(&self, name: &str) -> NoHullNamed {
+        let names = self.hulls().take(MAX_NAMES).map(|hull| hull.name().to_owned()).collect();
+        NoHullNamed { name: name.to_owned(), names, hull_count: self.hull_count() }
     }
 
     /// All hulls, in the order of the file.

@@ -58,6 +58,6 @@ fn shared_and_borrowed_hulls_answer_alike() {
 fn names_and_indices_that_do_not_exist_are_errors() {
     let pack = pack();
     assert!(pack.shared_hull(1).is_err());
-    assert!(pack.shared_hull_named("rock").is_some());
-    assert!(pack.shared_hull_named("stone").is_none());
+    assert!(pack.shared_hull_named("rock").is_ok());
+    assert!(pack.shared_hull_named("stone").is_err());
 }

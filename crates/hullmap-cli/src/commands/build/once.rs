@@ -22,13 +22,13 @@ use crate::terminal::Output;
 /// # Errors
 /// As for the command.
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
-    let found = find_jobs(args, project, !args.run.quiet)?;
+    let found = find_jobs(args, !args.run.quiet)?;
     build(args, project, baker, &found, |_| true, out)
 }
 
 /// The files to bake, each with its options. If `warns`, prints warnings about options without
 /// effect. Writes no file.
-pub fn find_jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Jobs, Failure> {
+pub fn find_jobs(args: &BuildArgs, warns: bool) -> Result<Jobs, Failure> {
     if args.prune && !bakes_folders(args) {
         let message = "--prune has no effect, because no input is a folder; name the folder of the meshes";
         return Err(Failure::usage(message));
@@ -38,7 +38,7 @@ pub fn find_jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Jobs, 
         (true, false) => Messages::Warnings,
         (true, true) => Messages::All,
     };
-    jobs(&args.meshes, &args.out, project, printed)
+    jobs(&args.meshes, &args.out, printed)
 }
 
 /// Bakes the `chosen` jobs and prints the results.
@@ -50,7 +50,7 @@ pub fn build(
     chosen: impl Fn(&Job) -> bool,
     out: &mut Output,
 ) -> Result<Exit, Failure> {
-    let Jobs { jobs, unread, empty } = found;
+    let Jobs { jobs, unread, empty, folders } = found;
     let is_ours = |place: &str| args.shard.is_none_or(|shard| shard.holds(place));
     let chosen: Vec<&Job> = jobs.iter().filter(|job| is_ours(&job.place) && chosen(job)).collect();
     if !args.check {
@@ -104,8 +104,8 @@ pub fn build(
         rows.push(row);
     }
     // Results are printed even if the depfile cannot be written.
-    let depfile =
-        args.depfile.as_ref().map_or(Ok(()), |path| write_depfile(path, args.depfile_target.as_deref(), &chosen));
+    let target = args.depfile_target.as_deref();
+    let depfile = args.depfile.as_ref().map_or(Ok(()), |path| write_depfile(path, target, &chosen, folders));
     print_messages(&rows, args.run.quiet, args.prune);
     let exit = end(exit, write_rows(&rows, &args.run, args.check, out))?;
     depfile.map(|()| exit)
@@ -125,8 +125,9 @@ fn bakes_folders(args: &BuildArgs) -> bool {
     args.meshes.inputs.iter().any(|input| input.is_dir())
 }
 
-/// Writes the dependencies of each pack: the mesh, its buffers, and its `hullmap.toml`.
-fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[&Job]) -> Result<(), Failure> {
+/// Writes the dependencies of each pack: the mesh, its buffers, and its `hullmap.toml`. A single
+/// target depends on the folders, too, which change if a mesh is added.
+fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[&Job], folders: &[PathBuf]) -> Result<(), Failure> {
     let mut rules = Vec::new();
     for job in jobs {
         let buffers = hullmap_import::buffers_of(&job.source).map_err(|error| {
@@ -140,7 +141,8 @@ fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[&Job]) -> Result<()
         rules.push(Rule { target: job.output.clone(), prerequisites: own.chain(buffers).collect() });
     }
     if let Some(target) = target {
-        let all: BTreeSet<PathBuf> = rules.into_iter().flat_map(|rule| rule.prerequisites).collect();
+        let files = rules.into_iter().flat_map(|rule| rule.prerequisites);
+        let all: BTreeSet<PathBuf> = files.chain(folders.iter().cloned()).collect();
         rules = vec![Rule { target: target.to_owned(), prerequisites: all.into_iter().collect() }];
     }
     depfile::text(&rules)

@@ -4,12 +4,10 @@ use std::collections::{HashMap, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use walkdir::WalkDir;
-
 use crate::jobs::pack_names::is_name_of;
 use crate::jobs::{Job, slashed};
 use crate::open::open_baked;
-use crate::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from};
+use crate::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from, walk};
 use crate::packs::{PackPlace, is_baked};
 use crate::project::{Found, Project};
 use crate::runner::rows::{Row, Status};
@@ -42,9 +40,9 @@ const NAME_ALONE: &str = "it is not pruned, because it does not record its sourc
 /// the folder where `bake` was started.
 ///
 /// A pack is an orphan if it opens, records its source, is not written by this build, and no file
-/// exists at the recorded path, as far as that stays inside the pack's [`Project`], or at the
-/// pack's own relative path below any input folder. Packs of other builds that share the folder
-/// have their sources. Files other than packs are ignored.
+/// exists at the recorded path, as far as that stays inside the pack's [`Project`] or the inputs,
+/// or at the pack's own relative path below any input folder. Packs of other builds that share the
+/// folder have their sources. Files other than packs are ignored.
 ///
 /// An orphan may be removed if this build would write the pack of the recorded source to that very
 /// path. The recorded path of a pack that was copied, moved or renamed leads elsewhere, so its
@@ -57,8 +55,8 @@ pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec
         by_folder.entry(folder_of(&job.output)).or_default().push(job);
     }
     let beside = |pack: &Path| by_folder.get(folder_of(pack)).map_or(&[][..], Vec::as_slice);
-    let entries = WalkDir::new(out).sort_by_file_name().into_iter().flatten();
-    let packs = entries.filter(|entry| entry.file_type().is_file() && is_baked(entry.path()));
+    let entries = walk(out).build().flatten();
+    let packs = entries.filter(|entry| entry.file_type().is_some_and(|kind| kind.is_file()) && is_baked(entry.path()));
     let others = packs.filter(|entry| !outputs.contains(entry.path()));
     others.filter_map(|entry| judge(entry.path(), out, inputs, beside(entry.path()), project)).collect()
 }
@@ -72,9 +70,11 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: 
     let folders: Vec<PathBuf> = inputs.iter().filter(|input| !input.is_file()).map(|input| input.join(below)).collect();
     // If the system reports another error, the file may exist.
     let may_be_there = |path: &Path| path.try_exists().unwrap_or(true);
-    // Paths that lead out of the project are not followed.
-    let is_inside =
-        project_of(pack, below, project).is_some_and(|project| project.find(&recorded_place) != Found::Outside);
+    // Paths that lead out of the project are not followed, except into the inputs.
+    let place = plain(&recorded_place);
+    let is_in_input = inputs.iter().filter_map(|input| input.canonicalize().ok()).any(|input| place.starts_with(input));
+    let is_inside = is_in_input
+        || project_of(pack, below, project).is_some_and(|project| project.find(&recorded_place) != Found::Outside);
     if is_inside && let Some(orphan) = renamed(pack, &recorded_place, beside) {
         return Some(orphan);
     }

@@ -14,7 +14,8 @@ use crate::config::FILE_NAME;
 use crate::interrupt;
 use crate::jobs::Job;
 use crate::outcome::{Exit, Failure};
-use crate::pack_file::folder_of;
+use crate::pack_file::{canonical_of_gone, folder_of};
+use crate::packs::is_baked;
 use crate::runner::one::Baker;
 use crate::terminal::{self, Output};
 use hullmap_import::{is_buffer, is_source};
@@ -46,11 +47,13 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) ->
             Err(failure) if failure.message.is_empty() => return Err(failure),
             Err(failure) => terminal::error(&failure),
         }
+        // The folder exists now, so it has a canonical path, as the paths of events do. If it was
+        // removed and made again, its watch is gone.
+        let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
+        let _ = watcher.watcher.watch(&made, RecursiveMode::Recursive);
         if !args.run.quiet {
             terminal::say("watching for changes; press Ctrl-C to stop");
         }
-        // The folder exists now, so it has a canonical path, as the paths of events do.
-        let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
         let paths = match interrupt::idle(|| wait(&events, &made)) {
             Some(paths) => paths,
             None => return Ok(Exit::Done),
@@ -70,14 +73,17 @@ fn once(
     changed: Option<&BTreeSet<PathBuf>>,
     out: &mut Output,
 ) -> Result<BTreeSet<PathBuf>, Failure> {
-    let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path)));
-    let mut found = find_jobs(args, project, is_all && !args.run.quiet)?;
+    let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path) && !is_baked(path)));
+    let mut found = find_jobs(args, is_all && !args.run.quiet)?;
     if !is_all {
         // They were reported by the build of everything.
         found.unread.clear();
     }
     let is_touched = |job: &Job| match changed {
-        Some(paths) if !is_all => job.source.canonicalize().map_or(true, |path| paths.contains(&path)),
+        Some(paths) if !is_all => {
+            let is_changed = |path: Option<PathBuf>| path.is_none_or(|path| paths.contains(&path));
+            is_changed(job.source.canonicalize().ok()) || is_changed(canonical_of_gone(&job.output))
+        }
         _ => true,
     };
     build(args, project, baker, &found, is_touched, out)?;
@@ -149,9 +155,10 @@ fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSe
 }
 
 /// Whether an event can affect a build: it changes a mesh, a `hullmap.toml`, or a folder that may
-/// hold meshes.
+/// hold meshes, or removes a pack.
 ///
-/// Reads, packs and temporary files are ignored, so that a build does not trigger the next one.
+/// Reads, new packs and temporary files are ignored, so that a build does not trigger the next one.
+/// Emacs locks `a.obj` by the link `.#a.obj`.
 fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
     let is_change = match kind {
         EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
@@ -165,7 +172,12 @@ fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
         EventKind::Remove(_) => path.extension().is_none(),
         _ => false,
     };
-    is_change && (is_source(path) || is_buffer(path) || is_config || may_be_folder && !path.starts_with(made))
+    let may_be_gone = matches!(kind, EventKind::Remove(_) | EventKind::Modify(ModifyKind::Name(_)));
+    let is_gone_pack = may_be_gone && is_baked(path) && !path.exists();
+    let is_lock = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b".#"));
+    is_change
+        && !is_lock
+        && (is_gone_pack || is_source(path) || is_buffer(path) || is_config || may_be_folder && !path.starts_with(made))
 }
 
 fn print_changes(paths: &BTreeSet<PathBuf>) {
@@ -209,7 +221,9 @@ mod tests {
             (gone, "in/made/a.obj", true),
             (made, "in/a.hullmap", false),
             (made, "in/.a.hullmapAbCdEf.tmp", false),
-            (gone, "in/a.hullmap", false),
+            (gone, "in/made/a.hullmap", true),
+            (gone, "in/made/a.hullmesh", true),
+            (made, "in/.#a.obj", false),
             (data, "in/sub", false),
         ] {
             assert_eq!(matters(kind, Path::new(path), Path::new("in/made")), expected, "{kind:?} {path}");

@@ -13,9 +13,11 @@ mod triangles;
 pub mod usd;
 
 use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use hullmap::{MassProperties, MassSource, Pack};
+use hullmap_format::header::FileKind;
 use hullmap_import::{Limits, Split, UpAxis};
 use serde::Serialize;
 
@@ -27,7 +29,7 @@ use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, through_link};
-use crate::packs::{PackPlace, find_packs, is_baked};
+use crate::packs::{PackPlace, fields_in, find_packs, is_baked, kind_by_name};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::terminal::{self, Output};
@@ -86,9 +88,24 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if let Some(folder) = args.out.as_deref().filter(|_| is_many) {
         sweep_below(folder);
     }
-    let mut exit = Exit::Done;
+    let (mut exit, mut is_nothing) = (Exit::Done, true);
     let mut taken: HashMap<String, PathBuf> = HashMap::new();
+    let fields = fields_in(&args.packs);
+    if fields > 0 {
+        let fields = if fields == 1 { "1 height field".to_owned() } else { format!("{fields} height fields") };
+        terminal::note(format_args!("{fields} left out; export a height field by the name of its file"));
+    }
     for place in find_packs(&args.packs)? {
+        // A folder may hold levels as well.
+        let is_level = kind_by_name(&place.path) == Some(FileKind::TriangleMesh);
+        if is_level
+            && !args.packs.contains(&place.path)
+            && let Some(remedy) = export.unfit_for_levels()
+        {
+            terminal::note(format_args!("{}: left out, because it is a triangle mesh; {remedy}", place.path.display()));
+            continue;
+        }
+        is_nothing = false;
         let target = export.target(&place);
         let lowered = target.as_ref().map(|target| target.to_string_lossy().to_lowercase());
         let first = lowered.and_then(|target| taken.insert(target, place.path.clone()));
@@ -108,6 +125,9 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
             }
             other => exit = exit.max(other?),
         }
+    }
+    if is_nothing {
+        return Err(Failure::usage("nothing to export: there are only triangle meshes, which have no hulls"));
     }
     Ok(exit)
 }
@@ -244,8 +264,11 @@ fn check_into(args: &ExportArgs, into: &Path) -> Result<(), Failure> {
         return usage("--into: the file keeps its format; leave out --format and --parts".to_owned());
     }
     let extension = |path: &Path| path.extension().map(|extension| extension.to_ascii_lowercase());
-    if !extension(into).is_some_and(|extension| extension == "glb" || extension == "gltf") {
-        return usage(format!("--into {}: expected a glTF file (.glb or .gltf)", into.display()));
+    let is_unreal = args.target == Some(Target::Unreal);
+    let is_ours = |extension: &OsStr| extension == "glb" || extension == "gltf" || is_unreal && extension == "obj";
+    if !extension(into).is_some_and(|extension| is_ours(&extension)) {
+        let or_obj = if is_unreal { ", or an OBJ file" } else { "" };
+        return usage(format!("--into {}: expected a glTF file (.glb or .gltf){or_obj}", into.display()));
     }
     if extension(into) != extension(out) {
         let name = extension(into).unwrap_or_default();
@@ -259,11 +282,15 @@ fn check_into(args: &ExportArgs, into: &Path) -> Result<(), Failure> {
 fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::usage(message));
     let is_physics = args.target.is_some_and(Target::is_physics);
+    let is_unreal = args.target == Some(Target::Unreal);
     if args.is_visible && !is_physics {
         return usage("--visible: only for colliders in glTF; add --for godot, khr-physics, omi or both".to_owned());
     }
-    if args.into.is_some() && !is_physics {
-        return usage("--into: adds colliders by extensions; add --for khr-physics, omi, both or godot".to_owned());
+    if args.into.is_some() && !is_physics && !is_unreal {
+        return usage("--into: adds colliders; add --for khr-physics, omi, both, godot or unreal".to_owned());
+    }
+    if args.is_static && is_unreal {
+        return usage("--static: Unreal reads no masses from the file; leave it out".to_owned());
     }
     if args.into.is_some() && is_many {
         return usage("--into: takes one pack; export the packs one after the other".to_owned());
@@ -274,7 +301,7 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     if args.mesh_prefix.is_some() && !args.target.is_some_and(Target::is_document) {
         return usage("--mesh-prefix: only for documents that name files; add --for mjcf, urdf or sdf".to_owned());
     }
-    let has_mass = args.target.is_some_and(Target::is_document) || args.into.is_some() && !args.is_static;
+    let has_mass = args.target.is_some_and(Target::is_document) || args.into.is_some() && !args.is_static && !is_unreal;
     if args.density.is_some() && !has_mass {
         return usage("--density: only for files with masses; add --for mjcf, urdf, sdf or usd, or --into".to_owned());
     }
@@ -369,8 +396,8 @@ impl Export<'_> {
         if mass.source == MassSource::Hulls {
             let of = if indices.len() > 1 { "hulls, whose overlaps count twice" } else { "hull" };
             terminal::note(format_args!(
-                "{}: the mass comes from the {of}, because the pack does not record the mass of the mesh (it is not \
-                 closed, or only some of its parts are exported)",
+                "{}: the mass comes from the {of}, because the pack does not record the mass of the mesh (it is \
+                 open, triangles are reversed, or only some of its parts are exported)",
                 place.path.display()
             ));
         }
@@ -383,6 +410,8 @@ impl Export<'_> {
         let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
         let new = match args.target {
             None | Some(Target::Usd) => return,
+            // They get the names of their nodes.
+            Some(Target::Unreal) if args.into.is_some() => return,
             Some(Target::Unreal) => {
                 let mesh = args.name.clone().or_else(|| self.render_mesh(place, pack));
                 names::unreal(&own, mesh.as_deref())
@@ -475,7 +504,7 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
         Format::Glb => glb::write(bodies)?,
         Format::Json => {
             let exported = ExportedPack { source: pack.source_path(), options: pack.options(), hulls: bodies };
-            let mut text = serde_json::to_vec(&exported).map_err(|error| error.to_string())?;
+            let mut text = terminal::json(&exported).map_err(|error| error.to_string())?;
             text.push(b'\n');
             text
         }

@@ -3,18 +3,26 @@
 //! A hull belongs to the node that has the name of its object, as `bake build --split object` names
 //! hulls. The hull of a whole file belongs to its only node, or to the scene. A node with hulls is
 //! a body, unless a node above it is one: then its hulls belong to that body.
+//!
+//! Unreal finds collision parts by their names, so for it hulls are ordinary meshes in the frame of
+//! their node: nodes are named after the node, meshes after its mesh. In an OBJ file they are
+//! groups after the others.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
 use hullmap::{MassSource, Pack};
-use hullmap_import::{self as import, ImportOptions, Limits, ReadError, SceneObject, Split, UpAxis, scene_objects};
+use hullmap_bake::PointSet;
+use hullmap_import::{
+    self as import, ImportOptions, Limits, ReadError, SceneObject, SourceFile, Split, UpAxis, scene_objects,
+};
 use serde::Deserialize;
 
 use crate::args::export::{ExportArgs, Target};
 use crate::mesh_file::body::{Body, DENSITY};
 use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
+use crate::mesh_file::obj;
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::folder_of;
@@ -40,13 +48,14 @@ fn form(args: &ExportArgs) -> Form {
     Form {
         khr: matches!(args.target, Some(Target::KhrPhysics | Target::Both)).then_some(args.draft),
         is_omi: matches!(args.target, Some(Target::Omi | Target::Both | Target::Godot)),
-        is_visible: args.is_visible,
+        is_visible: args.is_visible || args.target == Some(Target::Unreal),
+        is_in_node: args.target == Some(Target::Unreal),
     }
 }
 
 /// A file that has these hulls as static colliders, and nothing else.
 pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
-    let at_root = |body| Collider { body, node: None, pack_in_node: DAffine3::IDENTITY };
+    let at_root = |body| Collider { body, mesh_name: None, node: None, pack_in_node: DAffine3::IDENTITY };
     let colliders: Vec<Collider> = bodies.into_iter().map(at_root).collect();
     colliders::add(&GltfFile::empty(), &colliders, &[], &form(args))
 }
@@ -66,34 +75,118 @@ impl Added<'_> {
             ReadError::Import(error) => Failure::rejected(error.to_string()),
         })?;
         let stem = into.file_stem().unwrap_or_default().to_string_lossy();
+        if into.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
+            return self.obj(into, &source, &stem, bodies);
+        }
         let objects = scene_objects(&shown.to_string(), &stem, &source, &Limits::DEFAULT);
         let objects = objects.map_err(|error| Failure::rejected(error.to_string()))?;
         let file = GltfFile::open(&source.bytes).map_err(fault)?;
         let document: Document = serde_json::from_str(&file.text).map_err(|error| fault(error.to_string()))?;
-        self.check_references(into, &document)?;
+        let files = document.buffers.iter().chain(&document.images).filter_map(|item| item.uri.as_deref());
+        self.check_references(into, files.into_iter().find(|uri| !uri.starts_with("data:")))?;
 
-        let options = BuildOptions::from_recorded(self.pack.options()).map(|options| options.import());
-        let options = options.unwrap_or(ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT });
+        let options = self.import_options();
         let owners = self.owners(into, &objects, options.split)?;
+        let bodies = self.named(into, &objects, bodies, &owners)?;
+        let mesh_of = |owner: &SceneObject| {
+            let mesh = document.nodes.get(owner.node)?.mesh?;
+            document.meshes.get(mesh as usize)?.name.as_deref()
+        };
+        let meshes: Vec<&str> = owners.iter().flatten().map(|owner| mesh_of(owner).unwrap_or(&owner.name)).collect();
+        let mut mesh_names = names::unreal_beside(&meshes).into_iter().filter(|_| form.is_in_node);
         let colliders: Vec<Collider> = bodies
             .into_iter()
             .zip(&owners)
             .map(|(body, owner)| {
                 let pack_in_scene = pack_in_scene(&options, DVec3::from_array(body.origin));
                 let pack_in_node = owner.map_or(pack_in_scene, |object| object.node_in_scene.inverse() * pack_in_scene);
-                Collider { body, node: owner.map(|object| object.node), pack_in_node }
+                Collider { body, mesh_name: mesh_names.next(), node: owner.map(|object| object.node), pack_in_node }
             })
             .collect();
         if let Some(collider) = colliders.iter().find(|collider| !collider.pack_in_node.is_finite()) {
             let name = &collider.body.name;
             return Err(fault(format!("the node of hull {name} has a scale of 0; correct it, or leave the hull out")));
         }
-        let motions = if self.args.is_static {
+        let motions = if self.args.is_static || form.is_in_node {
             Vec::new()
         } else {
             self.motions(&owners, &document.parents().map_err(fault)?, &options)?
         };
         colliders::add(&file, &colliders, &motions, &form).map_err(fault)
+    }
+
+    /// The OBJ file `into` with the hulls as groups, for Unreal.
+    fn obj(&self, into: &Path, source: &SourceFile, stem: &str, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
+        let shown = into.display().to_string();
+        let all = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
+        let found = import::import(&shown, stem, into, source, &all, &Limits::DEFAULT);
+        let found = found.map_err(|error| Failure::rejected(error.to_string()))?;
+        let text = std::str::from_utf8(&source.bytes).map_err(|_| {
+            Failure::rejected(format!("{shown}: hulls are added to UTF-8 text only; save the file in that encoding"))
+        })?;
+        let libraries = text.lines().filter_map(|line| line.trim_start().strip_prefix("mtllib "));
+        self.check_references(into, libraries.map(str::trim).next())?;
+        let object = |(node, set): (usize, &PointSet)| SceneObject {
+            name: set.name.clone(),
+            node,
+            node_in_scene: DAffine3::IDENTITY,
+        };
+        let objects: Vec<SceneObject> = found.point_sets.iter().enumerate().map(object).collect();
+        let options = self.import_options();
+        let mut bodies = self.named(into, &objects, bodies, &self.owners(into, &objects, options.split)?)?;
+        for body in &mut bodies {
+            let place = pack_in_scene(&options, DVec3::from_array(body.origin));
+            for position in &mut body.positions {
+                *position =
+                    place.transform_point3(DVec3::from_array(position.map(f64::from))).to_array().map(|x| x as f32);
+            }
+        }
+        let hulls = obj::objects(&bodies, true, found.vertex_count);
+        Ok([text.trim_end().as_bytes(), b"\n", &hulls].concat())
+    }
+
+    /// The options with which the pack was imported.
+    fn import_options(&self) -> ImportOptions {
+        let options = BuildOptions::from_recorded(self.pack.options()).map(|options| options.import());
+        options.unwrap_or(ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT })
+    }
+
+    /// The hulls with the names that the engine expects. Unreal needs a render mesh for each.
+    fn named(
+        &self,
+        into: &Path,
+        objects: &[SceneObject],
+        mut bodies: Vec<Body>,
+        owners: &[Option<&SceneObject>],
+    ) -> Result<Vec<Body>, Failure> {
+        if self.args.target != Some(Target::Unreal) {
+            return Ok(bodies);
+        }
+        let name = self.args.name.as_deref();
+        let meshes: Option<Vec<&str>> =
+            owners.iter().map(|owner| name.or(owner.map(|owner| owner.name.as_str()))).collect();
+        let Some(meshes) = meshes else {
+            return Err(Failure::rejected(format!(
+                "{}: its hulls are of the whole file, but Unreal needs the name of a render mesh for each; bake the file \
+                 with --split object, or add --name",
+                self.path.display()
+            )));
+        };
+        let known: BTreeSet<&str> = meshes.iter().copied().collect();
+        let is_part = |name: &str| {
+            let mesh = name.strip_prefix("UCX_");
+            mesh.is_some_and(|mesh| {
+                known.contains(mesh) || mesh.rsplit_once('_').is_some_and(|at| known.contains(at.0))
+            })
+        };
+        if let Some(part) = objects.iter().map(|object| &object.name).find(|name| is_part(name)) {
+            return Err(Failure::rejected(format!(
+                "{}: already has the collision part {part}; export into the file without it",
+                into.display()
+            )));
+        }
+        bodies.iter_mut().zip(names::unreal_beside(&meshes)).for_each(|(body, name)| body.name = name);
+        Ok(bodies)
     }
 
     /// The object that each hull belongs to; `None`: the scene.
@@ -194,21 +287,17 @@ impl Added<'_> {
         }
         if are_hulls {
             terminal::note(format_args!(
-                "{}: masses come from hulls, where the pack does not record the mass of the mesh (it is not closed, or \
-                 only some of its parts are exported)",
+                "{}: masses come from hulls, where the pack does not record the mass of the mesh (it is open, \
+                 triangles are reversed, or only some of its parts are exported)",
                 self.path.display()
             ));
         }
         Ok(motions)
     }
 
-    /// Fails if the file refers to others, and the output lies in another folder.
-    fn check_references(&self, into: &Path, document: &Document) -> Result<(), Failure> {
-        let Some(out) = &self.args.out else {
-            return Ok(());
-        };
-        let files = document.buffers.iter().chain(&document.images).filter_map(|item| item.uri.as_deref());
-        let Some(name) = files.into_iter().find(|uri| !uri.starts_with("data:")) else {
+    /// Fails if the file refers to another one, `name`, and the output lies in another folder.
+    fn check_references(&self, into: &Path, name: Option<&str>) -> Result<(), Failure> {
+        let (Some(out), Some(name)) = (&self.args.out, name) else {
             return Ok(());
         };
         let absolute = |path: &Path| folder_of(path).canonicalize().ok();
@@ -228,6 +317,8 @@ struct Document {
     #[serde(default)]
     nodes: Vec<Children>,
     #[serde(default)]
+    meshes: Vec<Named>,
+    #[serde(default)]
     buffers: Vec<Uri>,
     #[serde(default)]
     images: Vec<Uri>,
@@ -238,6 +329,12 @@ struct Children {
     // Some exporters write all numbers as floats.
     #[serde(default)]
     children: Vec<f64>,
+    mesh: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Named {
+    name: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -15,16 +15,25 @@ use crate::outcome::Failure;
 const UNUSED: u32 = u32::MAX;
 
 impl Export<'_> {
+    /// What to do instead, if triangle meshes can't be exported in this form; `None` if they can.
+    pub(super) fn unfit_for_levels(&self) -> Option<&'static str> {
+        let args = self.args;
+        if args.target.is_some() || args.into.is_some() {
+            Some("leave out --for, or bake its source without --keep-triangles")
+        } else if !args.hulls.is_empty() || args.parts {
+            Some("leave out --hull and --parts")
+        } else if self.format == Format::Json {
+            Some("name another format, or print its triangles by `bake inspect --json --vertices`")
+        } else {
+            None
+        }
+    }
+
     /// The file of a triangle mesh. Fails if a flag is about hulls.
     pub(super) fn triangles(&self, path: &Path, mesh: &TriangleMesh) -> Result<Vec<ExportedFile>, Failure> {
         let (args, file) = (self.args, path.display());
-        let usage =
-            |remedy: &str| Err(Failure::usage(format!("{file}: is a triangle mesh, which has no hulls; {remedy}")));
-        if args.target.is_some() || args.into.is_some() {
-            return usage("leave out --for, or bake its source without --keep-triangles");
-        }
-        if !args.hulls.is_empty() || args.parts {
-            return usage("leave out --hull and --parts");
+        if let Some(remedy) = self.unfit_for_levels() {
+            return Err(Failure::usage(format!("{file}: is a triangle mesh, which has no hulls; {remedy}")));
         }
         let fault = |message: String| Failure::rejected(format!("{file}: {message}"));
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -33,9 +42,8 @@ impl Export<'_> {
             Format::Obj => obj::write_triangles(&body, &materials),
             Format::Stl => stl::write_triangles(&body).map_err(fault)?,
             Format::Glb => glb::write(std::slice::from_ref(&body)).map_err(fault)?,
-            Format::Json => {
-                return usage("name another format, or print its triangles by `bake inspect --json --vertices`");
-            }
+            // It has no hulls.
+            Format::Json => Vec::new(),
         };
         let counts = Some([0, body.positions.len(), body.polygons.len()]);
         Ok(vec![ExportedFile { name: String::new(), bytes, counts }])

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use hullmap::Pack;
+use hullmap_format::header::FileKind;
 
 use super::{DENSITY, ExportedFile, leave_out, selected, summary};
 use crate::args::export::{ExportArgs, Format};
@@ -18,7 +19,7 @@ use crate::mesh_file::usda::{UsdGroup, UsdLayer, UsdMass, identifier, write};
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, sweep};
-use crate::packs::{PackPlace, find_packs, is_baked};
+use crate::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 use crate::terminal::{self, Output};
 
 /// Extension of USD files in text form.
@@ -31,7 +32,14 @@ const EXTENSION: &str = "usda";
 /// damaged, none of its hulls is a solid, or two objects have the same prim.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let parent = check_flags(args)?;
-    let places = find_packs(&args.packs)?;
+    let mut places = find_packs(&args.packs)?;
+    places.retain(|place| {
+        let is_level = kind_by_name(&place.path) == Some(FileKind::TriangleMesh) && !args.packs.contains(&place.path);
+        if is_level {
+            terminal::note(format_args!("{}: left out, because it is a triangle mesh", place.path.display()));
+        }
+        !is_level
+    });
     if args.name.is_some() && places.len() > 1 {
         return Err(Failure::usage(
             "--name: several packs are exported, and each needs a name; export this one alone".to_owned(),
@@ -47,8 +55,8 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (text, of_hulls) = write(&layer).map_err(|error| Failure::usage(format!("--for usd: {error}")))?;
     for mesh in of_hulls {
         terminal::note(format_args!(
-            "{mesh}: the mass comes from its hulls, because the pack does not record the mass of the mesh (it is not \
-             closed, or only some of its parts are exported)"
+            "{mesh}: the mass comes from its hulls, because the pack does not record the mass of the mesh (it is \
+             open, triangles are reversed, or only some of its parts are exported)"
         ));
     }
     let file = ExportedFile { name: String::new(), bytes: text.into_bytes(), counts: Some(counts) };

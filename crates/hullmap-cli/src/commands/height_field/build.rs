@@ -17,7 +17,7 @@ use crate::args::BuildArgs;
 use crate::interrupt;
 use crate::options::OptionLayer;
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, sweep, write_beside};
+use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, records_source, sweep, write_beside};
 use crate::terminal::{self, Output};
 use hullmap_bake::number::grouped;
 
@@ -139,7 +139,7 @@ fn build(
         let header = field.header();
         let is_fresh = header.source_hash == record.hash
             && header.options_hash == options_hash(&record.options)
-            && field.source_path() == record.path;
+            && (field.source_path() == record.path || records_source(field.source_path(), source, folder_of(target)));
         (row.columns, row.rows) = (field.layout().columns, field.layout().rows);
         (row.holes, row.bytes) = (field.hole_count(), field.bytes().len());
         if is_fresh {

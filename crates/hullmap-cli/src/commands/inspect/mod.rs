@@ -229,7 +229,9 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
             let centroid = centroid.map(rounded).join(" ");
             out.line(format_args!("  mesh               volume {}, centre of mass {centroid}", rounded(volume)))?;
         } else if hull.part == 0 {
-            out.line("  mesh               mass unknown: not a closed mesh")?;
+            let is_closed = hull.solid == Some(SolidKind::Watertight.as_str());
+            let or_open = if is_closed { "" } else { "it is open, or " };
+            out.line(format_args!("  mesh               mass unknown: {or_open}some triangles are reversed"))?;
         }
         if hull.part_count > 0 {
             write_part(hull, reachable.as_deref(), out)?;

@@ -17,10 +17,10 @@ use crate::jobs::{Job, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
 
-/// Runs the command. Fails if an input or `hullmap.toml` cannot be read, or a path cannot be
-/// written. A mesh that cannot be read is reported and left out.
+/// Runs the command. Fails if an input or `hullmap.toml` cannot be read. A mesh that cannot be
+/// read, or whose path cannot be written, is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let (jobs, mut exit) = jobs(&args.meshes, &args.out, Path::new("."), Messages::Warnings)?.report_empty();
+    let (jobs, mut exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
     let meshes: Vec<(&str, u64)> = jobs.iter().map(|job| job.place.as_str()).zip(sizes).collect();
     let size = BatchSize { meshes: args.batch, bytes: args.batch_bytes.unwrap_or(BatchSize::default().bytes) };
@@ -30,7 +30,7 @@ pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     for batch in batches(&meshes, size) {
         let batch: Vec<&Job> = batch.into_iter().map(|index| &jobs[index]).collect();
-        let (task, worst) = task(args, index, &batch)?;
+        let (task, worst) = task(args, index, &batch);
         exit = exit.max(worst);
         let Some(task) = task else { continue };
         index += 1;
@@ -48,9 +48,9 @@ pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(exit, out.flush().map_err(Failure::from))
 }
 
-/// The task of a batch, without meshes that cannot be read, and the exit code for those; `None` if
-/// no mesh is left.
-fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> Result<(Option<Task>, Exit), Failure> {
+/// The task of a batch, without meshes that cannot be planned, and the exit code for those; `None`
+/// if no mesh is left.
+fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> (Option<Task>, Exit) {
     let limits = args.meshes.limits.limits();
     let found = batch.par_iter().map(|job| match &job.name.clash {
         Some(clash) => Err(Failure::usage(clash.clone())),
@@ -59,13 +59,13 @@ fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> Result<(Option<Task>, 
     let found: Vec<_> = found.collect();
     let (mut meshes, mut exit) = (Vec::with_capacity(batch.len()), Exit::Done);
     for (job, from) in batch.iter().zip(found) {
-        match from {
-            Ok(from) => meshes.push(TaskMesh::new(job, &args.out, from).map_err(Failure::usage)?),
+        match from.and_then(|from| TaskMesh::new(job, &args.out, from).map_err(Failure::usage)) {
+            Ok(mesh) => meshes.push(mesh),
             Err(failure) => {
                 terminal::error(&failure);
                 exit = exit.max(failure.exit);
             }
         }
     }
-    Ok(((!meshes.is_empty()).then(|| Task::new(index, &args.out, meshes)), exit))
+    ((!meshes.is_empty()).then(|| Task::new(index, &args.out, meshes)), exit)
 }

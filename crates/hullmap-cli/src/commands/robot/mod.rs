@@ -74,7 +74,7 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     check_flags(args)?;
     let project = Path::new(".");
-    let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
+    let mut configs = Configs::new(args.config.as_deref(), args.no_config)?;
     let (mut robots, mut job_count) = (Vec::new(), 0);
     let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
     for input in &args.inputs {

@@ -77,7 +77,7 @@ use surface_pair::surface_pair;
 /// use parry3d::query::{ContactManifold, PersistentQueryDispatcher, QueryDispatcher};
 /// use parry3d::shape::Cuboid;
 ///
-/// let cube = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?);
+/// let cube = BakedHull::new(pack.shared_hull_named("cube")?);
 /// let floor = Cuboid::new(Vector::new(5.0, 5.0, 1.0));
 /// let cube_in_floor = Pose::translation(0.0, 0.0, 1.99);
 ///
