@@ -307,8 +307,8 @@ class PairManifolds(_Answer):
     def _of_points(cls, columns: Columns, lead: Tuple[int, ...], pairs: int) -> PairManifolds:
         # The counts are in the first row of each pose.
         counts = {name: columns[name][::pairs] for name in ("touching", "dropped")}
-        points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3)}
-        of_pairs = {"parts": (pairs, 2), "normal": (pairs, 3), "depth": (pairs, 4), "count": (pairs,), "status": (pairs,)}
+        points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3), "depth": (pairs, 4)}
+        of_pairs = {"parts": (pairs, 2), "normal": (pairs, 3), "count": (pairs,), "status": (pairs,)}
         return cls._of({**columns, **counts}, lead, {**points, **of_pairs})
 
 
