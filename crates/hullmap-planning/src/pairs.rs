@@ -1,7 +1,7 @@
 //! Which pairs are tested: the filter of the description, then the allowed collision matrix.
 //!
-//! The matrix has an entry for each pair that the user or an SRDF file names. An entry overrides the
-//! filter, and a later entry an earlier one.
+//! The matrix has an entry for each pair that the user or an SRDF file names. An entry overrides
+//! the filter, and a later entry an earlier one.
 //!
 //! # Reference
 //! MoveIt's `AllowedCollisionMatrix`.
@@ -30,8 +30,8 @@ impl Robot {
         self.set_allowed(pairs, true)
     }
 
-    /// Disallows collisions of pairs of links, or of links and obstacles: they are tested, whatever the
-    /// description says, and all of their geoms are.
+    /// Disallows collisions of pairs of links, or of links and obstacles: they are tested, whatever
+    /// the description says, and all of their geoms are.
     ///
     /// # Errors
     /// A name is unknown. Then nothing changes.
@@ -60,8 +60,8 @@ impl Robot {
         Ok(())
     }
 
-    /// Allows the pairs that an SRDF file disables, and disallows the pairs that it enables. Names of
-    /// other robots are ignored.
+    /// Allows the pairs that an SRDF file disables, and disallows the pairs that it enables. Names
+    /// of other robots are ignored.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -125,8 +125,8 @@ impl Robot {
         (0..self.links.len()).filter(|link| !self.of_link[*link].is_empty())
     }
 
-    /// Pairs of links with bodies, the lower one first. A link is its own partner only if MJCF pairs
-    /// its geoms.
+    /// Pairs of links with bodies, the lower one first. A link is its own partner only if MJCF
+    /// pairs its geoms.
     fn pairs_of_links(&self) -> impl Iterator<Item = [usize; 2]> {
         let links = self.links_with_bodies();
         links
@@ -154,8 +154,8 @@ impl Robot {
         skipped.collect()
     }
 
-    /// Pairs and geometry that are not tested, with the reasons. A pair of links is listed once if none
-    /// of its geoms are tested, for one reason; else, each pair of geoms is.
+    /// Pairs and geometry that are not tested, with the reasons. A pair of links is listed once if
+    /// none of its geoms are tested, for one reason; else, each pair of geoms is.
     ///
     /// # Complexity
     /// O(p) for p pairs of geoms.

@@ -94,8 +94,8 @@ pub struct JointFacts {
 ///
 /// The bodies of a link are the hulls of its collision meshes, and its primitives. The description
 /// decides which pairs are tested ([`CollisionFilter`]), unless the user does
-/// ([`allow`](Self::allow), [`disallow`](Self::disallow)). [`skipped`](Self::skipped) lists all that
-/// is not tested.
+/// ([`allow`](Self::allow), [`disallow`](Self::disallow)). [`skipped`](Self::skipped) lists all
+/// that is not tested.
 ///
 /// Lengths are in metres and angles in radians, as in the description. The world is the frame of
 /// the description's root.

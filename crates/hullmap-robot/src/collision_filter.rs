@@ -4,7 +4,7 @@
 //! |---|---|
 //! | all | links that never move relative to each other |
 //! | URDF, SDF | the parent and the child of a joint |
-//! | MJCF | parent and child, counting rigidly connected bodies as one, unless one is part of the world |
+//! | MJCF | parent and child, rigidly connected bodies as one, unless one is in the world |
 //! | MJCF | two bodies without degrees of freedom, `exclude`, and masks that do not match |
 //!
 //! In MJCF, a `pair` of geoms is tested whatever these rules say.
@@ -62,7 +62,8 @@ impl fmt::Display for SkipReason {
 pub struct CollisionFilter {
     /// For each link, the root of the links that it is rigidly connected to.
     rigid: Vec<usize>,
-    /// In MJCF, the same, since rigidly connected bodies have one parent. In other formats, the link.
+    /// In MJCF, the same, since rigidly connected bodies have one parent. In other formats, the
+    /// link.
     group: Vec<usize>,
     /// For each link, the group of the parent of its own.
     parent: Vec<Option<usize>>,

@@ -67,7 +67,8 @@ pub struct Description {
 pub struct Contacts {
     /// Pairs of links without contacts: `exclude`.
     pub excluded: Vec<[usize; 2]>,
-    /// Pairs of geoms that are always tested: `pair`. Each is a link, and an index of its collisions.
+    /// Pairs of geoms that are always tested: `pair`. Each is a link, and an index of its
+    /// collisions.
     pub paired: Vec<[[usize; 2]; 2]>,
     /// Whether parents and children are tested: the flag `filterparent` is disabled.
     pub tests_parents: bool,

@@ -1,7 +1,7 @@
 //! What a model states about contacts: `exclude`, `pair` and `flag`.
 //!
-//! New `exclude` elements are added in a separate section at the end of the model. MuJoCo merges sections of the
-//! same name, so nothing else changes.
+//! New `exclude` elements are added in a separate section at the end of the model. MuJoCo merges
+//! sections of the same name, so nothing else changes.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html#contact>
