@@ -64,7 +64,7 @@ fn round_shapes(pack: &Pack) -> Vec<Box<dyn Shape + Sync + '_>> {
         Box::new(Sphere::new(0.7).unwrap()),
         Box::new(capsule),
         Box::new(cuboid),
-        Box::new(pack.shared_hull(0).unwrap()),
+        Box::new(pack.hull(0).unwrap()),
     ]
 }
 
