@@ -28,22 +28,6 @@ fn twisted(pose: Pose, axis: usize, step: f64) -> Pose {
     Pose::new(pose.translation() + v, DQuat::from_scaled_axis(w) * pose.rotation()).unwrap()
 }
 
-/// Greatest difference of the derivatives and of central differences of `truth` by both poses.
-fn off(found: &Derivatives, poses: [Pose; 2], step: f64, truth: impl Fn([Pose; 2]) -> f64) -> f64 {
-    let mut off = 0.0_f64;
-    for (which, by) in [found.of_a, found.of_b].into_iter().enumerate() {
-        for (axis, found) in by.to_array().into_iter().enumerate() {
-            let value = |step: f64| {
-                let mut moved = poses;
-                moved[which] = twisted(poses[which], axis, step);
-                truth(moved)
-            };
-            off = off.max((found - (value(step) - value(-step)) / (2.0 * step)).abs());
-        }
-    }
-    off
-}
-
 /// Curved and flat shapes: rims, sides, tips, caps, ellipsoids, edges and vertices.
 fn round_shapes(pack: &Pack) -> Vec<Box<dyn Shape + Sync + '_>> {
     let [cylinder, cone] = [(0.5, 0.6), (0.4, 0.7)];
@@ -64,7 +48,7 @@ fn round_shapes(pack: &Pack) -> Vec<Box<dyn Shape + Sync + '_>> {
         Box::new(Sphere::new(0.7).unwrap()),
         Box::new(capsule),
         Box::new(cuboid),
-        Box::new(pack.shared_hull(0).unwrap()),
+        Box::new(pack.hull(0).unwrap()),
     ]
 }
 
