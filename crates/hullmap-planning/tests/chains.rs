@@ -94,7 +94,7 @@ fn the_interval_of_a_hit_is_as_narrow_as_the_resolution() {
         let arm = robot(
             "slow.xml",
             &format!(
-                "<mujoco><worldbody><body name='base'><geom type='ellipsoid' size='0.3 0.2 0.1'/><body name='mid'>
+                "<mujoco><worldbody><body name='base'><geom type='ellipsoid' size='0.3 0.2 0.1'/><body name='mid'><joint name='still' axis='1 0 0'/>
                  <body name='tip' pos='1 0 0'><joint name='a' type='slide' axis='-1 0 0'/>
                  <geom type='cylinder' size='0.2 0.1' quat='{}'/></body></body></body></worldbody></mujoco>",
                 turned.join(" ")
@@ -106,18 +106,18 @@ fn the_interval_of_a_hit_is_as_narrow_as_the_resolution() {
         let (mut before, mut after) = (0.0, 1.0);
         for _ in 0..40 {
             let middle = 0.5 * (before + after);
-            let gap = arm.clearance(&[middle], &Settings::default(), memory).unwrap().upper;
+            let gap = arm.clearance(&[0.0, middle], &Settings::default(), memory).unwrap().upper;
             *if gap > settings.margin { &mut before } else { &mut after } = middle;
         }
         for step in [1e-3, 5e-3] {
             let from = before - 0.3 * step;
-            let found = arm.clear(&[from], &[from + step], &settings, memory).unwrap().answer;
+            let found = arm.clear(&[0.0, from], &[0.0, from + step], &settings, memory).unwrap().answer;
             hits += usize::from(found.verdict == Verdict::Hit);
             assert!(found.verdict != Verdict::Hit || found.status == Status::Within, "{found:?}");
             assert!(found.verdict != Verdict::Hit || found.t_upper - found.t_lower <= 1e-3, "{found:?}");
             // Rounding error forbids more than this.
             let fine = EdgeSettings { resolution: 0.0, ..settings };
-            let found = arm.clear(&[from], &[from + step], &fine, memory).unwrap().answer;
+            let found = arm.clear(&[0.0, from], &[0.0, from + step], &fine, memory).unwrap().answer;
             assert!(found.status != Status::Within || found.t_upper <= found.t_lower, "{found:?}");
         }
     }

@@ -136,8 +136,9 @@ impl RigidMotion {
         self.axis
     }
 
-    /// The angle of the whole motion in radians.
-    pub(super) fn angle(&self) -> f64 {
+    /// The angle in radians by which the shape turns from time 0 to time 1: more than a turn if it
+    /// turns several times.
+    pub fn angle(&self) -> f64 {
         self.angle
     }
 

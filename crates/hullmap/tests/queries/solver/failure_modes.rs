@@ -739,7 +739,7 @@ fn needles_that_touch_are_near_each_other() {
     for _ in 0..20_000 {
         let [thin, gap] = [rng.between(-14.0, -7.0), rng.between(-13.0, -9.0)].map(|power| 10.0_f64.powf(power));
         let mut side = |up: f64| {
-            let (sine, cosine) = rng.between(0.0, 6.28).sin_cos();
+            let (sine, cosine) = rng.between(0.0, std::f64::consts::TAU).sin_cos();
             let (u, v) = (DVec3::new(cosine, sine, 0.0), DVec3::new(-sine, cosine, 0.0));
             let share = rng.between(0.05, 0.95);
             let mut points = vec![u * share, u * (share - 1.0) + v * thin, u * (share - 1.0) - v * thin];
