@@ -111,7 +111,7 @@ fn a_capsule_that_leans_has_points_on_its_side() {
         for point in manifold.points() {
             let core = DVec3::Z * point.local_b.z.clamp(-half, half);
             let off = point.local_b.distance(core) - radius;
-            assert!(off.abs() < 1e-12 && (point.point_a.z - 1.0).abs() < 1e-12, "{tilt}: {off} {point:?}");
+            assert!(off.abs() < OFF && (point.point_a.z - 1.0).abs() < OFF, "{tilt}: {off} {point:?}");
         }
     }
 }
