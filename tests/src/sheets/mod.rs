@@ -13,8 +13,8 @@
 
 pub mod exact;
 pub mod joints;
-pub mod rational;
 pub mod manifolds;
+pub mod rational;
 pub mod scene;
 
 use std::cmp::Ordering;
