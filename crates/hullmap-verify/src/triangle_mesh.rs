@@ -376,7 +376,7 @@ fn compare_rays(
         .par_iter()
         .map(|ray| {
             let (truth, found) = (ray_truth(triangles, [ray.origin, ray.direction], space.scale), answer(ray));
-            let is_right = found.is_some_and(|found| ray.is_met_by(&found) && is_right(&found, &truth));
+            let is_right = found.is_some_and(|found| ray.is_met_by(&found, 0.0) && is_right(&found, &truth));
             (found, is_right)
         })
         .collect();
