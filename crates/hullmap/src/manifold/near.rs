@@ -8,6 +8,10 @@ use crate::solver::triangle_face::{self, FaceContact};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use glam::DVec3;
 
+/// Maximum distance between the two copies of a common point, in units of the width of an interval
+/// that is as narrow as rounding error allows.
+const COPIES: f64 = 32.0;
+
 /// The contact of two shapes near each other.
 pub(super) struct Near {
     pub(super) contact: Contact,
@@ -25,7 +29,7 @@ impl Near {
     /// error, and on a line along the normal.
     pub(super) fn is_within(&self, off: f64) -> bool {
         let is_rounding = matches!(self.status, Status::Exact | Status::Touching);
-        let off = if is_rounding { off.max(self.width) } else { off };
+        let off = if is_rounding { off.max(COPIES * self.width) } else { off };
         let aside = self.contact.point_a - self.contact.point_b - self.contact.normal * self.depth;
         // NaN takes the failing branch.
         aside.length() <= off && self.width <= off
