@@ -173,11 +173,13 @@ impl Update<'_, '_> {
             let is_near = gap.upper < self.prediction - slack && gap.status != Status::Overlapping;
             judge.demand("no points of shapes that are near", !is_near || is_extreme || !points.is_empty());
         }
-        judge.demand("no points of a contact", !contact.hit || !points.is_empty());
+        let is_inexact = inexact > slack + OFF_SURFACE * self.reach;
+        let has_stalled = matches!(contact.status, Status::Stalled | Status::IterationLimit);
+        judge.demand("no points of a contact", !contact.hit || !points.is_empty() || is_inexact && has_stalled);
         if points.is_empty() {
             return;
         }
-        if !is_extreme && inexact > slack + OFF_SURFACE * self.reach {
+        if !is_extreme && is_inexact {
             *judge.tally.lines.entry("inexact contacts").or_default() += 1;
         }
         judge.at_most("the normal is not of unit length", (normal.length() - 1.0).abs(), 0.0, 1e-14);

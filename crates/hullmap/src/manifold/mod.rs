@@ -376,7 +376,8 @@ impl Manifold {
     ) -> Contact {
         let reach = a.outer_radius().min(b.outer_radius());
         let prediction = settings.prediction.length(reach);
-        let Near { contact, depth, width, status } = near_contact((a, b, b_in_a), &settings.contact, prediction, cache);
+        let near = near_contact((a, b, b_in_a), &settings.contact, [prediction, ON_SURFACE * reach], cache);
+        let Near { contact, depth, width, status } = near;
         // NaN takes the branch that clears.
         if !(depth >= -prediction) {
             self.clear();
@@ -388,9 +389,7 @@ impl Manifold {
         let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
         let heights = [depth * 0.5, -depth * 0.5];
         let parts = features.each_ref().map(part);
-        let aside = contact.point_a - contact.point_b - contact.normal * depth;
-        // NaN takes the failing branch.
-        let exact = [aside.length() <= ON_SURFACE * reach && width <= ON_SURFACE * reach; 2];
+        let exact = [near.is_within(ON_SURFACE * reach); 2];
         let point = PatchPoint { heights, exact, parts, ..PatchPoint::default() };
         if depth > patch.deepest() + lengths.slight() {
             patch.push(point);

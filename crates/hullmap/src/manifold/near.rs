@@ -8,6 +8,10 @@ use crate::solver::triangle_face::{self, FaceContact};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use glam::DVec3;
 
+/// Maximum distance between the two copies of a common point, in units of the width of an interval
+/// that is as narrow as rounding error allows.
+const COPIES: f64 = 32.0;
+
 /// The contact of two shapes near each other.
 pub(super) struct Near {
     pub(super) contact: Contact,
@@ -20,11 +24,24 @@ pub(super) struct Near {
     pub(super) status: Status,
 }
 
-/// The contact of two shapes, or their distance up to `prediction`.
+impl Near {
+    /// Whether its points are on both surfaces to within `off`, a length, or to within rounding
+    /// error, and on a line along the normal.
+    pub(super) fn is_within(&self, off: f64) -> bool {
+        let is_rounding = matches!(self.status, Status::Exact | Status::Touching);
+        let off = if is_rounding { off.max(COPIES * self.width) } else { off };
+        let aside = self.contact.point_a - self.contact.point_b - self.contact.normal * self.depth;
+        // NaN takes the failing branch.
+        aside.length() <= off && self.width <= off
+    }
+}
+
+/// The contact of two shapes, or their distance up to `prediction`. `off` is the length by which
+/// points may be off a surface.
 pub(super) fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     settings: &Settings,
-    prediction: f64,
+    [prediction, off]: [f64; 2],
     cache: &mut Cache,
 ) -> Near {
     if let Some(corners) = a.triangle()
@@ -33,9 +50,12 @@ pub(super) fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
         return Near { contact, depth, width: 0.0, status: Status::Exact };
     }
     let mut contact = queries::contact(a, b, b_in_a, settings, cache);
+    if contact.hit && contact.status == Status::Within && width(&contact) > 0.5 * off {
+        contact = narrowed((a, b, b_in_a), settings, (contact, off), cache);
+    }
     let Contact { depth, status, .. } = contact;
     if contact.hit {
-        return Near { contact, depth, width: contact.depth_upper - contact.depth_lower, status };
+        return Near { contact, depth, width: width(&contact), status };
     }
     let Some(gap) = distance_within((a, b, b_in_a), contact.normal, prediction, settings, cache) else {
         return Near { contact, depth: f64::NEG_INFINITY, width: 0.0, status };
@@ -44,6 +64,28 @@ pub(super) fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     contact.iterations += gap.iterations;
     contact.support_calls += gap.support_calls;
     Near { contact, depth: -gap.distance, width: gap.upper - gap.lower, status: gap.status }
+}
+
+fn width(contact: &Contact) -> f64 {
+    contact.depth_upper - contact.depth_lower
+}
+
+/// A `contact` whose interval is narrow enough that its points are at most `off` the surfaces, if
+/// the search gets there. Curved shapes that are deep in each other need it.
+#[inline(never)]
+fn narrowed<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    settings: &Settings,
+    (contact, off): (Contact, f64),
+    cache: &mut Cache,
+) -> Contact {
+    let settings = Settings { tolerance: 0.25 * off / contact.depth_upper, ..*settings };
+    let narrow = queries::contact(a, b, b_in_a, &settings, cache);
+    // The first one is within the caller's tolerance, whatever became of the second search.
+    let found = if narrow.hit && width(&narrow) < width(&contact) { narrow } else { contact };
+    let status = if narrow.status == Status::Exact { Status::Exact } else { contact.status };
+    let iterations = contact.iterations + narrow.iterations;
+    Contact { status, iterations, support_calls: contact.support_calls + narrow.support_calls, ..found }
 }
 
 /// The distance of shapes that `axis` separates; `None` if it is above `prediction`.
