@@ -33,8 +33,8 @@ use crate::soak::model::{Core, Model};
 /// triangle and body: the slack of clipping, and what a slope adds.
 const OFF_SURFACE: f64 = 2e-6;
 
-/// Rounding error of coordinates, in units of f64, relative to their greatest.
-const F64: f64 = 64.0 * f64::EPSILON;
+/// Rounding error of coordinates relative to their greatest: 0.2 micrometres at 1,000 km.
+const F64: f64 = 1024.0 * f64::EPSILON;
 
 /// Distance of corners of a hull's face from its plane, relative to its size: rounding to f32.
 const F32: f64 = f32::EPSILON as f64;

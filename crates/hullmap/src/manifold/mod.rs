@@ -389,7 +389,7 @@ impl Manifold {
         let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
         let heights = [depth * 0.5, -depth * 0.5];
         let parts = features.each_ref().map(part);
-        let exact = [near.is_within(ON_SURFACE * reach); 2];
+        let exact = [near.is_within(ON_SURFACE * reach, (a, b, b_in_a)); 2];
         let point = PatchPoint { heights, exact, parts, ..PatchPoint::default() };
         if depth > patch.deepest() + lengths.slight() {
             patch.push(point);

@@ -8,8 +8,7 @@ use crate::solver::triangle_face::{self, FaceContact};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use glam::DVec3;
 
-/// Maximum distance between the two copies of a common point, in units of the width of an interval
-/// that is as narrow as rounding error allows.
+/// Maximum distance between the two copies of a common point, in rounding errors.
 const COPIES: f64 = 32.0;
 
 /// The contact of two shapes near each other.
@@ -27,12 +26,15 @@ pub(super) struct Near {
 impl Near {
     /// Whether its points are on both surfaces to within `off`, a length, or to within rounding
     /// error, and on a line along the normal.
-    pub(super) fn is_within(&self, off: f64) -> bool {
-        let is_rounding = matches!(self.status, Status::Exact | Status::Touching);
-        let off = if is_rounding { off.max(COPIES * self.width) } else { off };
-        let aside = self.contact.point_a - self.contact.point_b - self.contact.normal * self.depth;
+    pub(super) fn is_within<A: Shape + ?Sized, B: Shape + ?Sized>(
+        &self,
+        off: f64,
+        (a, b, b_in_a): (&A, &B, Pose),
+    ) -> bool {
+        let aside = (self.contact.point_a - self.contact.point_b - self.contact.normal * self.depth).length();
         // NaN takes the failing branch.
-        aside.length() <= off && self.width <= off
+        let is_within = |off: f64| aside <= off && self.width <= off;
+        is_within(off) || is_within(COPIES * Minkowski::new(a, b, b_in_a).rounding_error())
     }
 }
 
