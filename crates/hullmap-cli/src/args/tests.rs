@@ -195,7 +195,7 @@ fn help_fits_a_screen() {
 fn help_of_build_is_grouped_by_purpose() {
     let help = error("bake build --help");
     assert!(help.lines().count() < 150, "{help}");
-    assert!(!error("bake build -h").contains("--remote ") && help.contains("--remote "), "{help}");
+    assert!(!error("bake build -h").contains("--cache ") && help.contains("--cache "), "{help}");
     let is_heading = |line: &&str| !line.starts_with(' ') && line.ends_with(':');
     let headings: Vec<&str> = help.lines().filter(is_heading).collect();
     let mut expected = vec!["Arguments:", "Options:", "Shape:", "Parts:", "Files:", "Index:", "Limits:", "Running:"];
@@ -247,19 +247,6 @@ fn help_has_the_name_under_which_the_command_was_started() {
     let module = "python -m hullmap";
     assert!(text(&[module, "--help"]).contains("Usage: python -m hullmap <COMMAND>"));
     assert!(!text(&[module, "build", "--help"]).contains("bake build"));
-}
-
-/// The flags always exist, so that a build without the client states how to get it.
-#[test]
-fn a_farm_needs_the_client() {
-    let address = "bake build a --out o --remote grpc://localhost:1 --remote-upload";
-    let parsed = parse(address.split_whitespace()).map(|_| ()).map_err(|error| error.to_string());
-    if cfg!(feature = "remote") {
-        assert_eq!(parsed, Ok(()));
-    } else {
-        assert!(parsed.as_ref().is_err_and(|message| message.contains("`--features remote`")), "{parsed:?}");
-    }
-    assert!(error("bake build a --out o --remote-upload").contains("--remote <ADDRESS>"));
 }
 
 #[test]
