@@ -7,26 +7,23 @@
 
 use std::fmt;
 
-use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_bake::IndexKind;
 
 use super::removed::instead_of_record;
-use super::table::{DefaultValue, OPTIONS, Record, position};
+use super::table::{OPTIONS, Record, position};
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
         for (index, option) in OPTIONS.iter().enumerate() {
-            let text = match (option.record, self.0.value_at(index), option.default) {
-                (Record::WithIndex | Record::Never, ..) | (_, None, _) => continue,
-                (Record::Always, Some(_), _) if option.key == "index" => recorded_index(self.index()),
-                (Record::Always, Some(value), _) => value.to_string(),
-                (Record::IfChanged, Some(value), DefaultValue::Value(default))
-                    if option.syntax.parse(default) == Ok(value) =>
-                {
-                    continue;
-                }
-                (Record::IfChanged, Some(value), _) => value.to_string(),
+            let text = match (option.record, self.0.value_at(index)) {
+                (Record::Never, _) | (_, None) => continue,
+                (Record::Always, Some(_)) if option.key == "index" => recorded_index(self.index()),
+                (Record::Always, Some(value)) => value.to_string(),
+                (Record::IfChanged, Some(value)) if option.syntax.parse(option.default) == Ok(value) => continue,
+                (Record::IfChanged, Some(_)) if option.key == "decompose" => COVER.to_owned(),
+                (Record::IfChanged, Some(value)) => value.to_string(),
             };
             write!(f, "{separator}{} {text}", option.key)?;
             separator = ", ";
@@ -35,31 +32,26 @@ impl fmt::Display for BuildOptions {
     }
 }
 
+/// The record of a decomposition: its method, since there were others.
+const COVER: &str = "cover";
+
 /// The three trees are recorded by their leaf size.
-fn recorded_index(index: IndexChoice) -> String {
-    match index {
-        IndexChoice::Kind(kind) if kind.is_tree() => format!("tree {}", kind.leaf_size()),
-        IndexChoice::Kind(kind) => kind.to_string(),
-        IndexChoice::Budget { bytes_per_vertex } => format!("budget {bytes_per_vertex}"),
-    }
+fn recorded_index(kind: IndexKind) -> String {
+    if kind.is_tree() { format!("tree {}", kind.leaf_size()) } else { kind.to_string() }
 }
 
 impl BuildOptions {
     /// The options for people: as recorded, but with the index by its name on the command line.
     pub fn in_words(&self) -> String {
-        let text = self.to_string();
-        match self.index() {
-            IndexChoice::Kind(kind) if kind.is_tree() => {
-                text.replacen(&format!("index tree {}", kind.leaf_size()), &format!("index {kind}"), 1)
-            }
-            _ => text,
-        }
+        self.to_string().replacen(&recorded_index(self.index()), &self.index().to_string(), 1)
     }
 
     /// The parameters with which a text records that meshes were decomposed; `None` if they were
-    /// not, or if the options are not known.
+    /// not, or if the options are not known. Parts do not depend on the index, which may be one
+    /// that can no longer be chosen.
     pub fn recorded_cover(text: &str) -> Option<hullmap_bake::decompose::Cover> {
-        Self::from_recorded(text)?.decompose()
+        let usual = |part| if str::starts_with(part, "index ") { "index tree 8" } else { part };
+        Self::from_recorded(&text.split(", ").map(usual).collect::<Vec<_>>().join(", "))?.decompose()
     }
 
     /// The options that a text records: the inverse of [`Display`](fmt::Display).
@@ -75,31 +67,27 @@ impl BuildOptions {
             if position(key).is_some_and(|index| OPTIONS[index].record == Record::Never) {
                 return None;
             }
-            if key == "index" { set_index(&mut layer, value)? } else { layer.set(key, value).ok()? }
+            match (key, value) {
+                ("index", _) => set_index(&mut layer, value)?,
+                ("decompose", COVER) => layer.set(key, "true").ok()?,
+                _ => layer.set(key, value).ok()?,
+            }
         }
         // The first packs had these two already.
         let is_whole = layer.get("split").is_some() && layer.get("vertices").is_some();
-        let has_index = layer.get("index").is_some() || layer.get("index_budget").is_some();
-        (is_whole && has_index).then(|| layer.resolve())
+        (is_whole && layer.get("index").is_some()).then(|| layer.resolve())
     }
 }
 
 /// Sets the options of a recorded index. A tree without its leaf size, as in the first packs, is
 /// the default tree.
 fn set_index(layer: &mut OptionLayer, text: &str) -> Option<()> {
-    if let Some(bytes_per_vertex) = text.strip_prefix("budget ") {
-        return layer.set("index_budget", bytes_per_vertex).ok();
-    }
     if let Some(leaf_size) = text.strip_prefix("tree ") {
         let leaf_size: u32 = leaf_size.parse().ok()?;
         let tree = IndexKind::NAMED.into_iter().find(|kind| kind.is_tree() && kind.leaf_size() == leaf_size)?;
         return layer.set("index", tree.as_str()).ok();
     }
-    // A record always states the resolution of a cube map.
-    let kind: IndexKind = text.parse().ok().filter(|kind: &IndexKind| kind.to_string() == text)?;
-    if kind.resolution() > 0 {
-        layer.set("resolution", &kind.resolution().to_string()).ok()?;
-    }
+    let kind = IndexKind::NAMED.into_iter().find(|kind| kind.to_string() == text)?;
     layer.set("index", kind.as_str()).ok()
 }
 
@@ -111,18 +99,16 @@ mod tests {
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
     /// These texts decide which packs are fresh: a change here makes all existing packs stale.
-    const RECORDS: [(&[(&str, &str)], &str); 28] = [
+    const RECORDS: [(&[(&str, &str)], &str); 26] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
         (&[("vertices", "all")], "split none, vertices all, index tree 8"),
         (&[("index", "medium")], "split none, vertices referenced, index tree 16"),
         (&[("index", "compact")], "split none, vertices referenced, index tree 32"),
-        (&[("index_budget", "40")], "split none, vertices referenced, index budget 40"),
         (&[("index", "binary")], "split none, vertices referenced, index binary"),
         (&[("index", "none")], "split none, vertices referenced, index none"),
         (&[("index", "cubemap")], "split none, vertices referenced, index cubemap 64"),
-        (&[("index", "cubemap"), ("resolution", "7")], "split none, vertices referenced, index cubemap 7"),
         (&[("unit_scale", "0.0254")], "split none, vertices referenced, index tree 8, unit_scale 0.0254"),
         (&[("unit_scale", "1.0")], "split none, vertices referenced, index tree 8"),
         (
@@ -177,6 +163,9 @@ mod tests {
             "split none, vertices all",
             "split none, vertices all, index tree 12",
             "split none, vertices all, index cubemap",
+            // Indices of earlier versions.
+            "split none, vertices all, index cubemap 7",
+            "split none, vertices all, index budget 40",
             "split none, vertices all, index tree 8, mirror x",
             "split none, vertices all, index tree 8, unit_scale 0",
             "split none, vertices all, index tree 8, unit_scale nan",
@@ -188,6 +177,22 @@ mod tests {
         ] {
             assert_eq!(BuildOptions::from_recorded(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn records_of_parts_are_read_whatever_their_index() {
+        for index in ["tree 8", "tree 16", "tree", "budget 40", "cubemap 7", "cubemap 64", "none"] {
+            let text = format!("split none, vertices referenced, index {index}, decompose cover, max_parts 2");
+            let expected = options(&[("decompose", "true"), ("max_parts", "2")]).decompose();
+            assert_eq!(BuildOptions::recorded_cover(&text), expected, "{index}");
+            let is_known = !index.starts_with("budget") && index != "cubemap 7";
+            assert_eq!(
+                (BuildOptions::from_recorded(&text).is_some(), instead_of_record(&text).is_none()),
+                (is_known, is_known)
+            );
+        }
+        let vhacd = "split none, vertices referenced, index tree 8, decompose true";
+        assert_eq!(BuildOptions::recorded_cover(vhacd), None);
     }
 
     #[test]
