@@ -417,8 +417,8 @@ fn an_entry_is_judged_like_any_pack() {
     let other = fs::read(path("one/local/0/3.hullmap")).unwrap();
     run(&path("one"), "build in/0/0.obj --out odd --index none --quiet").expect(0);
     let odd = fs::read(path("one/odd/0.hullmap")).unwrap();
-    run(&path("one"), "build in/0/0.obj --out elsewhere/deep --quiet").expect(0);
-    let moved = fs::read(path("one/elsewhere/deep/0.hullmap")).unwrap();
+    run(&path("one"), "build in/0/0.obj --out elsewhere --quiet").expect(0);
+    let moved = fs::read(path("one/elsewhere/0.hullmap")).unwrap();
     build_with_cache(folder.path(), "one", "");
     let row = &run(&path("one"), "key in/0/0.obj --out o/0 --json").expect(0).json()[0];
     let key = row["key"].as_str().unwrap();
