@@ -9,7 +9,7 @@ use std::fmt;
 
 use hullmap_bake::IndexKind;
 
-use super::removed::instead_of_record;
+use super::removed::{VHACD, instead_of_record};
 use super::table::{OPTIONS, Record, position};
 use super::{BuildOptions, OptionLayer};
 
@@ -41,24 +41,28 @@ fn recorded_index(kind: IndexKind) -> String {
 }
 
 impl BuildOptions {
-    /// The options for people: as recorded, but with the index by its name on the command line.
-    pub fn in_words(&self) -> String {
-        self.to_string().replacen(&recorded_index(self.index()), &self.index().to_string(), 1)
+    /// Recorded options for people: with the index by its name on the command line, if this version
+    /// has these options.
+    pub fn recorded_in_words(text: &str) -> String {
+        match Self::from_recorded(text).filter(|options| options.to_string() == text) {
+            Some(options) => text.replacen(&recorded_index(options.index()), &options.index().to_string(), 1),
+            None => text.to_owned(),
+        }
     }
 
     /// The parameters with which a text records that meshes were decomposed; `None` if they were
-    /// not, or if the options are not known. Parts do not depend on the index, which may be one
-    /// that can no longer be chosen.
+    /// not, or if the options are not known.
     pub fn recorded_cover(text: &str) -> Option<hullmap_bake::decompose::Cover> {
-        let usual = |part| if str::starts_with(part, "index ") { "index tree 8" } else { part };
-        Self::from_recorded(&text.split(", ").map(usual).collect::<Vec<_>>().join(", "))?.decompose()
+        Self::from_recorded(text)?.decompose()
     }
 
-    /// The options that a text records: the inverse of [`Display`](fmt::Display).
+    /// The options that a text records: the inverse of [`Display`](fmt::Display), except that an
+    /// index that can no longer be chosen becomes the one most like it. So packs of earlier versions
+    /// can be verified.
     ///
     /// `None` if a version of the tool with other options baked the pack.
     pub fn from_recorded(text: &str) -> Option<Self> {
-        if instead_of_record(text).is_some() {
+        if instead_of_record(text) == Some(VHACD) {
             return None;
         }
         let mut layer = OptionLayer::default();
@@ -87,7 +91,10 @@ fn set_index(layer: &mut OptionLayer, text: &str) -> Option<()> {
         let tree = IndexKind::NAMED.into_iter().find(|kind| kind.is_tree() && kind.leaf_size() == leaf_size)?;
         return layer.set("index", tree.as_str()).ok();
     }
-    let kind = IndexKind::NAMED.into_iter().find(|kind| kind.to_string() == text)?;
+    if text.starts_with("budget ") {
+        return layer.set("index", "tree").ok();
+    }
+    let kind = text.parse().ok().filter(|kind: &IndexKind| kind.to_string() == text)?;
     layer.set("index", kind.as_str()).ok()
 }
 
@@ -152,7 +159,7 @@ mod tests {
         for (pairs, text) in RECORDS {
             let options = options(pairs);
             assert_eq!(BuildOptions::from_recorded(text), Some(options.clone()), "{text}");
-            let words = options.in_words();
+            let words = BuildOptions::recorded_in_words(text);
             assert_eq!(BuildOptions::from_recorded(&words), Some(options), "{words}");
             assert!(!words.contains("tree "), "{words}");
         }
@@ -163,9 +170,6 @@ mod tests {
             "split none, vertices all",
             "split none, vertices all, index tree 12",
             "split none, vertices all, index cubemap",
-            // Indices of earlier versions.
-            "split none, vertices all, index cubemap 7",
-            "split none, vertices all, index budget 40",
             "split none, vertices all, index tree 8, mirror x",
             "split none, vertices all, index tree 8, unit_scale 0",
             "split none, vertices all, index tree 8, unit_scale nan",
@@ -179,20 +183,28 @@ mod tests {
         }
     }
 
+    /// A budget of bytes, and cube maps of other resolutions.
     #[test]
-    fn records_of_parts_are_read_whatever_their_index() {
-        for index in ["tree 8", "tree 16", "tree", "budget 40", "cubemap 7", "cubemap 64", "none"] {
-            let text = format!("split none, vertices referenced, index {index}, decompose cover, max_parts 2");
-            let expected = options(&[("decompose", "true"), ("max_parts", "2")]).decompose();
-            assert_eq!(BuildOptions::recorded_cover(&text), expected, "{index}");
-            let is_known = !index.starts_with("budget") && index != "cubemap 7";
+    fn records_with_another_index_are_read() {
+        for (index, is_removed) in [("tree 16", false), ("budget 40", true), ("cubemap 7", true), ("cubemap 64", false)]
+        {
+            let text = format!("split auto, vertices referenced, index {index}, decompose cover, max_parts 2");
+            let found = BuildOptions::from_recorded(&text).unwrap();
+            let expected = options(&[("split", "auto"), ("decompose", "true"), ("max_parts", "2")]);
+            assert_eq!((found.decompose(), found.import()), (expected.decompose(), expected.import()), "{index}");
+            // It is stale, and shown as it was recorded.
             assert_eq!(
-                (BuildOptions::from_recorded(&text).is_some(), instead_of_record(&text).is_none()),
-                (is_known, is_known)
+                (found.to_string() != text, instead_of_record(&text).is_some()),
+                (is_removed, is_removed),
+                "{index}"
             );
+            assert_eq!(BuildOptions::recorded_in_words(&text) == text, index != "tree 16", "{index}");
         }
-        let vhacd = "split none, vertices referenced, index tree 8, decompose true";
-        assert_eq!(BuildOptions::recorded_cover(vhacd), None);
+        assert_eq!(
+            BuildOptions::recorded_cover("split none, vertices all, index tree 8, decompose true"),
+            None,
+            "V-HACD"
+        );
     }
 
     #[test]
