@@ -52,8 +52,8 @@ const THREE: u32 = 3;
 mod source {
     /// Body of `mad` in `records.wgsl`.
     pub(super) const MAD: &str = "return a * b + c;";
-    /// The same with one rounding, nearly: lavapipe has no fused operation. Halves of 12 bits make the
-    /// rounding error of the product exact; it is added last.
+    /// The same with one rounding, nearly: lavapipe has no fused operation. Halves of 12 bits make
+    /// the rounding error of the product exact; it is added last.
     pub(super) const FUSED: &str = "
         let a_high = bitcast<f32>(bitcast<u32>(a) & 0xfffff000u);
         let b_high = bitcast<f32>(bitcast<u32>(b) & 0xfffff000u);

@@ -343,8 +343,8 @@ fn checkouts() -> TempDir {
     folder
 }
 
-/// Builds into an empty folder `o` of a checkout, beside the cache. Asserts that the packs are those
-/// of the build without a cache.
+/// Builds into an empty folder `o` of a checkout, beside the cache. Asserts that the packs equal
+/// the packs of the build without a cache.
 #[track_caller]
 fn build_with_cache(folder: &Path, checkout: &str, more: &str) -> Run {
     let checkout = folder.join(checkout);
@@ -490,8 +490,8 @@ fn a_build_never_needs_its_cache() {
         let run = build_with_cache(folder.path(), "one", "");
         assert_eq!((origins(&run), warnings(&run)), ([12, 1], 1), "{}", run.stderr);
         assert!(run.stderr.contains("it is a device, not a regular file") && !first.is_symlink(), "{}", run.stderr);
-        // A link in the place of a folder is not followed: whoever made it would choose what is read
-        // and where files are written.
+        // A link in the place of a folder is not followed: whoever made it would choose what is
+        // read, and where files are written.
         let own = first.parent().unwrap();
         fs::rename(own, path("away")).unwrap();
         symlink(path("away"), own).unwrap();

@@ -33,8 +33,8 @@ pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     if let Some(path) = &args.results {
         write_results(path, &rows)?;
-        // Schedulers repeat a task that fails, which helps no faulty mesh. An error in the baker must
-        // be seen.
+        // Schedulers repeat a task that fails, which helps no faulty mesh. An error in the baker
+        // must be seen.
         if exit == Exit::Rejected && !rows.iter().any(|row| row.is_internal) {
             exit = Exit::Done;
         }

@@ -57,8 +57,8 @@ impl BuildOptions {
     }
 
     /// The options that a text records: the inverse of [`Display`](fmt::Display), except that an
-    /// index that can no longer be chosen becomes the one most like it. So packs of earlier versions
-    /// can be verified.
+    /// index that can no longer be chosen becomes the one most like it. So packs of earlier
+    /// versions can be verified.
     ///
     /// `None` if a version of the tool with other options baked the pack.
     pub fn from_recorded(text: &str) -> Option<Self> {

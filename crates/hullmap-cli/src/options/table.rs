@@ -16,8 +16,9 @@ pub struct BuildOption {
     pub key: &'static str,
     /// Values it accepts.
     pub syntax: Syntax,
-    /// Its value if no source gives one, written as in `hullmap.toml` without quotes. With `decompose`, the `none` of `max_error` and of
-    /// `max_vertices` stands for the value in [`Cover::default`](hullmap_bake::decompose::Cover).
+    /// Its value if no source gives one, written as in `hullmap.toml` without quotes. With
+    /// `decompose`, the `none` of `max_error` and of `max_vertices` stands for the value in
+    /// [`Cover::default`](hullmap_bake::decompose::Cover).
     pub default: &'static str,
     /// Name of the value in the help.
     pub value_name: &'static str,
