@@ -1,41 +1,6 @@
-//! The comparison with parry3d in benches/README.md: its chart and its tables, both from a
-//! committed result of `contact-table`.
+//! The comparison with parry3d in benches/README.md, from a committed result of `contact-table`.
 
-use crate::{
-    chart::{Chart, Scale, Series},
-    csv,
-    matrix::Matrix,
-};
-
-/// Vertex counts of the chart.
-const COUNTS: std::ops::RangeInclusive<usize> = 32..=8_192;
-
-/// Lines of the chart: name, query, column of the CSV, and colour.
-const LINES: [(&str, &str, &str, &str); 4] = [
-    ("parry3d contact", "contact", "parry_ns", "#c2410c"),
-    ("parry3d yes/no", "intersects", "parry_ns", "#e59866"),
-    ("hullmap contact", "contact", "hullmap_ns", "#1f5f99"),
-    ("hullmap yes/no", "intersects", "hullmap_ns", "#5fa8dc"),
-];
-
-/// Draws the lines of `text`, the CSV that `contact-table` writes. `source` names the machine and
-/// the date. Fails if the CSV is malformed or has no value for a line.
-pub fn chart(text: &str, source: &str) -> Result<Chart, String> {
-    let series = LINES.map(|(name, query, column, colour)| -> Result<Series, String> {
-        let mut points = times(text, query, column)?;
-        points.retain(|[n, _]| COUNTS.contains(&(*n as usize)));
-        Ok(Series { name: name.to_owned(), points, colour: Some(colour.to_owned()) })
-    });
-    Ok(Chart {
-        title: "Time of a query on two hulls".to_owned(),
-        subtitle: format!("{source}; one thread; a third each penetrating, near touching, separated"),
-        x_label: "vertices of each hull".to_owned(),
-        y_label: "time, \u{b5}s".to_owned(),
-        legend_title: String::new(),
-        scale: Scale::Logarithmic,
-        series: series.into_iter().collect::<Result<_, _>>()?,
-    })
-}
+use crate::{csv, matrix::Matrix};
 
 /// The table of one query in benches/README.md: both times, and their ratio. Fails if the CSV is
 /// malformed or has no times of the query.
@@ -87,16 +52,9 @@ mod tests {
                        32,contact,separated,5,6\n32,intersects,all,300,700\n";
 
     #[test]
-    fn lines_hold_the_values_of_all_poses() {
-        let chart = chart(CSV, "somewhere").unwrap();
-        let points: Vec<_> = chart.series.iter().map(|s| s.points.clone()).collect();
-        assert_eq!(points, [[[32.0, 2.0]], [[32.0, 0.7]], [[32.0, 1.0]], [[32.0, 0.3]]]);
-    }
-
-    #[test]
     fn missing_values_are_errors() {
-        assert!(chart("n,query,poses\n32,contact,all\n", "").unwrap_err().contains("parry_ns"));
-        assert!(chart("n\n32\n", "").unwrap_err().contains("no times"));
+        assert!(table("n,query,poses\n32,contact,all\n", "contact").unwrap_err().contains("hullmap_ns"));
+        assert!(table("n\n32\n", "contact").unwrap_err().contains("no times"));
     }
 
     #[test]

@@ -1,5 +1,4 @@
-//! Benchmarks: support queries beside other methods, the solver beside parry3d, and the paper's
-//! Figures 6 and 7 with our data.
+//! Benchmarks: support queries and the solver beside other engines.
 //!
 //! | module | what |
 //! |---|---|
@@ -17,27 +16,22 @@
 //! | [`peer_program`] | an engine in a C program of its own |
 //! | [`known`] | two boxes with known answers, which prove such a program |
 //! | [`scene`] | scenes of many different hulls |
-//! | [`comparison`] | chart and tables of benches/README.md, from a committed result |
-//! | [`collision`], [`fit`], [`chart`] | the paper's figures |
+//! | [`comparison`] | tables of benches/README.md, from a committed result |
 //! | [`machine`], [`output`] | machine, compiler and commit; atomic writing of files |
 //!
 //! A new index kind is one line in [`rivals::INDICES`].
 #![deny(unsafe_code)]
 
-pub mod chart;
 pub mod clock;
-pub mod collision;
 pub mod comparison;
 pub mod csv;
 pub mod directions;
 pub mod eviction;
-pub mod fit;
 pub mod known;
 pub mod machine;
 pub mod matrix;
 pub mod measure;
 pub mod mesh_peer;
-pub mod opening;
 pub mod output;
 pub mod peer_program;
 pub mod query;

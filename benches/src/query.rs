@@ -28,8 +28,7 @@ const COPIES_COUNT: [usize; 2] = [4, 128];
 
 /// Answers support queries, and may keep state between them.
 pub trait SupportQuery {
-    /// A vertex with the maximum dot product with `dir`, or one close to the maximum if the rival
-    /// is inexact.
+    /// A vertex with the maximum dot product with `dir`, up to [`crate::regret::EXACT`].
     fn support(&mut self, dir: Vec3) -> Vec3;
 }
 
@@ -42,9 +41,6 @@ pub trait Rival: Sized {
 
     /// Its name in tables.
     fn name(&self) -> &str;
-
-    /// Whether it claims a regret of at most [`crate::regret::EXACT`] in every direction.
-    fn is_exact(&self) -> bool;
 
     /// Bytes in addition to one copy of the coordinates (12 per vertex).
     fn index_bytes(&self) -> usize;
@@ -73,9 +69,6 @@ pub trait Contestant {
     /// [`Rival::name`].
     fn name(&self) -> &str;
 
-    /// [`Rival::is_exact`].
-    fn is_exact(&self) -> bool;
-
     /// [`Rival::index_bytes`].
     fn index_bytes(&self) -> usize;
 
@@ -99,9 +92,6 @@ pub trait Contestant {
 
     /// The answers to `dirs`, in order.
     fn answers(&self, dirs: &[Vec3]) -> Vec<Vec3>;
-
-    /// Queries all `dirs` once, for callers with timers of their own. State starts empty.
-    fn query_all(&self, flow: Flow, dirs: &[Vec3]);
 }
 
 /// A rival in a comparison.
@@ -126,10 +116,6 @@ impl<R> Entry<R> {
 impl<R: Rival> Contestant for Entry<R> {
     fn name(&self) -> &str {
         self.rival.name()
-    }
-
-    fn is_exact(&self) -> bool {
-        self.rival.is_exact()
     }
 
     fn index_bytes(&self) -> usize {
@@ -176,10 +162,6 @@ impl<R: Rival> Contestant for Entry<R> {
     fn answers(&self, dirs: &[Vec3]) -> Vec<Vec3> {
         let mut query = self.rival.query();
         dirs.iter().map(|&dir| query.support(dir)).collect()
-    }
-
-    fn query_all(&self, flow: Flow, dirs: &[Vec3]) {
-        query_all(&mut self.rival.query(), flow, black_box(dirs));
     }
 }
 

@@ -15,15 +15,6 @@ pub struct Truth {
     diameter: f64,
 }
 
-/// Error of a rival's answers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
-    /// Maximum regret; values below 0 by rounding error count as 0.
-    pub max_regret: f64,
-    /// Fraction of the directions with a regret above [`EXACT`].
-    pub wrong_share: f64,
-}
-
 impl Truth {
     /// Finds the maximum over all source points for each direction. Complexity: one dot product for
     /// each point and direction.
@@ -49,18 +40,16 @@ impl Truth {
         &self.dirs
     }
 
-    /// Judges one answer for each direction. Panics if there are more or fewer answers than
-    /// directions.
-    pub fn judge(&self, answers: &[Vec3]) -> Verdict {
+    /// Maximum regret of one answer for each direction, at least 0. Panics if there are more or
+    /// fewer answers than directions.
+    pub fn max_regret(&self, answers: &[Vec3]) -> f64 {
         assert_eq!(answers.len(), self.dirs.len());
-        let (mut max_regret, mut wrong) = (0.0_f64, 0);
+        let mut max_regret = 0.0_f64;
         for ((dir, best), answer) in self.dirs.iter().zip(&self.best).zip(answers) {
             let dir = dir.as_dvec3();
             let regret = (best - answer.as_dvec3().dot(dir)) / (dir.length() * self.diameter);
-            // NaN counts as wrong.
-            wrong += usize::from(!(regret <= EXACT));
             max_regret = if regret.is_nan() { f64::INFINITY } else { max_regret.max(regret) };
         }
-        Verdict { max_regret, wrong_share: wrong as f64 / self.dirs.len() as f64 }
+        max_regret
     }
 }

@@ -7,7 +7,6 @@ use crate::{
     csv::Csv,
     matrix::Matrix,
     measure::{Mode, Timing},
-    regret::{EXACT, Verdict},
     rivals::{DEFAULT_INDEX, is_ours},
 };
 
@@ -22,14 +21,12 @@ pub struct Record {
     pub vertices: usize,
     /// The rival.
     pub rival: String,
-    /// Whether it claims to be exact.
-    pub exact: bool,
     /// Bytes in addition to the coordinates.
     pub index_bytes: usize,
     /// Time to build the index, in milliseconds.
     pub build_ms: Option<f64>,
-    /// Error of its answers.
-    pub verdict: Verdict,
+    /// Maximum regret of its answers, relative to the diameter.
+    pub max_regret: f64,
     /// Times, mode by mode.
     pub timings: Vec<(Mode, Timing)>,
 }
@@ -49,10 +46,10 @@ pub struct Report {
 
 impl Report {
     /// Time of the fastest rival that is not ours on the same hull, in nanoseconds.
-    fn best_other_ns(&self, like: &Record, mode: Mode, only_exact: bool) -> Option<f64> {
+    fn best_other_ns(&self, like: &Record, mode: Mode) -> Option<f64> {
         self.records
             .iter()
-            .filter(|r| r.family == like.family && r.n == like.n && !is_ours(&r.rival) && (r.exact || !only_exact))
+            .filter(|r| r.family == like.family && r.n == like.n && !is_ours(&r.rival))
             .filter_map(|r| r.median_ns(mode))
             .min_by(f64::total_cmp)
     }
@@ -95,40 +92,32 @@ impl Report {
         let mut table = Matrix::new(&format!("{}, {}, ns per query", family.name(), mode.name()), "n");
         for record in self.records_of(family) {
             if let Some(ns) = record.median_ns(mode) {
-                table.set(&marked(record), &record.n.to_string(), nanos(ns));
+                table.set(&record.rival, &record.n.to_string(), nanos(ns));
             }
         }
         for record in self.records_of(family).filter(|r| r.rival == DEFAULT_INDEX) {
             let Some(ns) = record.median_ns(mode) else { continue };
-            for (only_exact, row) in
-                [(true, "faster than the best exact other by"), (false, "faster than the best other by")]
-            {
-                if let Some(other) = self.best_other_ns(record, mode, only_exact) {
-                    table.set(row, &record.n.to_string(), ratio(other / ns));
-                }
+            if let Some(other) = self.best_other_ns(record, mode) {
+                table.set("faster than the best other by", &record.n.to_string(), ratio(other / ns));
             }
         }
         table
     }
 
-    fn fact_tables(&self, family: Family) -> [Matrix; 4] {
+    fn fact_tables(&self, family: Family) -> [Matrix; 3] {
         let table = |what: &str| Matrix::new(&format!("{}, {what}", family.name()), "n");
         let mut regret = table("maximum regret, relative to the diameter");
-        let mut wrong = table("wrong answers, in per cent of the directions");
         let mut bytes = table("bytes per vertex in addition to the coordinates");
         let mut build = table("time to build the index, ms");
         for record in self.records_of(family) {
-            let (row, column) = (marked(record), record.n.to_string());
-            regret.set(&row, &column, format!("{:.0e}", record.verdict.max_regret));
-            if !record.exact {
-                wrong.set(&row, &column, format!("{:.1} %", 100.0 * record.verdict.wrong_share));
-            }
-            bytes.set(&row, &column, format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
+            let (row, column) = (&record.rival, record.n.to_string());
+            regret.set(row, &column, format!("{:.0e}", record.max_regret));
+            bytes.set(row, &column, format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
             if let Some(ms) = record.build_ms {
-                build.set(&row, &column, format!("{ms:.1}"));
+                build.set(row, &column, format!("{ms:.1}"));
             }
         }
-        [regret, wrong, bytes, build]
+        [regret, bytes, build]
     }
 
     /// One table for each family: all modes in a cell, then the maximum regret and the bytes of the
@@ -136,39 +125,33 @@ impl Report {
     pub fn to_markdown(&self) -> String {
         let modes: Vec<&str> = self.modes().map(Mode::name).collect();
         let mut text = format!(
-            "Cells: {} in ns per query. Names in italics are inexact. Regret: maximum over all n, relative to the diameter, \
-             and the percentage of directions with more than {EXACT:e}. Bytes (in addition to the coordinates) and time to \
-             build the index: at the largest n.\n",
+            "Cells: {} in ns per query. Regret: maximum over all n, relative to the diameter. Bytes (in addition to the \
+             coordinates) and time to build the index: at the largest n.\n",
             modes.join(" / ")
         );
         for family in self.families() {
             let mut table = Matrix::new(family.name(), "n");
             for record in self.records_of(family) {
-                let name = if record.exact { record.rival.clone() } else { format!("*{}*", record.rival) };
                 let cell: Vec<String> = self.modes().filter_map(|m| record.median_ns(m)).map(nanos).collect();
-                table.set(&name, &record.n.to_string(), cell.join(" / "));
+                table.set(&record.rival, &record.n.to_string(), cell.join(" / "));
             }
             for record in self.records_of(family) {
-                let name = if record.exact { record.rival.clone() } else { format!("*{}*", record.rival) };
+                let name = &record.rival;
                 let same = || self.records_of(family).filter(|r| r.rival == record.rival);
-                let regret = same().map(|r| r.verdict.max_regret).fold(0.0, f64::max);
-                let wrong = same().map(|r| r.verdict.wrong_share).fold(0.0, f64::max);
-                let judged =
-                    if wrong > 0.0 { format!("{regret:.0e}, {:.1} %", 100.0 * wrong) } else { format!("{regret:.0e}") };
-                table.set(&name, "regret", judged);
-                table.set(&name, "B/vertex", format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
+                let regret = same().map(|r| r.max_regret).fold(0.0, f64::max);
+                table.set(name, "regret", format!("{regret:.0e}"));
+                table.set(name, "B/vertex", format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
                 if let Some(ms) = record.build_ms {
-                    table.set(&name, "build, ms", format!("{ms:.1}"));
+                    table.set(name, "build, ms", format!("{ms:.1}"));
                 }
             }
-            let ratios = |record: &Record, only_exact| {
-                let ratio = |m| Some(ratio(self.best_other_ns(record, m, only_exact)? / record.median_ns(m)?));
+            let ratios = |record: &Record| {
+                let ratio = |m| Some(ratio(self.best_other_ns(record, m)? / record.median_ns(m)?));
                 self.modes().filter_map(ratio).collect::<Vec<_>>().join(" / ")
             };
             for record in self.records_of(family).filter(|r| r.rival == DEFAULT_INDEX) {
                 let column = record.n.to_string();
-                table.set(&format!("{DEFAULT_INDEX}, times the best exact other"), &column, ratios(record, true));
-                table.set(&format!("{DEFAULT_INDEX}, times the best other"), &column, ratios(record, false));
+                table.set(&format!("{DEFAULT_INDEX}, times the best other"), &column, ratios(record));
             }
             text += &format!("\n{}", table.to_markdown());
         }
@@ -177,58 +160,43 @@ impl Report {
 
     /// One line for each family, n, rival and mode, after a header line.
     ///
-    /// `to_best` and `to_best_exact` are ratios: the time over the time of the fastest rival that
-    /// is not ours, and of the fastest exact one.
+    /// `to_best` is the time over the time of the fastest rival that is not ours.
     pub fn to_csv(&self) -> Csv {
         let mut csv = Csv::new(&[
             "family",
             "n",
             "vertices",
             "rival",
-            "exact",
             "mode",
             "ns",
             "ns_quartile_1",
             "ns_quartile_3",
             "to_best",
-            "to_best_exact",
             "index_bytes",
             "build_ms",
             "max_regret",
-            "wrong_share",
         ]);
         for record in &self.records {
             for (mode, timing) in &record.timings {
-                let to_best = |only_exact| {
-                    self.best_other_ns(record, *mode, only_exact)
-                        .map_or(String::new(), |other| format!("{:.4}", timing.median_ns / other))
-                };
+                let to_best = self.best_other_ns(record, *mode);
                 csv.line(&[
                     record.family.name().to_owned(),
                     record.n.to_string(),
                     record.vertices.to_string(),
                     record.rival.clone(),
-                    record.exact.to_string(),
                     mode.name().to_owned(),
                     format!("{:.3}", timing.median_ns),
                     format!("{:.3}", timing.quartiles_ns[0]),
                     format!("{:.3}", timing.quartiles_ns[1]),
-                    to_best(false),
-                    to_best(true),
+                    to_best.map_or(String::new(), |other| format!("{:.4}", timing.median_ns / other)),
                     record.index_bytes.to_string(),
                     record.build_ms.map_or(String::new(), |ms| format!("{ms:.3}")),
-                    format!("{:e}", record.verdict.max_regret),
-                    record.verdict.wrong_share.to_string(),
+                    format!("{:e}", record.max_regret),
                 ]);
             }
         }
         csv
     }
-}
-
-/// The rival's name; a star marks inexact ones.
-fn marked(record: &Record) -> String {
-    if record.exact { record.rival.clone() } else { format!("{} *", record.rival) }
 }
 
 fn nanos(ns: f64) -> String {

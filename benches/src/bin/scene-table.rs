@@ -1,9 +1,9 @@
-//! Queries on scenes of many different hulls, beside parry3d and a SIMD scan, in one run.
+//! Queries on scenes of many different hulls, beside parry3d, in one run.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
-use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_bake::IndexKind;
 use hullmap_bench::{
     machine::Machine,
     output,
@@ -46,8 +46,8 @@ struct Arguments {
     /// Kinds of direction index [default: tree]
     #[arg(long, value_delimiter = ',')]
     index: Vec<IndexKind>,
-    /// Skip scenes whose packs would be larger than this, in MiB; parry3d and the scan need twice
-    /// as much memory on top
+    /// Skip scenes whose packs would be larger than this, in MiB; parry3d needs as much
+    /// memory on top
     #[arg(long, default_value_t = 2048, value_name = "MIB")]
     max_mib: usize,
     /// Also write the tables as markdown, with facts about the machine, and as CSV beside it
@@ -100,7 +100,7 @@ fn measure(arguments: &Arguments) -> Vec<Record> {
             }
             for kind in &kinds {
                 eprintln!("{:5.1} s  {hulls} hulls of {vertices} vertices, {kind}", start.elapsed().as_secs_f64());
-                let scene = Scene::bake(hulls, vertices, IndexChoice::Kind(*kind));
+                let scene = Scene::bake(hulls, vertices, *kind);
                 let cells = race::run(&scene, vertices, effort);
                 records.push(Record { hulls, vertices, index: kind.to_string(), bytes: scene.byte_len(), cells });
             }

@@ -1,5 +1,5 @@
-//! Support queries beside other methods: time in four modes, exactness, bytes and build time, of
-//! all rivals in one run.
+//! Support queries beside parry3d: time in four modes, regret, bytes and build time, of all index
+//! kinds in one run.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
@@ -29,9 +29,9 @@ const QUICK_FAMILIES: [Family; 3] = [Family::Sphere, Family::Rock, Family::Prism
 const JUDGED: usize = 4_000;
 const QUICK_JUDGED: usize = 1_000;
 
-/// Compares methods of answering support queries, ours and others, in one run.
+/// Compares support queries with parry3d's, in one run.
 ///
-/// Tables go to standard output, progress to standard error. A star marks inexact rivals.
+/// Tables go to standard output, progress to standard error.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  cargo run --release -p hullmap-bench --bin support-table -- --families rock,prism --n 128,8192"
@@ -115,10 +115,9 @@ fn measure_one(family: Family, n: usize, effort: Effort, judged: usize, eviction
         n,
         vertices: subject.vertex_count(),
         rival: entry.name().to_owned(),
-        exact: entry.is_exact(),
         index_bytes: entry.index_bytes(),
         build_ms: entry.build_time().map(|time| time.as_secs_f64() * 1e3),
-        verdict: truth.judge(&entry.answers(truth.dirs())),
+        max_regret: truth.max_regret(&entry.answers(truth.dirs())),
         timings: Vec::new(),
     };
     let mut records: Vec<Record> = entries.iter().map(|entry| record(entry.as_ref())).collect();

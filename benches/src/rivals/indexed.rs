@@ -42,10 +42,6 @@ impl Rival for Indexed {
         self.name
     }
 
-    fn is_exact(&self) -> bool {
-        true
-    }
-
     fn index_bytes(&self) -> usize {
         self.hull().index_byte_len()
     }
@@ -83,10 +79,6 @@ impl Rival for Hinted {
 
     fn name(&self) -> &str {
         self.0.name()
-    }
-
-    fn is_exact(&self) -> bool {
-        true
     }
 
     fn index_bytes(&self) -> usize {

@@ -1,11 +1,7 @@
-//! Methods of answering support queries: ours and other engines'.
+//! Methods of answering support queries: our index kinds, and parry3d.
 
-pub mod cube_map;
-pub mod hill_climb;
 pub mod indexed;
 pub mod parry;
-pub mod scalar_scan;
-pub mod simd_scan;
 
 use hullmap_bake::IndexKind;
 
@@ -13,12 +9,8 @@ use crate::{
     query::{Contestant, Entry},
     subject::Subject,
 };
-use cube_map::{CubeMap, CubeMapClimb};
-use hill_climb::{Graph, HillClimb, LastAnswer, ManyStarts, OneStart};
 use indexed::{Hinted, Indexed};
 use parry::Parry;
-use scalar_scan::ScalarScan;
-use simd_scan::{Avx2, Avx512, Portable, SimdScan};
 
 /// Resolution of the cube maps: texels along the edge of a face.
 pub const CUBE_MAP_RESOLUTION: u32 = 64;
@@ -45,27 +37,9 @@ pub fn is_ours(name: &str) -> bool {
 
 /// All rivals that can answer for `subject` on this machine.
 pub fn enter(subject: &Subject) -> Vec<Box<dyn Contestant>> {
-    let graph = Graph::new(subject);
-    let cube_map = CubeMap::new(subject, CUBE_MAP_RESOLUTION);
-    let mut entries: Vec<Box<dyn Contestant>> = vec![Box::new(Entry::new(ScalarScan::new(subject)))];
+    let mut entries: Vec<Box<dyn Contestant>> = Vec::new();
     if let Some(parry) = Parry::new(subject) {
         entries.push(Box::new(Entry::new(parry)));
-    }
-    if let Some(scan) = SimdScan::<Portable>::new(subject) {
-        entries.push(Box::new(Entry::new(scan)));
-    }
-    if let Some(scan) = SimdScan::<Avx2>::new(subject) {
-        entries.push(Box::new(Entry::new(scan)));
-    }
-    if let Some(scan) = SimdScan::<Avx512>::new(subject) {
-        entries.push(Box::new(Entry::new(scan)));
-    }
-    entries.push(Box::new(Entry::new(HillClimb::<OneStart>::new(graph.clone()))));
-    entries.push(Box::new(Entry::new(HillClimb::<ManyStarts>::new(graph.clone()))));
-    entries.push(Box::new(Entry::new(HillClimb::<LastAnswer>::new(graph.clone()))));
-    if let Some(cube_map) = cube_map {
-        entries.push(Box::new(Entry::new(CubeMapClimb::new(cube_map.clone(), graph))));
-        entries.push(Box::new(Entry::new(cube_map)));
     }
     for (name, kind) in INDICES {
         let (rival, build_time) = Indexed::new(name, subject, kind);

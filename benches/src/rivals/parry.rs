@@ -43,10 +43,6 @@ impl Rival for Parry {
         "parry3d"
     }
 
-    fn is_exact(&self) -> bool {
-        true
-    }
-
     /// The polyhedron uses only the points in support queries.
     fn index_bytes(&self) -> usize {
         0

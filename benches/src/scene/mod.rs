@@ -5,7 +5,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | this one | the hulls of a scene, for hullmap, parry3d and a SIMD scan |
+//! | this one | the hulls of a scene, for hullmap and parry3d |
 //! | [`pairs`] | random pairs, and the neighbours in a moving crowd |
 //! | [`race`] | interleaved timing |
 //! | [`tables`] | the tables |
@@ -16,13 +16,13 @@ pub mod tables;
 
 use glam::Vec3;
 use hullmap::{Hull, Pack};
-use hullmap_bake::{IndexChoice, SourceRecord};
+use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{bytes, point_set};
 use parry3d::shape::ConvexPolyhedron;
 use rayon::prelude::*;
 use shapes::{families::Family, rng::SplitMix64};
 
-use crate::{rivals::simd_scan, subject::SEED};
+use crate::subject::SEED;
 
 /// Maximum number of vertices in a pack: sections of a pack hold at most 2 GiB.
 const VERTICES_OF_A_PACK: usize = 2_048_000;
@@ -35,13 +35,11 @@ pub struct Scene {
     packs: Vec<Pack>,
     /// As parry's polyhedra.
     pub polyhedra: Vec<ConvexPolyhedron>,
-    /// As blocks for a SIMD scan.
-    pub scans: Vec<Vec<simd_scan::Block>>,
 }
 
 impl Scene {
     /// Bakes `count` ellipsoids of `vertices` random points each. Panics if parry3d rejects a hull.
-    pub fn bake(count: usize, vertices: usize, index: IndexChoice) -> Self {
+    pub fn bake(count: usize, vertices: usize, index: IndexKind) -> Self {
         let numbers: Vec<usize> = (0..count).collect();
         let packs: Vec<Pack> = numbers
             .chunks((VERTICES_OF_A_PACK / vertices).max(1))
@@ -54,8 +52,7 @@ impl Scene {
             .collect();
         let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();
         let polyhedra = hulls.par_iter().map(polyhedron).collect();
-        let scans = hulls.par_iter().map(|hull| simd_scan::blocks(&hull.vertices().collect::<Vec<_>>())).collect();
-        Self { packs, polyhedra, scans }
+        Self { packs, polyhedra }
     }
 
     /// All hulls.
@@ -93,15 +90,13 @@ fn polyhedron(hull: &Hull<'_>) -> ConvexPolyhedron {
 
 #[cfg(test)]
 mod tests {
-    use hullmap_bake::IndexKind;
-
     use super::*;
 
     #[test]
     fn hulls_differ_and_have_all_vertices() {
-        let scene = Scene::bake(20, 40, IndexKind::Tree.into());
+        let scene = Scene::bake(20, 40, IndexKind::Tree);
         let hulls = scene.hulls();
-        assert_eq!((hulls.len(), scene.polyhedra.len(), scene.scans.len()), (20, 20, 20));
+        assert_eq!((hulls.len(), scene.polyhedra.len()), (20, 20));
         assert!(hulls.iter().all(|hull| hull.vertex_count() == 40));
         assert!(scene.polyhedra.iter().all(|polyhedron| polyhedron.points().len() == 40));
         let mut diameters: Vec<f64> = hulls.iter().map(Hull::diameter).collect();

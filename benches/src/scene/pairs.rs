@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn about_half_of_the_pairs_overlap() {
-        let scene = Scene::bake(30, 32, IndexKind::Tree.into());
+        let scene = Scene::bake(30, 32, IndexKind::Tree);
         let hulls = scene.hulls();
         let share = share_of_hits(&hulls, &random(&hulls, 600));
         assert!((0.4..0.6).contains(&share), "{share} of random pairs, seed {SEED}");

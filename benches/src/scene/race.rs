@@ -28,7 +28,6 @@ use super::{
 use crate::{
     clock::{median, time_ns},
     directions,
-    rivals::simd_scan,
     subject::SEED,
 };
 
@@ -73,13 +72,11 @@ pub enum Engine {
     Batch,
     /// parry3d.
     Parry,
-    /// A scan of all vertices with the widest vector instructions; support queries only.
-    Scan,
 }
 
 impl Engine {
     /// All engines, in the order of tables.
-    pub const ALL: [Engine; 4] = [Engine::Loop, Engine::Batch, Engine::Parry, Engine::Scan];
+    pub const ALL: [Engine; 3] = [Engine::Loop, Engine::Batch, Engine::Parry];
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
@@ -87,7 +84,6 @@ impl Engine {
             Engine::Loop => "loop",
             Engine::Batch => "batch",
             Engine::Parry => "parry3d",
-            Engine::Scan => "scan",
         }
     }
 }
@@ -202,13 +198,6 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
             record(&mut times[Engine::Parry as usize], piece.len(), || {
                 for (hull, dir) in piece {
                     black_box(scene.polyhedra[*hull].local_support_point(*dir));
-                }
-            });
-        }
-        for piece in queries.chunks(PIECE) {
-            record(&mut times[Engine::Scan as usize], piece.len(), || {
-                for (hull, dir) in piece {
-                    black_box(simd_scan::best_here(&scene.scans[*hull], *dir));
                 }
             });
         }

@@ -52,7 +52,6 @@ pub mod triangle_mesh;
 pub use error::BakeError;
 pub use fit::Fit;
 pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
-pub use index::IndexChoice;
 pub use pack::{write_lean_pack, write_owned_pack, write_pack};
 pub use point_set::{MAX_POINTS, PointSet};
 use progress::Stage;
@@ -136,7 +135,7 @@ pub struct BakedHull {
 ///
 /// # Complexity
 /// O(n log n) on all families tried.
-pub fn bake_hull(points: &PointSet, index: impl Into<IndexChoice>) -> Result<BakedHull, BakeError> {
+pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeError> {
     bake_hull_in(points, None, index, Stage::default())
 }
 
@@ -151,7 +150,7 @@ pub fn bake_hull(points: &PointSet, index: impl Into<IndexChoice>) -> Result<Bak
 pub fn bake_simplified_hull(
     points: &PointSet,
     limit: simplify::Limit,
-    index: impl Into<IndexChoice>,
+    index: IndexKind,
 ) -> Result<BakedHull, BakeError> {
     bake_hull_in(points, Some(limit), index, Stage::default())
 }
@@ -164,7 +163,7 @@ pub fn bake_simplified_hull(
 pub fn bake_hull_in(
     points: &PointSet,
     limit: Option<simplify::Limit>,
-    index: impl Into<IndexChoice>,
+    index: IndexKind,
     stage: Stage,
 ) -> Result<BakedHull, BakeError> {
     let exact = hull::build(points)?;
@@ -182,7 +181,7 @@ pub fn bake_hull_in(
     let mass = mass::mass(&hull);
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
-    let index = index::build(&hull, index.into())?;
+    let index = index::build(&hull, index)?;
     // A collision part has the mass of the mesh that it represents, which all parts share.
     let mesh_mass = if points.stands_for.is_none() { fit::mesh_mass(points) } else { None };
     stage.reach(1.0);

@@ -21,8 +21,6 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use hullmap_import::EXTENSIONS;
-#[cfg(feature = "remote")]
-use hullmap_remote::Address;
 use hullmap_report::input::Up;
 
 use crate::glob::Glob;
@@ -216,9 +214,9 @@ pub struct BuildArgs {
     /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
     #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
     pub shard: Option<Shard>,
-    /// Options for a farm.
-    #[command(flatten)]
-    pub remote: RemoteArgs,
+    /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
+    #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FARM)]
+    pub cache: Option<PathBuf>,
     /// How height fields are baked.
     #[command(flatten)]
     pub height_field: HeightFieldArgs,
@@ -248,87 +246,6 @@ pub struct DecomposeArgs {
     /// Print one JSON object
     #[arg(long, help_heading = RUNNING)]
     pub json: bool,
-}
-
-/// Address of a farm. This build has no client for farms, so it accepts no address.
-#[cfg(not(feature = "remote"))]
-#[derive(Clone, Debug)]
-pub enum Address {}
-
-#[cfg(not(feature = "remote"))]
-impl std::str::FromStr for Address {
-    type Err = &'static str;
-
-    fn from_str(_: &str) -> Result<Self, Self::Err> {
-        Err("this `bake` was built without the client of farms: take a released archive, or add \
-             `--features remote` to `cargo install`")
-    }
-}
-
-/// Options for a farm.
-#[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = FARM)]
-pub struct RemoteArgs {
-    /// Bake on the farm at ADDRESS, and share its cache: grpc://HOST:PORT, or grpcs:// with TLS
-    #[arg(long = "remote", value_name = "ADDRESS", conflicts_with_all = ["watch", "check"], hide_short_help = true)]
-    pub address: Option<Address>,
-    /// Name of the instance on the server [default: empty]
-    #[arg(
-        long = "remote-instance",
-        value_name = "NAME",
-        default_value = "",
-        requires = "address",
-        hide_short_help = true,
-        hide_default_value = true
-    )]
-    pub instance: String,
-    /// Header of each request; authorization=@FILE reads the value from FILE; repeatable
-    // Split later: an error of the parser would print the value, which may be a secret.
-    #[arg(long = "remote-header", value_name = "NAME=VALUE", requires = "address", hide_short_help = true)]
-    pub headers: Vec<String>,
-    /// Property that a worker must have, for instance OSFamily=linux; repeatable
-    #[arg(long = "remote-property", value_name = "NAME=VALUE", value_parser = pair, requires = "address", hide_short_help = true)]
-    pub properties: Vec<(String, String)>,
-    /// Certificate authorities to trust, in PEM format [default: the system's]
-    #[arg(long = "remote-ca", value_name = "FILE", requires = "address", hide_short_help = true)]
-    pub certificates: Option<PathBuf>,
-    /// Certificate of this client in PEM format, for servers that require one
-    #[arg(
-        long = "remote-client-cert",
-        value_name = "FILE",
-        requires = "address",
-        requires = "client_key",
-        hide_short_help = true
-    )]
-    pub client_cert: Option<PathBuf>,
-    /// Private key of that certificate in PEM format
-    #[arg(long = "remote-client-key", value_name = "FILE", requires = "client_cert", hide_short_help = true)]
-    pub client_key: Option<PathBuf>,
-    /// Program that workers run: a static `bake` [default: the `bake` in their PATH]
-    #[arg(long = "remote-worker", value_name = "PATH", requires = "address", hide_short_help = true)]
-    pub worker: Option<PathBuf>,
-    /// Use the cache only, and bake missing packs here
-    #[arg(long = "remote-cache-only", requires = "address", hide_short_help = true)]
-    pub cache_only: bool,
-    /// Add packs that are baked here to the cache
-    #[arg(long = "remote-upload", requires = "address", hide_short_help = true)]
-    pub upload: bool,
-    /// If the farm does not deliver a pack, bake it locally, with a warning
-    #[arg(long = "remote-fallback", requires = "address", hide_short_help = true)]
-    pub fallback: bool,
-    /// Number of batches in flight
-    #[arg(id = "remote_jobs",
-        long = "remote-jobs", value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..), requires = "address", hide_short_help = true)]
-    pub jobs: u16,
-    /// Maximum time for a batch in seconds
-    #[arg(long = "remote-timeout", value_name = "S", default_value_t = 3600, value_parser = clap::value_parser!(u64).range(1..), requires = "address", hide_short_help = true)]
-    pub timeout: u64,
-}
-
-/// Parser of `NAME=VALUE`.
-fn pair(text: &str) -> Result<(String, String), String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
-    if name.is_empty() { Err("expected NAME=VALUE".to_owned()) } else { Ok((name.to_owned(), value.to_owned())) }
 }
 
 /// Arguments of `bake key`.
@@ -404,6 +321,9 @@ pub struct TaskArgs {
     /// Verify each pack before it replaces the old one
     #[arg(long)]
     pub verify: bool,
+    /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
     /// Write the results as JSON to FILE, and exit with 0 even if meshes were rejected
     #[arg(long, value_name = "FILE")]
     pub results: Option<PathBuf>,

@@ -4,8 +4,7 @@ use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{
-    BakeError, BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack,
-    write_owned_pack,
+    BakeError, BakedHull, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack, write_owned_pack,
 };
 use rayon::prelude::*;
 
@@ -44,7 +43,7 @@ pub fn bake_pack(
     source: &SourceRecord,
     stage: Stage,
 ) -> Result<BakedPack, String> {
-    let (decompose, index) = (options.decompose(), options.index());
+    let decompose = options.decompose();
     // Finding and measuring parts takes longer than building their hulls.
     let [cut, built] = if decompose.is_some() { [0.7, 0.8] } else { [0.0, 1.0] };
     let parts = parts(point_sets, decompose.as_ref(), stage.from_to(0.0, cut))?;
@@ -73,9 +72,6 @@ pub fn bake_pack(
         }
         None => measure::collision_parts(point_sets, &mut hulls),
     };
-    if let IndexChoice::Budget { bytes_per_vertex } = index {
-        remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
-    }
     remarks.extend(point_sets.iter().filter(|points| points.stands_for.is_none()).filter_map(advice::reversed));
     remarks.append(&mut over_budget);
     if let Some(budget) = options.budget() {
@@ -108,7 +104,7 @@ fn bake_within_budget(
     };
     // The index takes most of the time, and is of no use if the hull is too large.
     let is_doubtful = limit.is_none() && points.positions.len() > budget.vertices();
-    let first = if is_doubtful { IndexChoice::Kind(IndexKind::None) } else { index };
+    let first = if is_doubtful { IndexKind::None } else { index };
     let baked = bake_hull_in(points, limit, first, stage)?;
     let exceeded = budget.exceeded_counts(&figures(&baked));
     if exceeded.is_empty() && !is_doubtful {
@@ -158,15 +154,4 @@ fn replacement_warning(baked: &BakedHull) -> Option<Remark> {
     let kinds = format!("{used} instead of {requested}, which could not be proven");
     let text = format!("hull {name}: {kinds} ({reason}); queries are exact, but slower; please report this mesh");
     Some(Remark::warning(kinds, name, text))
-}
-
-/// Note on the index that a budget allowed, by its name on the command line.
-fn budget_note(baked: &BakedHull, bytes_per_vertex: u32) -> Remark {
-    let (name, kind) = (&baked.name, baked.index.kind);
-    let vertex_count = baked.hull.vertices.len();
-    let bytes = baked.index.byte_len() as f64 / vertex_count as f64;
-    let is_kept = baked.index.byte_len() <= bytes_per_vertex as usize * vertex_count;
-    let verdict = if is_kept { "" } else { ", above the budget, but no index is smaller" };
-    let text = format!("hull {name}: index {kind}, {bytes:.1} bytes per vertex{verdict}");
-    Remark::note(format!("index {kind}{verdict}"), name, text)
 }

@@ -10,8 +10,7 @@
 //! | `args` | subcommands and flags |
 //! | `commands` | one module per subcommand |
 //! | `jobs` | the meshes to bake, with options and packs; in shards, batches and tasks |
-//! | `runner` | bakes jobs on this machine |
-//! | `remote` | bakes jobs on a farm, and shares packs through its cache |
+//! | `runner` | bakes jobs, or takes their packs from a cache |
 //! | `options` | the options that shape a pack, in one table with their defaults |
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
@@ -70,8 +69,6 @@ mod pose;
 mod principal_axes;
 #[cfg(feature = "command")]
 mod project;
-#[cfg(feature = "remote")]
-mod remote;
 #[cfg(feature = "command")]
 mod runner;
 #[cfg(feature = "command")]

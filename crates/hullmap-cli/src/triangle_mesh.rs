@@ -6,12 +6,12 @@ use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, wri
 use hullmap_bake::{PointSet, SourceRecord, fit};
 use hullmap_import::{Imported, Materials};
 
-/// Maximum number of material names in a summary: rows of a batch share a blob of bounded size.
+/// Maximum number of material names in a summary.
 const MAX_MATERIALS: usize = 1000;
 
 /// What a triangle mesh consists of. Field names are the JSON's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "command", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "command", derive(serde::Serialize))]
 pub struct MeshSummary {
     /// Number of triangles.
     pub triangles: usize,
@@ -34,7 +34,7 @@ pub struct MeshSummary {
 
 /// Number of edges of triangles with each class. An edge that two triangles share counts for both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "command", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "command", derive(serde::Serialize))]
 pub struct EdgeCounts {
     /// No other triangle has the edge.
     pub border: usize,

@@ -97,7 +97,7 @@ def test_points_without_faces_were_not_decomposed_in_silence(tmp_path):
     (tmp_path / "cloud.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CUBE))
     for bake in (
         lambda: hullmap.bake(rock(50, 1), decompose=True),
-        lambda: hullmap.bake_file(tmp_path / "cloud.obj", decompose="cover"),
+        lambda: hullmap.bake_file(tmp_path / "cloud.obj", decompose=True),
         lambda: hullmap.bake_parts([(CUBE, None), (CUBE + 5, None)], decompose=True),
     ):
         with pytest.warns(hullmap.BakeWarning, match="not decomposed, because it has no faces; add faces"):

@@ -8,7 +8,7 @@ use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Maximum number of parts of an object that are compared with each other. A pack may be hostile,
 /// and the time grows with the square of the number.
@@ -16,12 +16,11 @@ const MAX_PARTS: usize = 4096;
 
 /// Estimates of how the parts of one object fit together. Field names are the JSON's; `None` if
 /// something was not measured. Lengths are in source units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PartsEstimates {
     /// Sum of the parts' volumes minus the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
     /// Error of `overlap`: twice its standard deviation.
-    #[serde(default)]
     pub overlap_error: Option<f64>,
     /// Mean distance of the parts' visible surface from the mesh's solid.
     pub mean_protrusion: Option<f64>,
@@ -33,15 +32,13 @@ pub struct PartsEstimates {
     pub voids_error: Option<f64>,
     /// Whether every point of the solid is in a part, proven; `None` if that was not requested, or
     /// the mesh is not closed.
-    #[serde(default)]
     pub filled: Option<bool>,
     /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
-    #[serde(default)]
     pub symmetry: Option<MirrorPlane>,
 }
 
 /// A plane of symmetry: the points p with `normal · p = offset`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MirrorPlane {
     /// Unit normal.
     pub normal: [f64; 3],
@@ -127,7 +124,7 @@ impl PartsEstimates {
 }
 
 /// An object whose mesh was decomposed, or whose parts came with it. Field names are the JSON's.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DecomposedObject {
     /// Name of the object.
     pub name: String,
@@ -143,7 +140,6 @@ pub struct DecomposedObject {
     pub thickness: Option<f64>,
     /// Radius of the ball that must be able to reach a place from outside for protrusion to count
     /// there; `None` if it counts everywhere.
-    #[serde(default)]
     pub reachable: Option<f64>,
     /// Why an engine cannot use the parts well, in one word each; empty if it can.
     pub flaws: Vec<String>,

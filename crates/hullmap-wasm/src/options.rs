@@ -18,18 +18,14 @@ export interface BakeOptions {
     vertices?: "referenced" | "all";
     /** Direction index. Default "tree". */
     index?: "tree" | "medium" | "compact" | "binary" | "cubemap" | "none";
-    /** The fastest tree within this many bytes for each vertex, instead of a named index. */
-    indexBudget?: number;
-    /** Cells along each edge of a cube face, 1 to 1024; only with index "cubemap". Default 64. */
-    resolution?: number;
     /** Factor of all coordinates, above 0. Default 1. */
     unitScale?: number;
     /** Rotation about x: "y-to-z" turns a y-up mesh into a z-up mesh. Default "keep". */
     upAxis?: "keep" | "y-to-z" | "z-to-y";
     /** Move the origin to the centre of the bounds. Default false. */
     recentre?: boolean;
-    /** Decompose a concave mesh into convex parts; true means "cover". Default false. */
-    decompose?: boolean | "cover";
+    /** Decompose a concave mesh into convex parts. Default false. */
+    decompose?: boolean;
     /** Replace each hull by an enclosing one with at most this many vertices, 4 or more. */
     maxVertices?: number | "none";
     /**

@@ -57,7 +57,7 @@ for (const [options, flags] of choices) {
 for (const name of ["gear.obj", "pawn.obj", "two_objects.obj", "cube.obj"]) {
   for (const [options, flags] of [
     [{ decompose: true, maxError: "3%" }, ["--decompose", "--max-error", "3%"]],
-    [{ decompose: "cover", maxParts: 4 }, ["--decompose", "--max-parts", "4"]],
+    [{ decompose: true, maxParts: 4 }, ["--decompose", "--max-parts", "4"]],
   ]) {
     native("build", join(meshes, name), "--out", meshes, "--force", ...flags);
     const baked = bake(name, readFileSync(join(meshes, name)), options);
@@ -156,7 +156,7 @@ for (const [points, corners] of [[positions, indices], [new Float64Array(positio
 assert.equal(new Pack(bakeMesh(positions).pack).hull(0).name, "mesh");
 // Fans of the gear's concave faces overlap: no solid. The triangles of the import do not.
 const imported = bake("gear.obj", readFileSync(join(meshes, "gear.obj")), {});
-const gear = new Pack(bakeMesh(imported.positions, imported.triangles, { decompose: "cover" }).pack);
+const gear = new Pack(bakeMesh(imported.positions, imported.triangles, { decompose: true }).pack);
 assert.ok(gear.hullCount > 2 && gear.hull(0).partCount === gear.hullCount && gear.hull(0).uncovered < 1e-6);
 const gearMass = gear.massProperties(2), part = gear.hull(0);
 assert.ok(gearMass.source === "mesh" && part.meshMassProperties(2).mass === gearMass.mass);

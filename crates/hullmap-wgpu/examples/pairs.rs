@@ -15,7 +15,7 @@ use hullmap::glam::{DQuat, DVec3};
 use hullmap::{Pack, Pose, Settings, SupportMap};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{packs, random::RandomPoses};
-use hullmap_wgpu::{Backend, Batch, Device, IndexedPair, Order, Query, Schedule};
+use hullmap_wgpu::{Backend, Batch, Device, IndexedPair, Query};
 use shapes::{families, rng::SplitMix64};
 
 /// Different hulls of each size.
@@ -106,17 +106,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let device = Device::open()?;
     let (adapter, date) = (device.description(), today());
     println!("{adapter}\n{date}, {} pairs a batch, median of {} batches\n", arguments.pairs, arguments.batches);
-    println!("vertices  query       schedule  million pairs/s: kernel    batch  processor, 1 thread  efficiency  open");
+    println!("vertices  query       start     million pairs/s: kernel    batch  processor, 1 thread  open");
     let mut out = match &arguments.out {
         Some(path) => Some(std::fs::OpenOptions::new().create(true).append(true).open(path)?),
         None => None,
     };
-    let sorted = Schedule { order: Order::BySteps, is_compacted: true, is_warm: false };
-    let schedules = [
-        ("given", Schedule::default()),
-        ("sorted", sorted),
-        ("warm", Schedule { is_warm: true, ..Schedule::default() }),
-    ];
     for vertices in arguments.vertices {
         let pack = bake(vertices);
         let mut processor = Batch::new(&pack, Backend::Cpu)?;
@@ -125,11 +119,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let start = Instant::now();
             solve(&mut processor, query, &few)?;
             let on_processor = few.len() as f64 / start.elapsed().as_secs_f64() / 1e6;
-            for (name, schedule) in schedules {
+            for (name, is_warm) in [("cold", false), ("warm", true)] {
                 let mut pairs = random_pairs(&pack, arguments.pairs);
                 let mut rng = SplitMix64::new(2);
                 let mut batch = Batch::on(&device, &pack)?;
-                batch.set_schedule(schedule);
+                batch.set_warm(is_warm);
                 // The first batch makes the buffers, and the state from which the next one starts.
                 solve(&mut batch, query, &pairs)?;
                 let (mut whole, mut kernels) = (Vec::new(), Vec::new());
@@ -142,13 +136,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 }
                 let rate = |times| median(times).map_or(f64::NAN, |seconds| pairs.len() as f64 / seconds / 1e6);
                 let (kernel, whole) = (rate(kernels), rate(whole));
-                let efficiency = batch.warp_efficiency().unwrap_or(f64::NAN);
                 let open = batch.answers().iter().filter(|answer| answer.status.is_unsettled()).count();
                 let open = open as f64 / pairs.len() as f64;
                 let query = format!("{query:?}").to_lowercase();
                 println!(
                     "{vertices:8}  {query:10}  {name:8}  {kernel:23.3}  {whole:7.3}  {on_processor:19.3}  \
-                     {efficiency:10.3}  {open:.4}"
+                     {open:.4}"
                 );
                 if let Some(out) = &mut out {
                     // JSON has no NaN.
@@ -156,9 +149,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     writeln!(
                         out,
                         "{{\"date\":\"{date}\",\"adapter\":{adapter:?},\"vertices\":{vertices},\"query\":\"{query}\",\
-                         \"schedule\":\"{name}\",\"pairs\":{},\"kernel_million_per_second\":{kernel},\
+                         \"start\":\"{name}\",\"pairs\":{},\"kernel_million_per_second\":{kernel},\
                          \"batch_million_per_second\":{whole},\"processor_million_per_second\":{on_processor},\
-                         \"warp_efficiency\":{efficiency},\"open\":{open}}}",
+                         \"open\":{open}}}",
                         pairs.len()
                     )?;
                 }

@@ -12,11 +12,10 @@ macro_rules! kernels {
     ($($name:literal),*) => { concat!($(include_str!(concat!("../src/kernels/", $name, ".wgsl"))),*) };
 }
 
-const MODULES: [(&str, &[&str]); 4] = [
+const MODULES: [(&str, &[&str]); 3] = [
     (kernels!("records", "support", "simplex", "gjk"), &["solve_pairs"]),
     (kernels!("records", "support", "simplex", "epa"), &["expand_pairs"]),
     (kernels!("records", "support", "vertices"), &["find_vertices"]),
-    (kernels!("records", "compact"), &["count_kept", "sum_counts", "write_kept"]),
 ];
 
 #[expect(clippy::disallowed_methods, reason = "a program has arguments")]

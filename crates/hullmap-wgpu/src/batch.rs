@@ -6,9 +6,7 @@ use hullmap::{Cache, Contact, Distance, Hull, Overlap, Pack, Settings};
 
 use crate::device::{Device, DevicePack, DirectionBuffers, PairBuffers, Plan, States};
 use crate::error::Error;
-use crate::records::{Answer, AnswerRecord, HullRecord, IndexedPair, PairRecord, Status, Tables};
-use crate::schedule::{self, Schedule};
-use crate::twin::{MAX_STEPS, Query};
+use crate::records::{Answer, AnswerRecord, HullRecord, IndexedPair, MAX_STEPS, PairRecord, Query, Status, Tables};
 
 /// Where batches are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -123,9 +121,7 @@ pub struct Batch<'p> {
     gpu: Option<Gpu>,
     query: Query,
     settings: Settings,
-    schedule: Schedule,
-    /// Share of the steps that threads do not wait, in the last batch.
-    efficiency: Option<f64>,
+    is_warm: bool,
     pairs: Vec<IndexedPair>,
     records: Vec<PairRecord>,
     answer_records: Vec<AnswerRecord>,
@@ -219,8 +215,7 @@ impl<'p> Batch<'p> {
             gpu,
             query: Query::Distance,
             settings: Settings::default(),
-            schedule: Schedule::default(),
-            efficiency: None,
+            is_warm: false,
             pairs: Vec::new(),
             records: Vec::new(),
             answer_records: Vec::new(),
@@ -259,17 +254,18 @@ impl<'p> Batch<'p> {
         self.gpu = None;
     }
 
-    /// Sets how later batches are laid out on the threads of the GPU, and whether they start from
-    /// the state of the last one. The processor ignores it.
+    /// Sets whether each pair of later batches starts from the simplex with which the pair of the
+    /// same index ended in the last batch on this device. Answers then differ within their
+    /// intervals. The processor ignores it.
     ///
     /// # Examples
     /// ```
     /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, IndexedPair, Schedule};
+    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
     ///
     /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// batch.set_schedule(Schedule { is_warm: true, ..Schedule::default() });
+    /// batch.set_warm(true);
     /// for frame in 0..3 {
     ///     let b_in_a = Pose::from_translation(DVec3::X * (4.0 - 0.1 * f64::from(frame))).expect("finite");
     ///     let pair = IndexedPair { a: 0, b: 0, b_in_a };
@@ -278,24 +274,8 @@ impl<'p> Batch<'p> {
     /// }
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
-    pub fn set_schedule(&mut self, schedule: Schedule) {
-        self.schedule = schedule;
-    }
-
-    /// Share of the steps in which a thread works, of all steps in which it is busy or waits for
-    /// the other 31 threads of its group, in the last batch. Counted, not measured. `None` if the
-    /// processor solved the batch.
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// use hullmap_wgpu::{Backend, Batch};
-    ///
-    /// assert_eq!(Batch::new(&pack, Backend::Cpu)?.warp_efficiency(), None);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
-    pub fn warp_efficiency(&self) -> Option<f64> {
-        self.efficiency
+    pub fn set_warm(&mut self, is_warm: bool) {
+        self.is_warm = is_warm;
     }
 
     /// Time that the kernels of the last batch took, in seconds: without preparing, copying and
@@ -424,8 +404,7 @@ impl<'p> Batch<'p> {
 
     fn solve(&mut self, pairs: &[IndexedPair], query: Query, settings: &Settings) -> Result<&[Answer], Error> {
         (self.query, self.settings) = (query, *settings);
-        let last = std::mem::take(&mut self.answer_records);
-        self.efficiency = None;
+        self.answer_records.clear();
         self.answers.clear();
         self.records.clear();
         self.pairs.clear();
@@ -436,23 +415,18 @@ impl<'p> Batch<'p> {
         };
         self.records.extend(pairs.iter().map(|pair| PairRecord::prepare(pair, &self.hulls)));
         let max_steps = settings.max_iterations.min(MAX_STEPS);
-        let (chunk, rounds) = (gpu.pack.chunk(query), self.schedule.rounds(max_steps));
-        let order = self.schedule.indices(&self.records, &last, chunk);
         let plan = Plan {
             query,
             // NaN and negative tolerances count as 0.
             tolerance: settings.tolerance.max(0.0) as f32,
             max_steps,
-            is_warm: self.schedule.is_warm,
-            rounds: &rounds,
-            order: &order,
+            is_warm: self.is_warm,
         };
         let answers = &mut self.answer_records;
         if let Err(error) = PairBuffers::run(&mut gpu.pairs, &mut gpu.states, &gpu.pack, plan, &self.records, answers) {
             answers.clear();
             return Err(error);
         }
-        self.efficiency = Some(schedule::efficiency(&order, answers, &rounds, chunk));
         let solved = answers.iter().zip(&self.records);
         self.answers.extend(solved.map(|(answer, pair)| Answer::from_record(answer, pair, &self.hulls)));
         Ok(&self.answers)

@@ -8,14 +8,10 @@ use hullmap::Pack;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use crate::error::Error;
-use crate::records::{AnswerRecord, PairRecord, StateRecord, Tables, code};
-use crate::twin::Query;
+use crate::records::{AnswerRecord, PairRecord, Query, Tables};
 
 /// Threads of a workgroup; the kernels have the same number.
 const WORKGROUP: u32 = 64;
-
-/// Threads of a workgroup of the compaction; `compact.wgsl` has the same number.
-const COMPACTION_GROUP: u32 = 256;
 
 /// Pairs of one dispatch. Larger batches take several, so that no dispatch runs for long.
 const CHUNK: usize = 1 << 17;
@@ -26,8 +22,11 @@ const CONTACT_CHUNK: usize = 1 << 15;
 /// Bytes of a polytope of EPA: 64 corners and 124 faces.
 const POLYTOPE_BYTES: u64 = (64 + 124) * 32;
 
+/// Bytes of `State` in `gjk.wgsl`, which stays on the device from batch to batch.
+const STATE_BYTES: usize = 32;
+
 /// Bytes of `Progress` in `simplex.wgsl`.
-const PROGRESS_BYTES: usize = 176;
+const PROGRESS_BYTES: usize = 144;
 
 /// Time after which a dispatch counts as failed. The reads of a pair are bounded, so a dispatch
 /// ends; this is for devices that do not answer.
@@ -39,27 +38,30 @@ const TIMEOUT: Duration = Duration::from_secs(120);
 pub(crate) struct Parameters {
     pub(crate) count: u32,
     pub(crate) query: u32,
-    pub(crate) round_steps: u32,
     pub(crate) max_steps: u32,
     pub(crate) tolerance: f32,
-    pub(crate) flags: u32,
-    pub(crate) keep_from: u32,
-    pub(crate) keep_to: u32,
+    pub(crate) warm: u32,
     /// [`THREE`], see `loops_end_early` in `records.wgsl`.
     pub(crate) three: u32,
-    pub(crate) padding: [u32; 3],
+    pub(crate) padding: [u32; 2],
 }
 
 const THREE: u32 = 3;
 
-/// Flags of [`Parameters`].
-mod flags {
-    pub(super) const FIRST: u32 = 1;
-    pub(super) const WARM: u32 = 2;
-}
-
 /// Source of the kernels. Each is a module of its own, so that none makes another slow to compile.
 mod source {
+    /// Body of `mad` in `records.wgsl`.
+    pub(super) const MAD: &str = "return a * b + c;";
+    /// The same with one rounding, nearly: lavapipe has no fused operation. Halves of 12 bits make
+    /// the rounding error of the product exact; it is added last.
+    pub(super) const FUSED: &str = "
+        let a_high = bitcast<f32>(bitcast<u32>(a) & 0xfffff000u);
+        let b_high = bitcast<f32>(bitcast<u32>(b) & 0xfffff000u);
+        let a_low = a - a_high;
+        let b_low = b - b_high;
+        let product = a * b;
+        let error = ((a_high * b_high - product) + (a_high * b_low + a_low * b_high)) + a_low * b_low;
+        return (product + c) + error;";
     pub(super) const SOLVE: &str = concat!(
         include_str!("kernels/records.wgsl"),
         include_str!("kernels/support.wgsl"),
@@ -77,8 +79,6 @@ mod source {
         include_str!("kernels/support.wgsl"),
         include_str!("kernels/vertices.wgsl"),
     );
-    pub(super) const COMPACT: &str =
-        concat!(include_str!("kernels/records.wgsl"), include_str!("kernels/compact.wgsl"));
 }
 
 /// A Vulkan device with the compiled kernels. Clones share it.
@@ -91,9 +91,6 @@ struct Inner {
     queue: wgpu::Queue,
     solve_pairs: wgpu::ComputePipeline,
     expand_pairs: wgpu::ComputePipeline,
-    count_kept: wgpu::ComputePipeline,
-    sum_counts: wgpu::ComputePipeline,
-    write_kept: wgpu::ComputePipeline,
     find_vertices: wgpu::ComputePipeline,
     info: wgpu::AdapterInfo,
     /// The first error since the last dispatch.
@@ -117,6 +114,21 @@ impl Device {
     /// }
     /// ```
     pub fn open() -> Result<Self, Error> {
+        Self::open_with(source::MAD)
+    }
+
+    /// As [`open`](Self::open), with kernels whose products keep their rounding error until the sum
+    /// that follows, as fused operations of other devices do. For tests.
+    ///
+    /// # Errors
+    /// Those of [`open`](Self::open).
+    #[doc(hidden)]
+    pub fn open_fused() -> Result<Self, Error> {
+        Self::open_with(source::FUSED)
+    }
+
+    /// Opens a device; `mad` is the body of that function of the kernels.
+    fn open_with(mad: &str) -> Result<Self, Error> {
         let none = |reason: &dyn std::fmt::Display| Error::NoDevice { reason: reason.to_string() };
         if !wgpu::Instance::enabled_backend_features().contains(wgpu::Backends::VULKAN) {
             return Err(none(&"this platform has no Vulkan"));
@@ -155,7 +167,7 @@ impl Device {
         let pipeline = |source: &'static str, entry_point| {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(entry_point),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
+                source: wgpu::ShaderSource::Wgsl(source.replacen(source::MAD, mad, 1).into()),
             });
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
@@ -173,9 +185,6 @@ impl Device {
         let inner = Inner {
             solve_pairs: pipeline(source::SOLVE, "solve_pairs"),
             expand_pairs: pipeline(source::EXPAND, "expand_pairs"),
-            count_kept: pipeline(source::COMPACT, "count_kept"),
-            sum_counts: pipeline(source::COMPACT, "sum_counts"),
-            write_kept: pipeline(source::COMPACT, "write_kept"),
             find_vertices: pipeline(source::VERTICES, "find_vertices"),
             info: adapter.get_info(),
             device,
@@ -308,9 +317,7 @@ impl DevicePack {
     pub(crate) fn chunk(&self, query: Query) -> usize {
         let polytopes = (self.device.binding_limit() / POLYTOPE_BYTES) as usize;
         match query {
-            Query::Contact => {
-                polytopes.clamp(COMPACTION_GROUP as usize, CONTACT_CHUNK) & !(COMPACTION_GROUP as usize - 1)
-            }
+            Query::Contact => polytopes.clamp(WORKGROUP as usize, CONTACT_CHUNK) & !(WORKGROUP as usize - 1),
             _ => CHUNK,
         }
     }
@@ -419,29 +426,23 @@ impl Clock {
 
 /// How a batch of pairs is solved.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plan<'a> {
+pub(crate) struct Plan {
     pub(crate) query: Query,
     pub(crate) tolerance: f32,
     pub(crate) max_steps: u32,
     /// Whether pairs start from their states.
     pub(crate) is_warm: bool,
-    /// Steps after which each round ends; the last is `max_steps`.
-    pub(crate) rounds: &'a [u32],
-    /// Indices of the pairs of each chunk, counted from its start, in the order of the threads.
-    pub(crate) order: &'a [u32],
 }
 
 /// Buffers of the pairs, which grow with the batches.
 #[derive(Debug)]
 pub(crate) struct PairBuffers {
-    /// One for each round.
-    parameters: Vec<wgpu::Buffer>,
+    parameters: wgpu::Buffer,
     pairs: wgpu::Buffer,
     answers: wgpu::Buffer,
     progress: wgpu::Buffer,
-    order: wgpu::Buffer,
-    live: [wgpu::Buffer; 2],
-    counts: wgpu::Buffer,
+    /// The number of pairs that EPA continues, and their indices.
+    overlapping: wgpu::Buffer,
     staging: wgpu::Buffer,
     capacity: usize,
     /// Polytopes, and their number.
@@ -461,15 +462,12 @@ pub(crate) struct States {
 impl PairBuffers {
     fn new(pack: &DevicePack, capacity: usize) -> Self {
         use wgpu::BufferUsages as Usage;
-        let list = || pack.buffer((capacity + 1) * 4, Usage::STORAGE | Usage::COPY_DST);
         Self {
-            parameters: Vec::new(),
+            parameters: pack.buffer(size_of::<Parameters>(), Usage::UNIFORM | Usage::COPY_DST),
             pairs: pack.buffer(capacity * size_of::<PairRecord>(), Usage::STORAGE | Usage::COPY_DST),
             answers: pack.buffer(capacity * size_of::<AnswerRecord>(), Usage::STORAGE | Usage::COPY_SRC),
             progress: pack.buffer(capacity * PROGRESS_BYTES, Usage::STORAGE),
-            order: list(),
-            live: [list(), list()],
-            counts: pack.buffer(capacity.div_ceil(COMPACTION_GROUP as usize) * 4, Usage::STORAGE),
+            overlapping: pack.buffer((capacity + 1) * 4, Usage::STORAGE | Usage::COPY_DST),
             staging: pack.buffer(capacity * size_of::<AnswerRecord>(), Usage::MAP_READ | Usage::COPY_DST),
             capacity,
             cells: None,
@@ -483,7 +481,7 @@ impl PairBuffers {
         kept: &mut Option<Self>,
         states: &mut Option<States>,
         pack: &DevicePack,
-        plan: Plan<'_>,
+        plan: Plan,
         pairs: &[PairRecord],
         out: &mut Vec<AnswerRecord>,
     ) -> Result<(), Error> {
@@ -491,32 +489,28 @@ impl PairBuffers {
         let chunk = pack.chunk(plan.query);
         let needed = pairs.len().clamp(1, chunk);
         if kept.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
-            *kept = Some(Self::new(pack, needed.next_power_of_two().max(COMPACTION_GROUP as usize)));
+            *kept = Some(Self::new(pack, needed.next_power_of_two().max(WORKGROUP as usize)));
         }
         if states.as_ref().is_none_or(|states| states.count < pairs.len()) {
             let count = pairs.len().max(1);
-            let (bytes, limit) = (count * size_of::<StateRecord>(), pack.device.0.device.limits().max_buffer_size);
+            let (bytes, limit) = (count * STATE_BYTES, pack.device.0.device.limits().max_buffer_size);
             if bytes as u64 > limit {
                 return Err(Error::TooLarge { section: "states", found: bytes as u64, limit });
             }
             *states = Some(States { buffer: pack.buffer(bytes, Usage::STORAGE), count });
         }
         let (Some(buffers), Some(states)) = (kept, states) else { return Ok(()) };
-        while buffers.parameters.len() < plan.rounds.len() {
-            let usage = Usage::UNIFORM | Usage::COPY_DST;
-            buffers.parameters.push(pack.buffer(size_of::<Parameters>(), usage));
-        }
         if plan.query == Query::Contact && buffers.cells.as_ref().is_none_or(|(_, count)| *count < needed) {
-            let count = needed.next_power_of_two().max(COMPACTION_GROUP as usize).min(chunk);
+            let count = needed.next_power_of_two().max(WORKGROUP as usize).min(chunk);
             buffers.cells = Some((pack.buffer(count * POLYTOPE_BYTES as usize, Usage::STORAGE), count));
         }
         buffers.seconds = 0.0;
-        for (at, (pairs, order)) in pairs.chunks(chunk).zip(plan.order.chunks(chunk)).enumerate() {
-            let start = (at * chunk * size_of::<StateRecord>()) as u64;
-            let size = std::num::NonZeroU64::new((pairs.len() * size_of::<StateRecord>()) as u64);
+        for (at, pairs) in pairs.chunks(chunk).enumerate() {
+            let start = (at * chunk * STATE_BYTES) as u64;
+            let size = std::num::NonZeroU64::new((pairs.len() * STATE_BYTES) as u64);
             let states =
                 wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &states.buffer, offset: start, size });
-            buffers.run_chunk(pack, Plan { order, ..plan }, pairs, states, out)?;
+            buffers.run_chunk(pack, plan, pairs, states, out)?;
         }
         Ok(())
     }
@@ -529,7 +523,7 @@ impl PairBuffers {
     fn run_chunk(
         &mut self,
         pack: &DevicePack,
-        plan: Plan<'_>,
+        plan: Plan,
         pairs: &[PairRecord],
         states: wgpu::BindingResource<'_>,
         out: &mut Vec<AnswerRecord>,
@@ -538,46 +532,27 @@ impl PairBuffers {
         pack.device.check()?;
         let count = pairs.len() as u32;
         queue.write_buffer(&self.pairs, 0, bytemuck::cast_slice(pairs));
-        queue.write_buffer(&self.order, 0, bytemuck::bytes_of(&count));
-        queue.write_buffer(&self.order, 4, bytemuck::cast_slice(plan.order));
+        queue.write_buffer(&self.overlapping, 0, bytemuck::bytes_of(&0_u32));
+        let parameters = Parameters {
+            count,
+            query: plan.query as u32,
+            max_steps: plan.max_steps,
+            tolerance: plan.tolerance,
+            warm: u32::from(plan.is_warm),
+            three: THREE,
+            padding: [0; 2],
+        };
+        queue.write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if let Some(clock) = &self.clock {
             clock.stamp(&mut encoder, 0);
         }
-        let mut list = &self.order;
-        for (round, (parameters, steps)) in self.parameters.iter().zip(plan.rounds).enumerate() {
-            let is_last = round + 1 == plan.rounds.len();
-            let mut flags = 0;
-            if round == 0 {
-                flags = if plan.is_warm { flags::FIRST | flags::WARM } else { flags::FIRST };
-            }
-            let content = Parameters {
-                count,
-                query: plan.query as u32,
-                round_steps: *steps,
-                max_steps: plan.max_steps,
-                tolerance: plan.tolerance,
-                flags,
-                keep_from: if is_last { code::TETRAHEDRON } else { code::RUNNING },
-                keep_to: if is_last { code::AXES } else { code::RUNNING },
-                three: THREE,
-                padding: [0; 3],
-            };
-            queue.write_buffer(parameters, 0, bytemuck::bytes_of(&content));
-            let mut bound = self.bound(pack, parameters, list);
-            bound.push((8, states.clone()));
-            dispatch(&mut encoder, solve_pairs, &pack.group(solve_pairs, &bound), count.div_ceil(WORKGROUP));
-            if !is_last {
-                let next = &self.live[round % 2];
-                self.compact(pack, &mut encoder, parameters, count, [list, next]);
-                list = next;
-            } else if let (Query::Contact, Some((cells, _))) = (plan.query, &self.cells) {
-                let overlapping = &self.live[round % 2];
-                self.compact(pack, &mut encoder, parameters, count, [&self.order, overlapping]);
-                let mut bound = self.bound(pack, parameters, overlapping);
-                bound.push((8, cells.as_entire_binding()));
-                dispatch(&mut encoder, expand_pairs, &pack.group(expand_pairs, &bound), count.div_ceil(WORKGROUP));
-            }
+        let groups = count.div_ceil(WORKGROUP);
+        let group = pack.group(solve_pairs, &self.bound(pack, states));
+        dispatch(&mut encoder, solve_pairs, &group, groups);
+        if let (Query::Contact, Some((cells, _))) = (plan.query, &self.cells) {
+            let group = pack.group(expand_pairs, &self.bound(pack, cells.as_entire_binding()));
+            dispatch(&mut encoder, expand_pairs, &group, groups);
         }
         if let Some(clock) = &self.clock {
             clock.stamp(&mut encoder, 1);
@@ -594,47 +569,20 @@ impl PairBuffers {
         pack.read(&self.staging, pairs.len(), out)
     }
 
-    /// Bindings of both kernels of pairs.
+    /// Bindings of both kernels of pairs. The last one is the states, or the polytopes.
     fn bound<'b>(
         &'b self,
         pack: &'b DevicePack,
-        parameters: &'b wgpu::Buffer,
-        list: &'b wgpu::Buffer,
+        last: wgpu::BindingResource<'b>,
     ) -> Vec<(u32, wgpu::BindingResource<'b>)> {
         let mut bound = pack.sections().to_vec();
-        bound.push((0, parameters.as_entire_binding()));
+        bound.push((0, self.parameters.as_entire_binding()));
         bound.push((4, self.pairs.as_entire_binding()));
         bound.push((5, self.answers.as_entire_binding()));
         bound.push((6, self.progress.as_entire_binding()));
-        bound.push((7, list.as_entire_binding()));
+        bound.push((7, self.overlapping.as_entire_binding()));
+        bound.push((8, last));
         bound
-    }
-
-    /// Lists the pairs of one list whose status the parameters keep, in the same order.
-    fn compact(
-        &self,
-        pack: &DevicePack,
-        encoder: &mut wgpu::CommandEncoder,
-        parameters: &wgpu::Buffer,
-        count: u32,
-        [from, to]: [&wgpu::Buffer; 2],
-    ) {
-        let Inner { count_kept, sum_counts, write_kept, .. } = &*pack.device.0;
-        let bound = [
-            (0, parameters.as_entire_binding()),
-            (4, self.answers.as_entire_binding()),
-            (5, from.as_entire_binding()),
-            (6, to.as_entire_binding()),
-            (7, self.counts.as_entire_binding()),
-        ];
-        let of = |pipeline, bindings: &[u32]| {
-            let used: Vec<_> = bound.iter().filter(|(binding, _)| bindings.contains(binding)).cloned().collect();
-            pack.group(pipeline, &used)
-        };
-        let groups = count.div_ceil(COMPACTION_GROUP);
-        dispatch(encoder, count_kept, &of(count_kept, &[0, 4, 5, 7]), groups);
-        dispatch(encoder, sum_counts, &of(sum_counts, &[0, 6, 7]), 1);
-        dispatch(encoder, write_kept, &of(write_kept, &[0, 4, 5, 6, 7]), groups);
     }
 }
 

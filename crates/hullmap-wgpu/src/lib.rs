@@ -9,10 +9,9 @@
 //! # Files
 //! - `batch.rs`: the calls, and the processor's side of them.
 //! - `device.rs`: the device, the pack in its memory, buffers and dispatches.
-//! - `schedule.rs`: which thread solves which pair.
 //! - `records.rs`: what the kernels read and write.
 //! - `rounding.rs`: the bound on their rounding errors.
-//! - `kernels/`: the kernels. [`twin`] is the same code in Rust, for tests.
+//! - `kernels/`: the kernels. Tests judge their answers by the intervals of the processor.
 //!
 //! # Limits
 //! - Sections longer than a binding are an error.
@@ -26,13 +25,9 @@ mod device;
 mod error;
 mod records;
 mod rounding;
-mod schedule;
-pub mod twin;
 
 pub use batch::{Backend, Batch, SupportAnswer, SupportQuery};
 pub use device::{Device, DevicePack};
 pub use error::Error;
-pub use records::{Answer, AnswerRecord, HullRecord, IndexedPair, PairRecord, StateRecord, Status, Tables};
+pub use records::{Answer, AnswerRecord, IndexedPair, MAX_STEPS, PairRecord, Query, Status};
 pub use rounding::SUPPORT_SHORTFALL;
-pub use schedule::{Order, Schedule};
-pub use twin::{MAX_STEPS, Query};

@@ -22,37 +22,44 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Resolutions of a cube map from here on have more cells than a pack has words.
 const MAX_RESOLUTION: u32 = 1 << 20;
 
-/// How a direction finds its leaf. The numbers match the file.
-pub(crate) mod kind {
-    pub(crate) const SCAN: u32 = 0;
-    pub(crate) const CUBE_MAP: u32 = 1;
-    pub(crate) const BINARY: u32 = 2;
+/// Support calls of a pair. About 10 are usual.
+pub const MAX_STEPS: u32 = 64;
+
+/// Which question a pair is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Query {
+    /// Yes or no: stop at the first proof.
+    Intersects,
+    /// The distance, until the interval is within the tolerance.
+    Distance,
+    /// The penetration depth, until the interval is within the tolerance.
+    Contact,
 }
 
 /// Input of the kernels for one hull: 48 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct HullRecord {
+pub(crate) struct HullRecord {
     /// The interior point, rounded to f32.
-    pub center: [f32; 3],
+    pub(crate) center: [f32; 3],
     /// Radius of a ball around `center` that contains the hull.
-    pub outer: f32,
+    pub(crate) outer: f32,
     /// Radius of a ball around `center` inside the hull; 0 if there is none.
-    pub inner: f32,
+    pub(crate) inner: f32,
     /// Kind of the direction index, as in the file.
-    pub kind: u32,
+    pub(crate) kind: u32,
     /// Resolution of a cube map.
-    pub resolution: u32,
+    pub(crate) resolution: u32,
     /// Blocks of a plain leaf.
-    pub leaf_blocks: u32,
+    pub(crate) leaf_blocks: u32,
     /// Start of the hull's words in `slots`.
-    pub slot_start: u32,
+    pub(crate) slot_start: u32,
     /// Number of its words.
-    pub slot_count: u32,
+    pub(crate) slot_count: u32,
     /// Start of the hull's blocks in `blocks`.
-    pub block_start: u32,
+    pub(crate) block_start: u32,
     /// Number of its blocks. 0 for a hull that an unchecked pack lacks.
-    pub block_count: u32,
+    pub(crate) block_count: u32,
 }
 
 impl HullRecord {
@@ -79,13 +86,13 @@ impl HullRecord {
 
 /// The sections of packs that the kernels read, and a record for each hull.
 #[derive(Clone, Debug)]
-pub struct Tables<'a> {
+pub(crate) struct Tables<'a> {
     /// One record for each hull, pack by pack.
-    pub hulls: Vec<HullRecord>,
+    pub(crate) hulls: Vec<HullRecord>,
     /// The section `blocks`, unchanged: 32 words per block. The blocks of several packs are joined.
-    pub blocks: Cow<'a, [u32]>,
+    pub(crate) blocks: Cow<'a, [u32]>,
     /// The section `slots`, likewise.
-    pub slots: Cow<'a, [u32]>,
+    pub(crate) slots: Cow<'a, [u32]>,
 }
 
 impl<'a> Tables<'a> {
@@ -98,15 +105,7 @@ impl<'a> Tables<'a> {
     ///
     /// # Complexity
     /// O(number of hulls). Sections are not copied.
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let tables = hullmap_wgpu::Tables::from_pack(&pack)?;
-    /// assert_eq!((tables.hulls.len(), tables.blocks.len() % 32), (1, 0));
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
-    pub fn from_pack(pack: &'a Pack) -> Result<Self, Error> {
+    pub(crate) fn from_pack(pack: &'a Pack) -> Result<Self, Error> {
         if cfg!(target_endian = "big") {
             return Err(Error::Pack);
         }
@@ -131,17 +130,7 @@ impl<'a> Tables<'a> {
     ///
     /// # Complexity
     /// O(number of hulls), and a copy of the sections of two or more packs.
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// use hullmap_wgpu::Tables;
-    ///
-    /// let (one, two) = (Tables::from_pack(&pack)?, Tables::from_packs(&[&pack, &pack])?);
-    /// assert_eq!((two.hulls.len(), two.blocks.len()), (2, 2 * one.blocks.len()));
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
-    pub fn from_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
+    pub(crate) fn from_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
         let mut joined = Self { hulls: Vec::new(), blocks: Cow::Borrowed(&[]), slots: Cow::Borrowed(&[]) };
         for pack in packs {
             let tables = Self::from_pack(pack)?;
@@ -291,32 +280,6 @@ pub(crate) mod code {
     pub(crate) const OPEN: u32 = 2;
     pub(crate) const STALLED: u32 = 3;
     pub(crate) const BUDGET: u32 = 4;
-    pub(crate) const REJECTED: u32 = 5;
-    /// Between kernels: the steps of a round ran out.
-    pub(crate) const RUNNING: u32 = 6;
-    /// Between kernels: EPA continues from the tetrahedron.
-    pub(crate) const TETRAHEDRON: u32 = 7;
-    /// Between kernels: EPA starts from the axes.
-    pub(crate) const AXES: u32 = 8;
-}
-
-/// State of one pair that stays on the device from batch to batch: 32 bytes. The simplex with which
-/// the pair ended, as a vertex of A and one of B for each corner.
-///
-/// Any numbers are valid: those that are not vertices of the pair's hulls are ignored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct StateRecord {
-    /// 0 for no corner, [`CENTER`](Self::CENTER) for the centre, otherwise
-    /// [`FIRST_WORD`](Self::FIRST_WORD) plus the word of `blocks` that holds the vertex's x.
-    pub corners: [[u32; 2]; 4],
-}
-
-impl StateRecord {
-    /// The centre v₀ of the Minkowski difference.
-    pub const CENTER: u32 = 1;
-    /// Word 0 of `blocks`.
-    pub const FIRST_WORD: u32 = 2;
 }
 
 /// Output of the kernels for one pair: 64 bytes. Lengths are scaled.
@@ -339,10 +302,8 @@ pub struct AnswerRecord {
     pub steps: u32,
     /// Nodes and blocks of both indices that were read.
     pub reads: u32,
-    /// Support calls before EPA.
-    pub gjk_steps: u32,
     /// Padding.
-    pub padding: u32,
+    pub padding: [u32; 2],
 }
 
 impl AnswerRecord {

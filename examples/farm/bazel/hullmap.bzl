@@ -1,7 +1,7 @@
 """A rule that bakes one mesh. Untested: no Bazel of version 7 or newer was available.
 
 With Bazel, each mesh is an action of its own, which costs more than a small mesh takes. For many small
-meshes, use `bake build --remote`, which shares Bazel's cache and workers but bakes batches.
+meshes, use `bake build --cache`, which shares packs by their keys.
 """
 
 def _hullmap_pack_impl(ctx):

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use hullmap::Pack;
-use hullmap_bake::{IndexChoice, IndexKind, SourceRecord};
+use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, point_set};
 
 use super::bytes::Bytes;
@@ -58,15 +58,13 @@ pub fn build_open_verify(data: &[u8]) {
     }
 }
 
-fn index(bytes: &mut Bytes) -> IndexChoice {
-    let kind = match bytes.below(8) {
+fn index(bytes: &mut Bytes) -> IndexKind {
+    match bytes.below(8) {
         1 => IndexKind::Medium,
         2 => IndexKind::Compact,
         3 => IndexKind::Binary,
         4 => IndexKind::None,
         5 => IndexKind::CubeMap { resolution: 1 + bytes.below(9) as u32 },
-        6 => return IndexChoice::Budget { bytes_per_vertex: 8 * (1 + u32::from(bytes.byte())) },
         _ => IndexKind::Tree,
-    };
-    kind.into()
+    }
 }

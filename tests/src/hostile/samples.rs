@@ -1,8 +1,7 @@
 //! The packs to change. [`sheets`](super::sheets) has the other files.
 
 use hullmap_bake::{
-    Fit, IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_lean_pack,
-    write_pack,
+    Fit, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_lean_pack, write_pack,
 };
 use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
 use shapes::{families::Family, rng::SplitMix64};
@@ -43,7 +42,7 @@ pub fn small() -> Vec<Sample> {
         sample("needle, tree", &one(&Family::Needle.points(24, 1)), IndexKind::Tree),
         sample("lens, leaves of 16", &one(&Family::Lens.points(40, 1)), sixteen),
         sample("sphere, compact", &one(&Family::Sphere.points(40, 4)), IndexKind::Compact),
-        sample("rock, budget", &one(&Family::Rock.points(48, 1)), IndexChoice::Budget { bytes_per_vertex: 120 }),
+        sample("rock, tree", &one(&Family::Rock.points(48, 1)), IndexKind::Tree),
         sample("five hulls, no index", &five_hulls(), IndexKind::None),
         sample("hulls of all ranks, tree", &all_ranks(), IndexKind::Tree),
         sample("recentred, tree", &recentred(), IndexKind::Tree),
@@ -81,7 +80,7 @@ pub fn drawn(seed: u64, pack_index: u64) -> Sample {
     sample(&name, &sets, index)
 }
 
-fn sample(name: &str, sets: &[PointSet], index: impl Into<IndexChoice>) -> Sample {
+fn sample(name: &str, sets: &[PointSet], index: IndexKind) -> Sample {
     let file = packs::bytes(sets, index, &source()).unwrap_or_else(|error| panic!("{name}: {error}"));
     Sample { name: name.to_owned(), file }
 }

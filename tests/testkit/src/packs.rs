@@ -3,7 +3,7 @@
 use std::hash::Hasher;
 
 use hullmap::Pack;
-use hullmap_bake::{BakeError, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::{BakeError, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use twox_hash::XxHash3_64;
 
 /// Length of the header in bytes; its last eight bytes are the checksum.
@@ -30,8 +30,7 @@ pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
 }
 
 /// The bytes of a pack with one hull for each of `sets`. Fails if the baker rejects a point set.
-pub fn bytes(sets: &[PointSet], index: impl Into<IndexChoice>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
-    let index = index.into();
+pub fn bytes(sets: &[PointSet], index: IndexKind, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     let baked = sets.iter().map(|set| bake_hull(set, index)).collect::<Result<Vec<_>, _>>()?;
     write_pack(&baked, source)
 }

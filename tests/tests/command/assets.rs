@@ -36,12 +36,11 @@ fn expected() -> BTreeMap<&'static str, (u32, usize, Option<f64>)> {
 }
 
 /// Each index kind, as words on the command line and as the runtime reports it.
-const INDICES: [(&[&str], IndexKind); 6] = [
+const INDICES: [(&[&str], IndexKind); 5] = [
     (&[], IndexKind::Tree),
     (&["--index", "compact"], IndexKind::Compact),
     (&["--index", "binary"], IndexKind::Binary),
     (&["--index", "cubemap"], IndexKind::CubeMap { resolution: 64 }),
-    (&["--index", "cubemap", "--resolution", "5"], IndexKind::CubeMap { resolution: 5 }),
     (&["--index", "none"], IndexKind::None),
 ];
 

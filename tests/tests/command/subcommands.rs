@@ -355,7 +355,7 @@ fn verify_and_inspect_reject_damaged_packs_with_1() {
 #[test]
 fn inspect_prints_the_documented_fields() {
     let folder = folder(&[("two.obj", &format!("{CUBE}o dot\nv 3 3 3\np -1\n"))]);
-    bake(&folder, "build two.obj --out . --split object --index cubemap --resolution 3").expect(0);
+    bake(&folder, "build two.obj --out . --split object --index cubemap").expect(0);
     let run = bake(&folder, "inspect two.hullmap --json").expect(0);
     assert!(run.stderr.is_empty());
     let report = &run.json()[0];

@@ -37,30 +37,6 @@ pub const SCAN_UP_TO: usize = 32;
 /// cones are counted in 32 bits.
 const MAX_INDEXED: usize = 1 << 28;
 
-/// How the direction index of a hull is chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IndexChoice {
-    /// An index of the given kind.
-    Kind(IndexKind),
-    /// The fastest tree whose words and blocks fit within a budget; no index if no tree fits.
-    Budget {
-        /// Budget in bytes per vertex.
-        bytes_per_vertex: u32,
-    },
-}
-
-impl Default for IndexChoice {
-    fn default() -> Self {
-        Self::Kind(IndexKind::default())
-    }
-}
-
-impl From<IndexKind> for IndexChoice {
-    fn from(kind: IndexKind) -> Self {
-        Self::Kind(kind)
-    }
-}
-
 /// A hull's direction index and the worst-case cost of a query.
 #[derive(Clone, Debug)]
 pub struct Index {
@@ -106,19 +82,8 @@ impl Index {
 ///
 /// # Errors
 /// [`BakeError::IndexTooLarge`] if slots cannot address all words or blocks.
-pub fn build(hull: &Hull, choice: impl Into<IndexChoice>) -> Result<Index, BakeError> {
-    match choice.into() {
-        IndexChoice::Kind(kind) => first_proven(hull, kind, build_kind),
-        IndexChoice::Budget { bytes_per_vertex } => {
-            for kind in [IndexKind::Tree, IndexKind::Medium, IndexKind::Compact] {
-                let index = first_proven(hull, kind, build_kind)?;
-                if index.byte_len() <= bytes_per_vertex as usize * hull.vertices.len() {
-                    return Ok(index);
-                }
-            }
-            Ok(scan(&hull.vertices))
-        }
-    }
+pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
+    first_proven(hull, kind, build_kind)
 }
 
 /// The index of `kind`, or the first simpler one that can be proven.
@@ -250,21 +215,5 @@ mod tests {
         assert_eq!((index.kind, index.replaces.map(|(kind, _)| kind)), (IndexKind::None, Some(IndexKind::Compact)));
         let index = build(IndexKind::Tree, damaged(&[])).unwrap();
         assert_eq!((index.kind, index.replaces), (IndexKind::Tree, None));
-    }
-
-    #[test]
-    fn budgets_are_kept_and_used() {
-        let positions = shapes::families::rock(600, 3);
-        let set =
-            PointSet { name: String::new(), source_vertices: (0..600).collect(), positions, ..PointSet::default() };
-        let hull = hull::build(&set).unwrap();
-        let budget = |bytes_per_vertex| build(&hull, IndexChoice::Budget { bytes_per_vertex }).unwrap();
-        for (bytes, kind) in [(100, IndexKind::Tree), (50, IndexKind::Medium), (40, IndexKind::Compact)] {
-            let index = budget(bytes);
-            assert_eq!(index.kind, kind, "{bytes}");
-            assert!(index.byte_len() <= bytes as usize * 600, "{}", index.describe(600));
-        }
-        assert_eq!(budget(20).kind, IndexKind::None);
-        assert_eq!(budget(20).describe(600), "linear scan, 16.0 bytes per vertex");
     }
 }

@@ -9,7 +9,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::options::flag;
 use crate::options::removed::instead_of_option;
-use crate::options::table::{DefaultValue, OPTIONS};
+use crate::options::table::OPTIONS;
 use crate::options::value::Syntax;
 
 /// Guessed subcommands, and what to do instead.
@@ -100,14 +100,12 @@ fn has_flag(root: &clap::Command, command: &OsString, name: &str) -> bool {
     own.is_some_and(|own| own.get_arguments().any(|argument| argument.get_long() == Some(name)))
 }
 
-/// The message about a switch whose value is an argument of its own: `--decompose cover` bakes a
-/// mesh named `cover`, which does not exist.
+/// The message about a switch whose value is an argument of its own: `--decompose true` bakes a
+/// mesh named `true`, which does not exist.
 pub fn detached_value(words: &[OsString]) -> Option<String> {
     words.windows(2).find_map(|pair| {
         let (name, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);
-        let is_switch = |syntax| matches!(syntax, Syntax::Switch | Syntax::SwitchOr(_));
-        let is_off = |default| matches!(default, DefaultValue::Value("false"));
-        let mut switches = OPTIONS.iter().filter(|option| is_switch(option.syntax) && is_off(option.default));
+        let mut switches = OPTIONS.iter().filter(|option| option.syntax == Syntax::Switch && option.default == "false");
         let option = switches.find(|option| flag(option.key) == name)?;
         let is_value = option.parse(value).is_ok() && !Path::new(value).exists();
         is_value.then(|| format!("--{name} takes its value after `=`: --{name}={value}"))

@@ -1,8 +1,8 @@
 //! Tests of accepted and rejected command lines, and of the help.
 
+use hullmap_bake::IndexKind;
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::simplify::Limit;
-use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
 use super::*;
@@ -31,11 +31,8 @@ fn flags_set_build_options() {
     let usual = BuildOptions::default();
     assert_eq!(build(""), Ok(usual.clone()));
     for kind in IndexKind::NAMED {
-        assert_eq!(build(&format!("--index {}", kind.as_str())).unwrap().index(), kind.into());
+        assert_eq!(build(&format!("--index {}", kind.as_str())).unwrap().index(), kind);
     }
-    assert_eq!(build("--index-budget 40").unwrap().index(), IndexChoice::Budget { bytes_per_vertex: 40 });
-    let cubemap = build("--index cubemap --resolution 1024").unwrap();
-    assert_eq!(cubemap.index(), IndexKind::CubeMap { resolution: 1024 }.into());
     let import = ImportOptions { split: Split::Object, vertices: Vertices::All, ..ImportOptions::DEFAULT };
     assert_eq!(build("--split object --vertices all").unwrap().import(), import);
     let import = ImportOptions { unit_scale: 0.01, up_axis: UpAxis::YToZ, recentre: true, ..ImportOptions::DEFAULT };
@@ -43,7 +40,7 @@ fn flags_set_build_options() {
     assert!(!build("--recentre=false").unwrap().import().recentre);
     assert_eq!(build("--max-vertices 64").unwrap().simplify(1.0), Some(Limit::Vertices(64)));
     assert_eq!(build("--max-error 1e-3").unwrap().simplify(1.0), Some(Limit::Distance(1e-3)));
-    for words in ["--decompose --max-parts 8", "--decompose=cover --max-parts 8"] {
+    for words in ["--decompose --max-parts 8", "--decompose=true --max-parts 8"] {
         assert_eq!(build(words).unwrap().decompose(), Some(Cover { max_parts: Some(8), ..Cover::default() }));
     }
     assert_eq!(build("--max-parts 8"), Ok(usual), "hullmap.toml may switch decomposition on");
@@ -52,11 +49,6 @@ fn flags_set_build_options() {
 #[test]
 fn wrong_arguments_exit_with_2() {
     for words in [
-        "--index cubemap --resolution 0",
-        "--index cubemap --resolution 1025",
-        "--resolution 64",
-        "--index-budget 0",
-        "--index-budget 40 --index tree",
         "--index octree",
         "--unit-scale 0",
         "--unit-scale nan",
@@ -123,7 +115,7 @@ fn natural_guesses_are_answered_with_the_right_name() {
         ("bake build a -o o", "tip: use --out"),
         ("bake key a --parts 4", "tip: use --decompose --max-parts N"),
         ("bake export a --engine unreal", "tip: use --for unreal, godot, mjcf or urdf"),
-        ("bake build a --out o --decompose cover", "--decompose takes its value after `=`: --decompose=cover"),
+        ("bake build a --out o --decompose true", "--decompose takes its value after `=`: --decompose=true"),
         ("bake plan a --out o --recentre true", "--recentre=true"),
     ] {
         let message = error(line);
@@ -141,6 +133,14 @@ fn removed_options_name_what_to_use_instead() {
     for words in ["--decompose=vhacd", "--decompose --vhacd-resolution 32", "--vhacd-fill=flood"] {
         let message = error(&format!("bake build a.obj --out o {words}"));
         assert!(message.contains("V-HACD was removed; use decompose without a method"), "{message}");
+    }
+    for (words, instead) in [
+        ("--decompose=cover", "decompose takes no method"),
+        ("--index-budget 40", "choose a kind with index"),
+        ("--index cubemap --resolution=5", "choose a kind with index"),
+    ] {
+        let message = error(&format!("bake build a.obj --out o {words}"));
+        assert!(message.contains(instead), "{message}");
     }
 }
 
@@ -195,7 +195,7 @@ fn help_fits_a_screen() {
 fn help_of_build_is_grouped_by_purpose() {
     let help = error("bake build --help");
     assert!(help.lines().count() < 150, "{help}");
-    assert!(!error("bake build -h").contains("--remote ") && help.contains("--remote "), "{help}");
+    assert!(!error("bake build -h").contains("--cache ") && help.contains("--cache "), "{help}");
     let is_heading = |line: &&str| !line.starts_with(' ') && line.ends_with(':');
     let headings: Vec<&str> = help.lines().filter(is_heading).collect();
     let mut expected = vec!["Arguments:", "Options:", "Shape:", "Parts:", "Files:", "Index:", "Limits:", "Running:"];
@@ -215,7 +215,7 @@ fn help_of_build_is_grouped_by_purpose() {
 #[test]
 fn wrong_arguments_show_the_usage_of_their_subcommand() {
     for (line, usage) in [
-        ("bake build in --out o --resolution 5", "Usage: bake build"),
+        ("bake build in --out o --max-parts 0", "Usage: bake build"),
         ("bake build in --out o --memory many", "Usage: bake build"),
         ("bake build in --out o --index octree", "Usage: bake build"),
         ("bake query a b --mode overlap", "Usage: bake query"),
@@ -247,19 +247,6 @@ fn help_has_the_name_under_which_the_command_was_started() {
     let module = "python -m hullmap";
     assert!(text(&[module, "--help"]).contains("Usage: python -m hullmap <COMMAND>"));
     assert!(!text(&[module, "build", "--help"]).contains("bake build"));
-}
-
-/// The flags always exist, so that a build without the client states how to get it.
-#[test]
-fn a_farm_needs_the_client() {
-    let address = "bake build a --out o --remote grpc://localhost:1 --remote-upload";
-    let parsed = parse(address.split_whitespace()).map(|_| ()).map_err(|error| error.to_string());
-    if cfg!(feature = "remote") {
-        assert_eq!(parsed, Ok(()));
-    } else {
-        assert!(parsed.as_ref().is_err_and(|message| message.contains("`--features remote`")), "{parsed:?}");
-    }
-    assert!(error("bake build a --out o --remote-upload").contains("--remote <ADDRESS>"));
 }
 
 #[test]

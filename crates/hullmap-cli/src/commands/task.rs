@@ -1,4 +1,4 @@
-//! `bake task`: bakes tasks of a plan, as an action of a farm or by hand.
+//! `bake task`: bakes tasks of a plan, started by a scheduler or by hand.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Write as _};
@@ -13,6 +13,7 @@ use crate::jobs::Job;
 use crate::jobs::task::{Task, read_task};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, write_beside};
+use crate::runner::cache::Cache;
 use crate::runner::one::Build;
 use crate::runner::rows::Row;
 use crate::runner::{self, print_messages, write_rows};
@@ -24,14 +25,16 @@ pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let mut exit = Exit::Done;
     let mut rows = Vec::new();
+    let cache = args.cache.as_deref().map(Cache::new);
     for (folder, jobs) in jobs(args)? {
-        let results = bake(args, &folder, &jobs)?;
+        let results = bake(args, cache.as_ref(), &folder, &jobs)?;
         exit = exit.max(results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done));
         rows.extend(results.into_iter().map(|(row, _)| row));
     }
     if let Some(path) = &args.results {
         write_results(path, &rows)?;
-        // Farms keep results with exit code 0, so an error in the baker must not have it.
+        // Schedulers repeat a task that fails, which helps no faulty mesh. An error in the baker
+        // must be seen.
         if exit == Exit::Rejected && !rows.iter().any(|row| row.is_internal) {
             exit = Exit::Done;
         }
@@ -73,7 +76,7 @@ fn jobs(args: &TaskArgs) -> Result<BTreeMap<PathBuf, Vec<Job>>, Failure> {
     }
 }
 
-fn bake(args: &TaskArgs, out: &Path, jobs: &[Job]) -> Result<Vec<(Row, Exit)>, Failure> {
+fn bake(args: &TaskArgs, cache: Option<&Cache>, out: &Path, jobs: &[Job]) -> Result<Vec<(Row, Exit)>, Failure> {
     make_folder(out).map_err(|error| {
         Failure::usage(format!("{}: cannot create this folder: {error}; check the path", out.display()))
     })?;
@@ -84,6 +87,7 @@ fn bake(args: &TaskArgs, out: &Path, jobs: &[Job]) -> Result<Vec<(Row, Exit)>, F
         verify: args.verify,
         force: args.force,
         check: false,
+        cache,
         out,
         project: Path::new("."),
         baker: &bake_pack,

@@ -72,7 +72,6 @@ max_vertices = 64
 files = "props/big/exact_col.obj"
 max_vertices = "none"
 index = "cubemap"
-resolution = 8
 "#;
 
     fn options(config: &Config, place: &str) -> BuildOptions {
@@ -84,7 +83,7 @@ resolution = 8
     fn later_rules_win_over_earlier_ones_and_over_defaults() {
         let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
         let plain = options(&config, "rock.obj");
-        assert_eq!((plain.index(), plain.import().split), (IndexKind::Compact.into(), Split::Object));
+        assert_eq!((plain.index(), plain.import().split), (IndexKind::Compact, Split::Object));
         assert_eq!((plain.import().unit_scale, plain.simplify(1.0)), (1.0, None));
         assert_eq!(options(&config, "props/deep/er/x.obj").import().unit_scale, 0.01);
         assert_eq!(options(&config, "other/props/x.obj").import().unit_scale, 1.0, "globs are relative to the file");
@@ -95,7 +94,7 @@ resolution = 8
         assert_eq!(options(&config, "props/big/deep/x.glb").simplify(1.0), None, "a star stays within its folder");
         let exact = options(&config, "props/big/exact_col.obj");
         assert_eq!((exact.simplify(1.0), exact.import().unit_scale), (None, 0.01));
-        assert_eq!((exact.index(), exact.import().split), (IndexKind::CubeMap { resolution: 8 }.into(), Split::None));
+        assert_eq!((exact.index(), exact.import().split), (IndexKind::CubeMap { resolution: 64 }, Split::None));
     }
 
     #[test]
@@ -126,14 +125,10 @@ resolution = 8
         }
         // One by one, because some exclude each other.
         for line in lines.iter().filter(|line| line.contains(" = ") && !line.starts_with('#')) {
-            let text = match line.split(' ').next() {
-                Some("resolution") => format!("[defaults]\nindex = \"cubemap\"\n{line}"),
-                _ => format!("[defaults]\n{line}"),
-            };
+            let text = format!("[defaults]\n{line}");
             let config = parse::parse(Path::new("hullmap.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
             let options = config.layer(None, Path::new("x.obj")).resolve();
-            let is_example = ["index_budget", "resolution"].iter().any(|key| line.starts_with(key));
-            assert!(is_example || options == BuildOptions::default(), "{line}");
+            assert_eq!(options, BuildOptions::default(), "{line}");
         }
         let example = &template[template.find("# [[rule]]").unwrap()..];
         let example: String = example.lines().map(|line| format!("{}\n", line.trim_start_matches("# "))).collect();

@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::rules::{Config, Rule};
 use crate::glob::Glob;
 use crate::options::OptionLayer;
-use crate::options::removed::instead_of_option;
+use crate::options::removed::{instead_of_option, instead_of_value};
 use crate::options::table::{OPTIONS, position};
 use crate::options::value::Syntax;
 use crate::outcome::Failure;
@@ -145,6 +145,11 @@ fn layer(table: &DeTable, is_rule: bool) -> Result<OptionLayer, Fault> {
             return Err(fault(span, message));
         };
         let syntax = OPTIONS[index].syntax;
+        if let Some(text) = value.get_ref().as_str()
+            && let Some(instead) = instead_of_value(key, text)
+        {
+            return Err(fault(value.span(), format!("{key} = \"{text}\": {instead}")));
+        }
         let text = text_of(value.get_ref(), syntax).ok_or_else(|| {
             let found = value.get_ref().type_str();
             fault(value.span(), format!("{key}: expected {}, found {found}", toml_type(syntax)))
@@ -183,14 +188,9 @@ fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
     );
     let accepts_float =
         matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
-    let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
+    let accepts_integer = accepts_float || matches!(syntax, Syntax::CountOrNone { .. });
     match value {
-        DeValue::String(text)
-            if matches!(
-                syntax,
-                Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::ShareOrNone | Syntax::LengthOrNone
-            ) =>
-        {
+        DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::ShareOrNone | Syntax::LengthOrNone) => {
             Some(text.to_string())
         }
         DeValue::String(text) if accepts_none && text == "none" => Some(text.to_string()),
@@ -198,7 +198,7 @@ fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
             i64::from_str_radix(number.as_str(), number.radix()).ok().map(|number| number.to_string())
         }
         DeValue::Float(number) if accepts_float => Some(number.as_str().to_owned()),
-        DeValue::Boolean(is_on) if matches!(syntax, Syntax::Switch | Syntax::SwitchOr(_)) => Some(is_on.to_string()),
+        DeValue::Boolean(is_on) if syntax == Syntax::Switch => Some(is_on.to_string()),
         _ => None,
     }
 }
@@ -208,9 +208,7 @@ fn toml_type(syntax: Syntax) -> &'static str {
     match syntax {
         Syntax::Words(_) => "a string",
         Syntax::Switch => "true or false",
-        Syntax::SwitchOr(_) => "true, false or a string",
         Syntax::ShareOrNone | Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
-        Syntax::Count { .. } => "a whole number",
         Syntax::Positive => "a number",
         Syntax::CountOrNone { .. } => "a whole number or \"none\"",
         Syntax::PositiveOrNone => "a number or \"none\"",
@@ -276,12 +274,13 @@ mod tests {
             ("[defaults]\nunit_scale = \"0.01\"\n", ":2: unit_scale: expected a number, found string"),
             ("[defaults]\nunit_scale = -1\n", ":2: unit_scale = -1: expected a finite number above 0"),
             ("[defaults]\nunit_scale = nan\n", ":2: unit_scale = nan: expected a finite number above 0"),
-            ("[defaults]\nresolution = 5\n", ":2: resolution requires index cubemap"),
+            ("[defaults]\nresolution = 5\n", ":2: `resolution`: the options index-budget and resolution were removed"),
             ("[defaults]\nmax_error = 1\n\nmax_vertices = 5\n", ":2: max_error and max_vertices exclude each other"),
             ("[defaults]\nmax_vertices = 3.5\n", ":2: max_vertices: expected a whole number or \"none\", found float"),
             ("[defaults]\nsplit = \"none\"\nsplit = \"none\"\n", ":3: invalid TOML: duplicate key"),
             ("[defaults\n", ":1: invalid TOML: "),
             ("[defaults]\ndecompose = \"vhacd\"\n", ":2: decompose = \"vhacd\": V-HACD was removed; use "),
+            ("[defaults]\ndecompose = \"cover\"\n", ":2: decompose = \"cover\": decompose takes no method"),
             (
                 "[defaults]\nvhacd_alpha = 0.5\n",
                 ":2: `vhacd_alpha`: V-HACD was removed; use decompose without a method",

@@ -1,4 +1,4 @@
-//! Batches: meshes that are baked together elsewhere, because an action for each mesh would cost
+//! Batches: meshes that are baked together elsewhere, because a task for each mesh would cost
 //! more than its bake.
 //!
 //! 1. A large mesh is a batch of its own.
@@ -23,8 +23,8 @@ pub struct BatchSize {
 }
 
 impl Default for BatchSize {
-    /// An action costs about 60 ms more than its meshes; with 256 meshes that is negligible. Larger
-    /// batches would make an edit costlier and keep fewer workers busy.
+    /// A scheduler may take 60 ms for a task; with 256 meshes that is negligible. Larger batches
+    /// would make an edit costlier and keep fewer machines busy.
     fn default() -> Self {
         Self { meshes: 256, bytes: 32 << 20 }
     }

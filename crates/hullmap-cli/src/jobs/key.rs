@@ -39,7 +39,7 @@ impl Ingredients {
     }
 
     /// The ingredients of a job whose sources have been read.
-    fn of_source(job: &Job, source: &SourceFile, project: &Path) -> Result<Self, Failure> {
+    pub fn of_source(job: &Job, source: &SourceFile, project: &Path) -> Result<Self, Failure> {
         let name = job.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let records = job.recorded_path(project).map_err(|error| {
             let file = job.source.display();

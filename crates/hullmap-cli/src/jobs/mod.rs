@@ -11,7 +11,7 @@
 //! | [`key`] | everything that the bytes of a pack depend on |
 //! | [`task`] | a batch as JSON, which another machine can bake |
 //!
-//! [`jobs`] puts the first three together. Local builds, shards, plans and remote builds start from
+//! [`jobs`] puts the first three together. Builds, shards and plans start from
 //! its list.
 
 pub mod batch;

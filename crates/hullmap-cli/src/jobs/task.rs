@@ -118,6 +118,7 @@ impl TaskMesh {
             return Err(format!("`{}` is not the path of a pack below --out; plan again", self.pack));
         }
         let options = BuildOptions::from_recorded(&self.options)
+            .filter(|options| options.to_string() == self.options)
             .ok_or_else(|| format!("unknown options `{}`; plan again with this version", self.options))?;
         if kind_by_name(pack) != Some(options.file_kind()) {
             let expected = options.file_kind().extension();

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
 use super::OptionLayer;
-use super::table::{BuildOption, DefaultValue, OPTIONS, Section, position};
+use super::table::{BuildOption, OPTIONS, Section, position};
 use super::value::{Syntax, Value};
 
 /// Name of an option's flag, without the dashes in front.
@@ -116,7 +116,7 @@ impl clap::FromArgMatches for OptionLayer {
 fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
     // The defaults off and unlimited are not stated.
     let help = match option.default {
-        DefaultValue::Value(value) if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
+        value if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
             format!("{} [default: {value}]", option.help)
         }
         _ => option.help.to_owned(),
@@ -132,17 +132,16 @@ fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
     match (option.syntax, option.default) {
         // `--recentre` alone switches it on. A switch that is on by default can only be switched
         // off, with a value.
-        (Syntax::Switch | Syntax::SwitchOr(_), DefaultValue::Value("false")) => {
-            arg.num_args(0..=1).require_equals(true).default_missing_value("true")
-        }
+        (Syntax::Switch, "false") => arg.num_args(0..=1).require_equals(true).default_missing_value("true"),
         _ => arg,
     }
 }
 
 /// Words are possible values of clap, which shells complete; everything else is read by the
-/// option's syntax.
+/// option's syntax, and so is `decompose`, whose earlier values have messages of their own.
 fn value_parser(option: &'static BuildOption) -> ValueParser {
     let words = match option.syntax {
+        _ if option.key == "decompose" => return ValueParser::new(|text: &str| option.parse(text)),
         Syntax::Words(words) => words,
         Syntax::Switch => &["true", "false"],
         _ => return ValueParser::new(|text: &str| option.parse(text)),

@@ -11,9 +11,6 @@ pub struct OptionLayer {
     pub(super) values: [Option<Value>; OPTION_COUNT],
 }
 
-/// The method of a decomposition that is switched on without a name.
-const UNNAMED: &str = "cover";
-
 /// Two options of one layer that contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
@@ -25,22 +22,20 @@ pub struct Clash {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ClashKind {
-    /// `key` requires `other` to be `cubemap`.
-    RequiresCubemap,
     /// Only one of the two may be given.
     Exclusive,
     /// `other` is false, so that `key` has no effect.
     SwitchedOff,
-    /// `key` has no effect unless `other` has this value.
-    NoEffect(&'static str),
+    /// `key` has no effect without `other`.
+    NoEffect,
     /// `key` shapes hulls, and `other` writes none.
     OfHulls,
 }
 
 impl Clash {
-    /// `key` has no effect unless `other` has this value.
-    pub(super) fn no_effect(key: &'static str, other: &'static str, value: &'static str) -> Self {
-        Self { key, other, kind: ClashKind::NoEffect(value) }
+    /// `key` has no effect on meshes that are not decomposed.
+    pub(super) fn of_parts(key: &'static str) -> Self {
+        Self { key, other: "decompose", kind: ClashKind::NoEffect }
     }
 
     /// `key` has no effect on meshes that keep their triangles.
@@ -52,20 +47,12 @@ impl Clash {
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
         let (key, other) = (name(self.key), name(self.other));
         match self.kind {
-            ClashKind::RequiresCubemap => {
-                format!(
-                    "{key} requires {other} cubemap beside it (the same command line, [defaults] or rule); add it, or remove {key}"
-                )
-            }
             ClashKind::Exclusive => format!("{key} and {other} exclude each other; remove one of them"),
             ClashKind::SwitchedOff => format!("{key} has no effect because {other} is false; remove one of them"),
             ClashKind::OfHulls => {
                 format!("{key} has no effect with {other}, which writes no hulls; remove one of them")
             }
-            ClashKind::NoEffect(UNNAMED) => format!("{key} has no effect without {other}; add it, or remove {key}"),
-            ClashKind::NoEffect(value) => {
-                format!("{key} has no effect without {other}={value}; add it, or remove {key}")
-            }
+            ClashKind::NoEffect => format!("{key} has no effect without {other}; add it, or remove {key}"),
         }
     }
 }
@@ -99,16 +86,6 @@ impl OptionLayer {
     pub fn decompose(&self) -> Option<bool> {
         match self.get("decompose") {
             Some(Value::Switch(is_on)) => Some(is_on),
-            Some(Value::Word(_)) => Some(true),
-            _ => None,
-        }
-    }
-
-    /// The method of the decomposition, by its name.
-    pub(super) fn method(&self) -> Option<&'static str> {
-        match self.get("decompose")? {
-            Value::Word(word) => Some(word),
-            Value::Switch(true) => Some(UNNAMED),
             _ => None,
         }
     }
@@ -127,14 +104,7 @@ impl OptionLayer {
     /// The first option of this layer that only applies to decomposed meshes.
     pub fn first_option_of_parts(&self) -> Option<&'static str> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
-        given
-            .find(|(option, _)| option.applies_with.is_some_and(|(key, _)| key == "decompose"))
-            .map(|(option, _)| option.key)
-    }
-
-    /// Whether the layer gives this option this value.
-    pub(super) fn is(&self, key: &str, value: &str) -> bool {
-        self.get(key).is_some_and(|own| own.to_string() == value)
+        given.find(|(option, _)| option.is_of_parts).map(|(option, _)| option.key)
     }
 
     /// Two options of this layer that contradict each other. Options of different layers never do:
@@ -146,11 +116,7 @@ impl OptionLayer {
             && let Some(key) = self.first_option_of_hulls()
         {
             Some(Clash::of_hulls(key))
-        } else if is_set("resolution") && self.get("index") != Some(Value::Word("cubemap")) {
-            clash("resolution", "index", ClashKind::RequiresCubemap)
-        } else if is_set("index_budget") && is_set("index") {
-            clash("index_budget", "index", ClashKind::Exclusive)
-        } else if is_set("max_vertices") && is_set("max_error") && self.method() != Some("cover") {
+        } else if is_set("max_vertices") && is_set("max_error") && self.decompose() != Some(true) {
             clash("max_error", "max_vertices", ClashKind::Exclusive)
         } else if self.decompose() == Some(false) {
             clash(self.first_option_of_parts()?, "decompose", ClashKind::SwitchedOff)
@@ -159,8 +125,8 @@ impl OptionLayer {
         }
     }
 
-    /// This layer laid over `lower`. Options of one [`Group`] are replaced together: an index with
-    /// its resolution or budget, and the two limits of a simplification.
+    /// This layer laid over `lower`. Options of one [`Group`] are replaced together: the two limits
+    /// of a simplification.
     #[must_use]
     pub fn laid_over(&self, lower: &Self) -> Self {
         let mut result = self.clone();
@@ -181,18 +147,15 @@ impl OptionLayer {
 #[cfg(test)]
 pub mod tests {
     use hullmap_bake::simplify::Limit;
-    use hullmap_bake::{IndexChoice, IndexKind};
 
     use super::*;
-    use crate::options::removed::VHACD;
+    use crate::options::removed::{COVER, INDEX, VHACD};
 
     /// For each option a value that is not its default.
     pub const VALUES: [(&str, &str); OPTION_COUNT] = [
         ("split", "auto"),
         ("vertices", "all"),
         ("index", "compact"),
-        ("index_budget", "40"),
-        ("resolution", "5"),
         ("unit_scale", "0.01"),
         ("up_axis", "y-to-z"),
         ("recentre", "true"),
@@ -236,14 +199,6 @@ pub mod tests {
 
     #[test]
     fn groups_are_replaced_together() {
-        let cubemap = layer(&[("index", "cubemap"), ("resolution", "5")]);
-        assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution: 5 }.into());
-        assert_eq!(layer(&[("index", "tree")]).laid_over(&cubemap).resolve().index(), IndexKind::Tree.into());
-        let budget = layer(&[("index_budget", "9")]).laid_over(&cubemap);
-        assert_eq!(budget.resolve().index(), IndexChoice::Budget { bytes_per_vertex: 9 });
-        let cubemap = layer(&[("index", "cubemap")]).laid_over(&budget);
-        let resolution = IndexKind::DEFAULT_RESOLUTION;
-        assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution }.into());
         let few = layer(&[("max_vertices", "8")]);
         let near = layer(&[("max_error", "0.5")]).laid_over(&few);
         assert_eq!(near.resolve().simplify(1.0), Some(Limit::Distance(0.5)));
@@ -264,8 +219,6 @@ pub mod tests {
         for (key, values) in [
             ("unit_scale", ["0", "-1", "nan", "inf", "x", "1e-400"].as_slice()),
             ("recentre", &["yes", "1"]),
-            ("resolution", &["0", "1025", "1.5"]),
-            ("index_budget", &["0", "-1"]),
             ("max_vertices", &["3", "many", "-8"]),
             ("max_error", &["0", "-1", "nan", "inf", "%", "0%", "101%", "nan%"]),
             ("max_parts", &["0", "1.5"]),
@@ -279,6 +232,11 @@ pub mod tests {
         assert_eq!(error("units", "1"), "unknown option units");
         for (key, value) in [("decompose", "vhacd"), ("vhacd_resolution", "32"), ("vhacd_fill", "flood")] {
             assert_eq!(error(key, value), VHACD, "{key} {value}");
+        }
+        for (key, value, instead) in
+            [("decompose", "cover", COVER), ("index_budget", "40", INDEX), ("resolution", "5", INDEX)]
+        {
+            assert_eq!(error(key, value), instead, "{key} {value}");
         }
     }
 
@@ -306,18 +264,14 @@ pub mod tests {
     #[test]
     fn clashes_are_within_a_layer() {
         let clash = |pairs: &[(&str, &str)]| layer(pairs).clash().map(|clash| clash.key);
-        assert_eq!(clash(&[("resolution", "5")]), Some("resolution"));
-        assert_eq!(clash(&[("index", "tree"), ("index_budget", "5")]), Some("index_budget"));
         assert_eq!(clash(&[("max_error", "5"), ("max_vertices", "5")]), Some("max_error"));
-        assert_eq!(clash(&[("index", "cubemap"), ("resolution", "5")]), None);
         for (key, value) in [("max_parts", "8"), ("decompose_seconds", "2.5")] {
             assert_eq!(clash(&[("decompose", "false"), (key, value)]), Some(key));
             assert_eq!(clash(&[("decompose", "true"), (key, value)]), None);
-            assert_eq!(clash(&[("decompose", "cover"), (key, value)]), None);
             // Another layer may decompose.
             assert_eq!(clash(&[(key, value)]), None);
         }
-        assert_eq!(clash(&[("decompose", "cover"), ("max_error", "2%"), ("max_vertices", "8")]), None);
+        assert_eq!(clash(&[("decompose", "true"), ("max_error", "2%"), ("max_vertices", "8")]), None);
         assert_eq!(clash(&[("keep_triangles", "true"), ("lean", "true")]), Some("lean"));
         assert_eq!(clash(&[("keep_triangles", "false"), ("lean", "true")]), None);
         let kept = [("keep_triangles", "true"), ("unit_scale", "2"), ("up_axis", "y-to-z"), ("pack_names", "full")];

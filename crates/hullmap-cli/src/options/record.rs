@@ -7,26 +7,23 @@
 
 use std::fmt;
 
-use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_bake::IndexKind;
 
-use super::removed::instead_of_record;
-use super::table::{DefaultValue, OPTIONS, Record, position};
+use super::removed::{VHACD, instead_of_record};
+use super::table::{OPTIONS, Record, position};
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
         for (index, option) in OPTIONS.iter().enumerate() {
-            let text = match (option.record, self.0.value_at(index), option.default) {
-                (Record::WithIndex | Record::Never, ..) | (_, None, _) => continue,
-                (Record::Always, Some(_), _) if option.key == "index" => recorded_index(self.index()),
-                (Record::Always, Some(value), _) => value.to_string(),
-                (Record::IfChanged, Some(value), DefaultValue::Value(default))
-                    if option.syntax.parse(default) == Ok(value) =>
-                {
-                    continue;
-                }
-                (Record::IfChanged, Some(value), _) => value.to_string(),
+            let text = match (option.record, self.0.value_at(index)) {
+                (Record::Never, _) | (_, None) => continue,
+                (Record::Always, Some(_)) if option.key == "index" => recorded_index(self.index()),
+                (Record::Always, Some(value)) => value.to_string(),
+                (Record::IfChanged, Some(value)) if option.syntax.parse(option.default) == Ok(value) => continue,
+                (Record::IfChanged, Some(_)) if option.key == "decompose" => COVER.to_owned(),
+                (Record::IfChanged, Some(value)) => value.to_string(),
             };
             write!(f, "{separator}{} {text}", option.key)?;
             separator = ", ";
@@ -35,24 +32,21 @@ impl fmt::Display for BuildOptions {
     }
 }
 
+/// The record of a decomposition: its method, since there were others.
+const COVER: &str = "cover";
+
 /// The three trees are recorded by their leaf size.
-fn recorded_index(index: IndexChoice) -> String {
-    match index {
-        IndexChoice::Kind(kind) if kind.is_tree() => format!("tree {}", kind.leaf_size()),
-        IndexChoice::Kind(kind) => kind.to_string(),
-        IndexChoice::Budget { bytes_per_vertex } => format!("budget {bytes_per_vertex}"),
-    }
+fn recorded_index(kind: IndexKind) -> String {
+    if kind.is_tree() { format!("tree {}", kind.leaf_size()) } else { kind.to_string() }
 }
 
 impl BuildOptions {
-    /// The options for people: as recorded, but with the index by its name on the command line.
-    pub fn in_words(&self) -> String {
-        let text = self.to_string();
-        match self.index() {
-            IndexChoice::Kind(kind) if kind.is_tree() => {
-                text.replacen(&format!("index tree {}", kind.leaf_size()), &format!("index {kind}"), 1)
-            }
-            _ => text,
+    /// Recorded options for people: with the index by its name on the command line, if this version
+    /// has these options.
+    pub fn recorded_in_words(text: &str) -> String {
+        match Self::from_recorded(text).filter(|options| options.to_string() == text) {
+            Some(options) => text.replacen(&recorded_index(options.index()), &options.index().to_string(), 1),
+            None => text.to_owned(),
         }
     }
 
@@ -62,11 +56,13 @@ impl BuildOptions {
         Self::from_recorded(text)?.decompose()
     }
 
-    /// The options that a text records: the inverse of [`Display`](fmt::Display).
+    /// The options that a text records: the inverse of [`Display`](fmt::Display), except that an
+    /// index that can no longer be chosen becomes the one most like it. So packs of earlier
+    /// versions can be verified.
     ///
     /// `None` if a version of the tool with other options baked the pack.
     pub fn from_recorded(text: &str) -> Option<Self> {
-        if instead_of_record(text).is_some() {
+        if instead_of_record(text) == Some(VHACD) {
             return None;
         }
         let mut layer = OptionLayer::default();
@@ -75,31 +71,30 @@ impl BuildOptions {
             if position(key).is_some_and(|index| OPTIONS[index].record == Record::Never) {
                 return None;
             }
-            if key == "index" { set_index(&mut layer, value)? } else { layer.set(key, value).ok()? }
+            match (key, value) {
+                ("index", _) => set_index(&mut layer, value)?,
+                ("decompose", COVER) => layer.set(key, "true").ok()?,
+                _ => layer.set(key, value).ok()?,
+            }
         }
         // The first packs had these two already.
         let is_whole = layer.get("split").is_some() && layer.get("vertices").is_some();
-        let has_index = layer.get("index").is_some() || layer.get("index_budget").is_some();
-        (is_whole && has_index).then(|| layer.resolve())
+        (is_whole && layer.get("index").is_some()).then(|| layer.resolve())
     }
 }
 
 /// Sets the options of a recorded index. A tree without its leaf size, as in the first packs, is
 /// the default tree.
 fn set_index(layer: &mut OptionLayer, text: &str) -> Option<()> {
-    if let Some(bytes_per_vertex) = text.strip_prefix("budget ") {
-        return layer.set("index_budget", bytes_per_vertex).ok();
-    }
     if let Some(leaf_size) = text.strip_prefix("tree ") {
         let leaf_size: u32 = leaf_size.parse().ok()?;
         let tree = IndexKind::NAMED.into_iter().find(|kind| kind.is_tree() && kind.leaf_size() == leaf_size)?;
         return layer.set("index", tree.as_str()).ok();
     }
-    // A record always states the resolution of a cube map.
-    let kind: IndexKind = text.parse().ok().filter(|kind: &IndexKind| kind.to_string() == text)?;
-    if kind.resolution() > 0 {
-        layer.set("resolution", &kind.resolution().to_string()).ok()?;
+    if text.starts_with("budget ") {
+        return layer.set("index", "tree").ok();
     }
+    let kind = text.parse().ok().filter(|kind: &IndexKind| kind.to_string() == text)?;
     layer.set("index", kind.as_str()).ok()
 }
 
@@ -111,18 +106,16 @@ mod tests {
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
     /// These texts decide which packs are fresh: a change here makes all existing packs stale.
-    const RECORDS: [(&[(&str, &str)], &str); 28] = [
+    const RECORDS: [(&[(&str, &str)], &str); 26] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
         (&[("vertices", "all")], "split none, vertices all, index tree 8"),
         (&[("index", "medium")], "split none, vertices referenced, index tree 16"),
         (&[("index", "compact")], "split none, vertices referenced, index tree 32"),
-        (&[("index_budget", "40")], "split none, vertices referenced, index budget 40"),
         (&[("index", "binary")], "split none, vertices referenced, index binary"),
         (&[("index", "none")], "split none, vertices referenced, index none"),
         (&[("index", "cubemap")], "split none, vertices referenced, index cubemap 64"),
-        (&[("index", "cubemap"), ("resolution", "7")], "split none, vertices referenced, index cubemap 7"),
         (&[("unit_scale", "0.0254")], "split none, vertices referenced, index tree 8, unit_scale 0.0254"),
         (&[("unit_scale", "1.0")], "split none, vertices referenced, index tree 8"),
         (
@@ -166,7 +159,7 @@ mod tests {
         for (pairs, text) in RECORDS {
             let options = options(pairs);
             assert_eq!(BuildOptions::from_recorded(text), Some(options.clone()), "{text}");
-            let words = options.in_words();
+            let words = BuildOptions::recorded_in_words(text);
             assert_eq!(BuildOptions::from_recorded(&words), Some(options), "{words}");
             assert!(!words.contains("tree "), "{words}");
         }
@@ -188,6 +181,30 @@ mod tests {
         ] {
             assert_eq!(BuildOptions::from_recorded(text), None, "{text}");
         }
+    }
+
+    /// A budget of bytes, and cube maps of other resolutions.
+    #[test]
+    fn records_with_another_index_are_read() {
+        for (index, is_removed) in [("tree 16", false), ("budget 40", true), ("cubemap 7", true), ("cubemap 64", false)]
+        {
+            let text = format!("split auto, vertices referenced, index {index}, decompose cover, max_parts 2");
+            let found = BuildOptions::from_recorded(&text).unwrap();
+            let expected = options(&[("split", "auto"), ("decompose", "true"), ("max_parts", "2")]);
+            assert_eq!((found.decompose(), found.import()), (expected.decompose(), expected.import()), "{index}");
+            // It is stale, and shown as it was recorded.
+            assert_eq!(
+                (found.to_string() != text, instead_of_record(&text).is_some()),
+                (is_removed, is_removed),
+                "{index}"
+            );
+            assert_eq!(BuildOptions::recorded_in_words(&text) == text, index != "tree 16", "{index}");
+        }
+        assert_eq!(
+            BuildOptions::recorded_cover("split none, vertices all, index tree 8, decompose true"),
+            None,
+            "V-HACD"
+        );
     }
 
     #[test]

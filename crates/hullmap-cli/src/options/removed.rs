@@ -5,6 +5,13 @@
 pub const VHACD: &str = "V-HACD was removed; use decompose without a method: it finds fewer parts, with proven \
                          bounds. Parts that another tool made are imported by split auto";
 
+/// Remedy for the name of the only method.
+pub const COVER: &str = "decompose takes no method; use it alone, or with true";
+
+/// Remedy for other ways to choose an index.
+pub const INDEX: &str = "the options index-budget and resolution were removed; choose a kind with index: compact and \
+                         medium are smaller than tree, and a cubemap has 64 cells along each edge";
+
 /// Remedy for an option that this version does not have; `None` if earlier ones did not have it
 /// either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
@@ -19,16 +26,29 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
         "vhacd_hull_approximation",
         "vhacd_fill",
     ];
-    KEYS.contains(&key.replace('-', "_").as_str()).then_some(VHACD)
+    match key.replace('-', "_").as_str() {
+        "index_budget" | "resolution" => Some(INDEX),
+        key => KEYS.contains(&key).then_some(VHACD),
+    }
 }
 
 /// Remedy for a value that only earlier versions accepted; `None` if none did.
 pub fn instead_of_value(key: &str, value: &str) -> Option<&'static str> {
-    (key == "decompose" && value == "vhacd").then_some(VHACD)
+    match (key, value) {
+        ("decompose", "vhacd") => Some(VHACD),
+        ("decompose", "cover") => Some(COVER),
+        _ => None,
+    }
 }
 
 /// Remedy for an option in a pack's record. V-HACD was the first method, and is recorded as
 /// `decompose true`.
 pub fn instead_of_record(record: &str) -> Option<&'static str> {
-    record.split(", ").any(|option| option == "decompose true").then_some(VHACD)
+    let instead = |option: &str| match option {
+        "decompose true" => Some(VHACD),
+        "index cubemap 64" => None,
+        _ if ["index budget ", "index cubemap "].iter().any(|own| option.starts_with(own)) => Some(INDEX),
+        _ => None,
+    };
+    record.split(", ").find_map(instead)
 }

@@ -1,15 +1,15 @@
 //! The options of a bake: a layer whose gaps are filled with the defaults.
 
+use hullmap_bake::IndexKind;
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;
-use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_format::header::FileKind;
 use hullmap_format::triangle_mesh;
 use hullmap_format::version::Layout;
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
 use super::layer::{Clash, OptionLayer};
-use super::table::{DefaultValue, OPTIONS, position};
+use super::table::{OPTIONS, position};
 use super::value::Value;
 use crate::budget::{Budget, budget};
 
@@ -42,43 +42,29 @@ impl OptionLayer {
     /// The options, with defaults for options that this layer does not give or that do not apply.
     pub fn resolve(&self) -> BuildOptions {
         let mut resolved = self.clone();
-        let method = self.method();
-        if let (Some(word), Some(index)) = (method, position("decompose")) {
-            resolved.values[index] = Some(Value::Word(word));
-        }
-        let given = resolved.clone();
         for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
-            let applies = option.applies_with.is_none_or(|(key, expected)| given.is(key, expected))
-                && (option.is_of_triangles || !given.keeps_triangles());
+            let applies = (!option.is_of_parts || self.decompose() == Some(true))
+                && (option.is_of_triangles || !self.keeps_triangles());
             if value.is_none() || !applies {
-                *value = match option.default {
-                    DefaultValue::Value(text) => {
-                        Some(option.syntax.parse(text).expect("a default is an accepted value"))
-                    }
-                    DefaultValue::Unset { .. } => None,
-                };
+                *value = Some(option.syntax.parse(option.default).expect("a default is an accepted value"));
             }
         }
         // Triangles have no direction index.
-        if let (true, Some(index)) = (given.keeps_triangles(), position("index")) {
+        if let (true, Some(index)) = (self.keeps_triangles(), position("index")) {
             resolved.values[index] = Some(Value::Word("none"));
         }
         BuildOptions(resolved)
     }
 
-    /// The first option of this layer that has no effect: it requires another option, which none of
-    /// `resolved` has. Other layers may have contributed to `resolved`.
+    /// The first option of this layer that has no effect: it shapes parts, and none of `resolved`
+    /// decomposes. Other layers may have contributed to `resolved`.
     pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
-        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
         let keep_triangles = |options: &BuildOptions| options.keeps_triangles();
         if resolved.clone().next().is_some() && resolved.clone().all(keep_triangles) {
             return self.first_option_of_hulls().map(Clash::of_hulls);
         }
-        given.find_map(|(option, _)| {
-            let (other, value) = option.applies_with?;
-            let has_effect = resolved.clone().any(|options| options.0.is(other, value));
-            (!has_effect).then_some(Clash::no_effect(option.key, other, value))
-        })
+        let has_parts = resolved.clone().any(|options| options.switch("decompose"));
+        self.first_option_of_parts().filter(|_| !has_parts).map(Clash::of_parts)
     }
 }
 
@@ -112,19 +98,13 @@ impl BuildOptions {
     }
 
     /// Which direction index is built.
-    pub fn index(&self) -> IndexChoice {
-        match self.0.get("index_budget") {
-            Some(Value::Count(bytes_per_vertex)) => IndexChoice::Budget { bytes_per_vertex },
-            _ => {
-                let kind: IndexKind = self.word("index").parse().expect("the table lists the names of index kinds");
-                IndexChoice::Kind(kind.with_resolution(self.count("resolution")))
-            }
-        }
+    pub fn index(&self) -> IndexKind {
+        self.word("index").parse().expect("the table lists the names of index kinds")
     }
 
     /// How meshes are decomposed into convex parts; `None` if they are not.
     pub fn decompose(&self) -> Option<Cover> {
-        (self.0.get("decompose") == Some(Value::Word("cover"))).then(|| Cover {
+        self.switch("decompose").then(|| Cover {
             max_error: self.max_error().unwrap_or(Cover::default().max_error),
             max_parts: self.optional_count("max_parts"),
             max_vertices: self
@@ -166,8 +146,8 @@ impl BuildOptions {
     /// How far the hull of points with this diagonal is simplified; `None` if it is not. The parts
     /// of a cover are as simple as its limits allow.
     pub fn simplify(&self, diagonal: f64) -> Option<Limit> {
-        match (self.0.get("decompose"), self.optional_count("max_vertices"), self.max_error()) {
-            (Some(Value::Word("cover")), ..) => None,
+        match (self.switch("decompose"), self.optional_count("max_vertices"), self.max_error()) {
+            (true, ..) => None,
             (_, Some(count), _) => Some(Limit::Vertices(count as usize)),
             (_, _, Some(error)) => Some(Limit::Distance(error.resolve(diagonal))),
             _ => None,
@@ -246,13 +226,6 @@ impl BuildOptions {
         }
     }
 
-    fn count(&self, key: &str) -> u32 {
-        match self.0.get(key) {
-            Some(Value::Count(count)) => count,
-            other => unexpected(key, other),
-        }
-    }
-
     fn number(&self, key: &str) -> f64 {
         match self.0.get(key) {
             Some(Value::Number(number)) => number,
@@ -278,10 +251,10 @@ pub mod tests {
     fn defaults_are_those_of_the_libraries() {
         let usual = BuildOptions::default();
         assert_eq!(usual.import(), ImportOptions::DEFAULT);
-        assert_eq!(usual.index(), IndexChoice::default());
+        assert_eq!(usual.index(), IndexKind::default());
         assert_eq!((usual.decompose(), usual.simplify(1.0)), (None, None));
         let cover = Some(Cover::default());
-        assert_eq!(options(&[("decompose", "cover")]).decompose(), cover);
+        assert_eq!(options(&[("decompose", "true")]).decompose(), cover);
     }
 
     #[test]
@@ -309,18 +282,15 @@ pub mod tests {
         assert_eq!(import("up_axis", "z-to-y"), ImportOptions { up_axis: UpAxis::ZToY, ..usual });
         assert_eq!(import("recentre", "true"), ImportOptions { recentre: true, ..usual });
         for kind in IndexKind::NAMED {
-            assert_eq!(options(&[("index", kind.as_str())]).index(), kind.into());
+            assert_eq!(options(&[("index", kind.as_str())]).index(), kind);
         }
-        let cubemap = options(&[("index", "cubemap"), ("resolution", "5")]);
-        assert_eq!(cubemap.index(), IndexKind::CubeMap { resolution: 5 }.into());
-        assert_eq!(options(&[("index_budget", "40")]).index(), IndexChoice::Budget { bytes_per_vertex: 40 });
         assert_eq!(options(&[("max_vertices", "64")]).simplify(3.0), Some(Limit::Vertices(64)));
         assert_eq!(options(&[("max_error", "1e-3")]).simplify(3.0), Some(Limit::Distance(1e-3)));
         let names = ["auto", "stem", "full"].map(|names| options(&[("pack_names", names)]).keeps_extension());
         assert_eq!(names, [None, Some(false), Some(true)]);
         assert_eq!(options(&[("max_error", "1%")]).simplify(3.0), Some(Limit::Distance(0.03)));
         assert!(options(&[("lean", "true")]).is_lean() && !BuildOptions::default().is_lean());
-        let cover = |key, value| options(&[("decompose", "cover"), (key, value)]).decompose();
+        let cover = |key, value| options(&[("decompose", "true"), (key, value)]).decompose();
         let usual = Cover::default();
         assert_eq!(cover("max_error", "0.5"), Some(Cover { max_error: Length::Absolute(0.5), ..usual }));
         assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
@@ -335,10 +305,10 @@ pub mod tests {
         assert_eq!(cover("reachable", "5%"), Some(Cover { reachable: Some(Length::Relative(0.05)), ..usual }));
         assert_eq!(cover("symmetry", "none"), Some(Cover { symmetry: false, ..usual }));
         assert_eq!(cover("symmetry", "auto"), Some(usual));
-        assert!(options(&[("decompose", "cover"), ("primitives", "true")]).has_primitives());
+        assert!(options(&[("decompose", "true"), ("primitives", "true")]).has_primitives());
         assert_eq!(cover("fill", "true"), Some(Cover { fill: true, ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
-        assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
+        assert_eq!(options(&[("decompose", "true"), ("max_vertices", "32")]).simplify(1.0), None);
         let kinds = ["false", "true"].map(|value| options(&[("keep_triangles", value)]).file_kind());
         assert_eq!(kinds, [FileKind::Pack, FileKind::TriangleMesh]);
     }

@@ -6,9 +6,7 @@
 //! run (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::removed::instead_of_value;
-use super::value::Syntax::{
-    self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, SwitchOr, Words,
-};
+use super::value::Syntax::{self, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, Words};
 use super::value::Value;
 
 /// One option.
@@ -18,9 +16,10 @@ pub struct BuildOption {
     pub key: &'static str,
     /// Values it accepts.
     pub syntax: Syntax,
-    /// Its value if no source gives one. With `decompose`, the `none` of `max_error` and of
-    /// `max_vertices` stands for the value in [`Cover::default`](hullmap_bake::decompose::Cover).
-    pub default: DefaultValue,
+    /// Its value if no source gives one, written as in `hullmap.toml` without quotes. With
+    /// `decompose`, the `none` of `max_error` and of `max_vertices` stands for the value in
+    /// [`Cover::default`](hullmap_bake::decompose::Cover).
+    pub default: &'static str,
     /// Name of the value in the help.
     pub value_name: &'static str,
     /// What it does, in one line.
@@ -31,8 +30,8 @@ pub struct BuildOption {
     pub is_advanced: bool,
     /// The options that a higher layer replaces together with it.
     pub group: Group,
-    /// Another option and the value of it with which this one applies.
-    pub applies_with: Option<(&'static str, &'static str)>,
+    /// Whether it applies to decomposed meshes alone.
+    pub is_of_parts: bool,
     /// Whether it applies to meshes that keep their triangles, too.
     pub is_of_triangles: bool,
     /// How a pack records it.
@@ -47,18 +46,6 @@ impl BuildOption {
             None => expected,
         })
     }
-}
-
-/// Value of an option that no source gives.
-#[derive(Clone, Copy, Debug)]
-pub enum DefaultValue {
-    /// This value, written as in `hullmap.toml` without quotes.
-    Value(&'static str),
-    /// No value; the template shows this example.
-    Unset {
-        /// A plausible value.
-        example: &'static str,
-    },
 }
 
 /// Section of the help, by what an option changes.
@@ -79,8 +66,6 @@ pub enum Section {
 pub enum Group {
     /// The option alone.
     Single,
-    /// The choice of an index.
-    Index,
     /// The limit of a simplification.
     Limit,
 }
@@ -91,8 +76,6 @@ pub enum Record {
     Always,
     /// Only if it differs from its default: options that are newer than the first packs.
     IfChanged,
-    /// As part of the value of `index`.
-    WithIndex,
     /// Never: an option that changes no hull.
     Never,
 }
@@ -120,9 +103,6 @@ impl Section {
     }
 }
 
-/// Maximum resolution of a cube map.
-const MAX_RESOLUTION: u32 = 1024;
-
 const MIN_VERTICES: u32 = 4;
 
 /// Every option, in the order of a pack's record. **This order and the defaults never change**:
@@ -131,7 +111,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "split",
         syntax: Words(&["none", "object", "auto"]),
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "none|object|auto",
         help: "One hull per file, per object, or per collision part (glTF colliders, UCX_…)",
         section: Section::Parts,
@@ -141,7 +121,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vertices",
         syntax: Words(&["referenced", "all"]),
-        default: DefaultValue::Value("referenced"),
+        default: "referenced",
         value_name: "referenced|all",
         help: "Use the vertices that elements reference, or all vertices",
         section: Section::Shape,
@@ -151,43 +131,17 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "index",
         syntax: Words(&["tree", "medium", "compact", "binary", "cubemap", "none"]),
-        default: DefaultValue::Value("tree"),
+        default: "tree",
         value_name: "KIND",
         help: "Direction index: tree, medium, compact, binary, cubemap or none",
         section: Section::Index,
-        group: Group::Index,
         record: Record::Always,
         ..OPTION
     },
     BuildOption {
-        key: "index_budget",
-        syntax: Count { min: 1, max: u32::MAX },
-        default: DefaultValue::Unset { example: "100" },
-        value_name: "BYTES",
-        help: "Choose the fastest tree within BYTES per hull vertex, instead of a named index",
-        section: Section::Index,
-        is_advanced: true,
-        group: Group::Index,
-        record: Record::WithIndex,
-        ..OPTION
-    },
-    BuildOption {
-        key: "resolution",
-        syntax: Count { min: 1, max: MAX_RESOLUTION },
-        default: DefaultValue::Value("64"),
-        value_name: "N",
-        help: "Cells along each edge of a cube face, 1 to 1024; only with index cubemap",
-        section: Section::Index,
-        is_advanced: true,
-        group: Group::Index,
-        applies_with: Some(("index", "cubemap")),
-        is_of_triangles: false,
-        record: Record::WithIndex,
-    },
-    BuildOption {
         key: "unit_scale",
         syntax: Positive,
-        default: DefaultValue::Value("1"),
+        default: "1",
         value_name: "F",
         help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
         section: Section::Shape,
@@ -197,7 +151,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "up_axis",
         syntax: Words(&["keep", "y-to-z", "z-to-y"]),
-        default: DefaultValue::Value("keep"),
+        default: "keep",
         value_name: "keep|y-to-z|z-to-y",
         help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
         section: Section::Shape,
@@ -207,7 +161,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "recentre",
         syntax: Switch,
-        default: DefaultValue::Value("false"),
+        default: "false",
         value_name: "BOOL",
         help: "Move the origin to the centre of the bounds, for far meshes",
         section: Section::Shape,
@@ -215,9 +169,9 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
     BuildOption {
         key: "decompose",
-        syntax: SwitchOr(&["cover"]),
-        default: DefaultValue::Value("false"),
-        value_name: "METHOD",
+        syntax: Switch,
+        default: "false",
+        value_name: "BOOL",
         help: "Decompose concave meshes into convex parts",
         section: Section::Parts,
         ..OPTION
@@ -225,7 +179,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "max_vertices",
         syntax: CountOrNone { min: MIN_VERTICES },
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "N",
         help: "Maximum number of vertices, 4 or more. Without --decompose: of an enclosing hull; default none, the exact hull. With --decompose: of each part; default 64",
         section: Section::Shape,
@@ -235,7 +189,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "max_error",
         syntax: LengthOrNone,
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "E|E%",
         help: "Maximum error: a length (2mm is 0.002 units of the mesh), or a share of the mesh's diagonal such as 1%. Without --decompose: how far an enclosing hull may extend beyond the exact one; default none, the exact hull. With --decompose: how far parts may protrude from the mesh's solid; default 2%",
         section: Section::Shape,
@@ -245,7 +199,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "pack_names",
         syntax: Words(&["auto", "stem", "full"]),
-        default: DefaultValue::Value("auto"),
+        default: "auto",
         value_name: "auto|stem|full",
         help: "Names of packs: x (stem), x.obj (full), or full on a clash (auto)",
         section: Section::Files,
@@ -257,51 +211,51 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "max_parts",
         syntax: CountOrNone { min: 1 },
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "N",
         help: "Maximum number of parts; the search then looks for the smallest error",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "overlap",
         syntax: ShareOrNone,
-        default: DefaultValue::Value("0.05"),
+        default: "0.05",
         value_name: "SHARE",
         help: "Maximum overlap of merged parts: the sum of all volumes minus the volume of the union, as a share of the latter (0.05 or 5%); none for any overlap",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "min_thickness",
         syntax: LengthOrNone,
-        default: DefaultValue::Value("0.5%"),
+        default: "0.5%",
         value_name: "T|T%",
         help: "Thickness of parts of a sheet: a length, or a share of the mesh's diagonal; at most half of the maximum error",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "decompose_seconds",
         syntax: PositiveOrNone,
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "S",
         help: "Find and measure the parts of a mesh within S seconds; the error may then exceed the limit, and packs may differ from run to run",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "record_source",
         syntax: Words(&["relative", "name", "none"]),
-        default: DefaultValue::Value("relative"),
+        default: "relative",
         value_name: "relative|name|none",
         help: "Path of the mesh in the record of a pack: relative to the pack, only its name, or nothing",
         section: Section::Files,
@@ -313,7 +267,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "lean",
         syntax: Switch,
-        default: DefaultValue::Value("false"),
+        default: "false",
         value_name: "BOOL",
         help: "Leave out data that only manifolds, hints and walks over the surface need; packs have less than half the size",
         section: Section::Files,
@@ -323,29 +277,29 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "symmetry",
         syntax: Words(&["auto", "none"]),
-        default: DefaultValue::Value("auto"),
+        default: "auto",
         value_name: "auto|none",
         help: "auto: make the parts of a symmetric mesh symmetric if that takes no more parts; none: ignore symmetry",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "reachable",
         syntax: LengthOrNone,
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "R|R%",
         help: "Count protrusion only where a ball of radius R can get from outside, so that inner walls need no parts: a length, or a share of the mesh's diagonal",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "for_engine",
         syntax: Words(&crate::budget::NAMES),
-        default: DefaultValue::Value("none"),
+        default: "none",
         value_name: "ENGINE",
         help: "Simplify hulls and parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
         section: Section::Shape,
@@ -354,29 +308,29 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "fill",
         syntax: Switch,
-        default: DefaultValue::Value("false"),
+        default: "false",
         value_name: "BOOL",
         help: "Leave no voids: enlarge and add parts until every point of a closed mesh's solid is in a part",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "primitives",
         syntax: Switch,
-        default: DefaultValue::Value("false"),
+        default: "false",
         value_name: "BOOL",
         help: "Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds, and export it instead of the hull",
         section: Section::Parts,
         is_advanced: true,
-        applies_with: Some(("decompose", "cover")),
+        is_of_parts: true,
         ..OPTION
     },
     BuildOption {
         key: "keep_triangles",
         syntax: Switch,
-        default: DefaultValue::Value("false"),
+        default: "false",
         value_name: "BOOL",
         help: "Write a static mesh of all triangles (.hullmesh) instead of hulls, for a level that does not move",
         section: Section::Shape,
@@ -386,19 +340,19 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 24;
+pub const OPTION_COUNT: usize = 22;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {
     key: "",
     syntax: Switch,
-    default: DefaultValue::Value("false"),
+    default: "false",
     value_name: "",
     help: "",
     section: Section::Shape,
     is_advanced: false,
     group: Group::Single,
-    applies_with: None,
+    is_of_parts: false,
     is_of_triangles: false,
     record: Record::IfChanged,
 };

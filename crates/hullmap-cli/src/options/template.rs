@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::table::{BuildOption, DefaultValue, Section};
+use super::table::{BuildOption, Section};
 use super::value::Syntax;
 
 const HEAD: &str = "\
@@ -47,9 +47,9 @@ pub fn template() -> String {
     text + RULES
 }
 
-/// Default or example of an option, as TOML.
+/// Default of an option, as TOML.
 fn toml_value(option: &BuildOption) -> String {
-    let (DefaultValue::Value(value) | DefaultValue::Unset { example: value }) = option.default;
+    let value = option.default;
     let is_string = matches!(option.syntax, Syntax::Words(_)) || value == "none" || value.ends_with('%');
     if is_string { format!("\"{value}\"") } else { value.to_owned() }
 }

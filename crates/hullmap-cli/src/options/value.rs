@@ -11,15 +11,6 @@ pub enum Syntax {
     Words(&'static [&'static str]),
     /// `true` or `false`.
     Switch,
-    /// `true`, `false` or one of these words.
-    SwitchOr(&'static [&'static str]),
-    /// A whole number in this range.
-    Count {
-        /// Minimum.
-        min: u32,
-        /// Maximum.
-        max: u32,
-    },
     /// A finite number above 0.
     Positive,
     /// A whole number of at least `min`, or `none`.
@@ -76,11 +67,7 @@ impl Syntax {
                 Some(Value::None)
             }
             Self::Words(words) => words.iter().find(|word| **word == text).map(|word| Value::Word(word)),
-            Self::SwitchOr(words) if words.contains(&text) => {
-                words.iter().find(|word| **word == text).map(|word| Value::Word(word))
-            }
-            Self::Switch | Self::SwitchOr(_) => text.parse().ok().map(Value::Switch),
-            Self::Count { min, max } => number(text, |count| (min..=max).contains(count)).map(Value::Count),
+            Self::Switch => text.parse().ok().map(Value::Switch),
             Self::CountOrNone { min } => number(text, |&count| count >= min).map(Value::Count),
             Self::ShareOrNone | Self::LengthOrNone if text.ends_with('%') => {
                 let percent = number(&text[..text.len() - 1], |&x: &f64| x / 100.0 > 0.0 && x.is_finite());
@@ -106,9 +93,6 @@ impl Syntax {
         match self {
             Self::Words(words) => format!("one of {}", words.join(", ")),
             Self::Switch => "true or false".to_owned(),
-            Self::SwitchOr(words) => format!("true, false or {}", words.join(" or ")),
-            Self::Count { min, max: u32::MAX } => format!("a whole number of at least {min}"),
-            Self::Count { min, max } => format!("a whole number from {min} to {max}"),
             Self::Positive => "a finite number above 0".to_owned(),
             Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
             Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),

@@ -76,8 +76,11 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
                 reasons.push(SOURCE_CHANGED.to_owned());
             }
             if pack.options() != text {
-                let was = shown(pack.options());
-                reasons.push(format!("the options have changed from `{was}` to `{}`", shown(&text)));
+                let was = BuildOptions::recorded_in_words(pack.options());
+                reasons.push(format!(
+                    "the options have changed from `{was}` to `{}`",
+                    BuildOptions::recorded_in_words(&text)
+                ));
                 reasons.extend(instead_of_record(pack.options()).map(str::to_owned));
             }
             Found::Stale(reasons.join("; "))
@@ -88,9 +91,4 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
         }
         Ok(pack) => Found::Fresh(pack),
     }
-}
-
-/// Recorded options, with their current names.
-fn shown(recorded: &str) -> String {
-    BuildOptions::from_recorded(recorded).map_or_else(|| recorded.to_owned(), |options| options.in_words())
 }

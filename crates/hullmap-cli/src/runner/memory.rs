@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_bake::IndexKind;
 
 use crate::jobs::Job;
 
@@ -36,7 +36,7 @@ const MAX: u64 = 1 << 42;
 pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };
     let cells = match job.options.index() {
-        IndexChoice::Kind(kind @ IndexKind::CubeMap { .. }) => kind.root_count(),
+        kind @ IndexKind::CubeMap { .. } => kind.root_count(),
         _ => 0,
     };
     let estimate = PER_FILE + PER_CELL * cells;
@@ -90,8 +90,8 @@ mod tests {
             "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"VEC3"}],
             "bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"uri":"a.bin","byteLength":1000}]}"#;
         assert_eq!(of("a.gltf", text, usual), (1000 + text.len() as u64) * PER_DENSE_BYTE, "with its buffer");
-        let cube_map = options(&[("index", "cubemap"), ("resolution", "10")]);
-        assert_eq!(of("a.obj", "", &cube_map), 600 * PER_CELL);
+        let cube_map = options(&[("index", "cubemap")]);
+        assert_eq!(of("a.obj", "", &cube_map), 6 * 64 * 64 * PER_CELL);
         assert_eq!(estimate(&job(folder.path().join("gone.obj"), usual.clone())), PER_FILE);
 
         // The glTF file was read before it was compared with its plan, and sums of sizes

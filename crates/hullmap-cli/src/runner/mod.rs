@@ -3,12 +3,14 @@
 //! | module | concept |
 //! |---|---|
 //! | [`one`] | one job: read, import, bake, verify, rename |
+//! | [`cache`] | finished packs by key, in a folder that several machines share |
 //! | [`freshness`] | whether a pack is up to date |
 //! | [`memory`] | how much memory a job takes |
 //! | [`schedule`] | which job is started next, within a memory limit |
 //! | [`progress`] | bars and lines while it runs |
 //! | [`rows`] | results |
 
+pub mod cache;
 pub mod freshness;
 pub mod memory;
 pub mod one;
@@ -39,6 +41,12 @@ pub fn run(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exi
     let memory = args.memory.unwrap_or(DEFAULT_MEMORY);
     let results = schedule::run_bounded(&pool, &costs, memory, work, || progress.tick());
     progress.finish();
+    if let Some(cache) = build.cache
+        && let Some(trouble) = cache.take_trouble()
+        && !args.quiet
+    {
+        terminal::warning(trouble);
+    }
     Ok(results)
 }
 

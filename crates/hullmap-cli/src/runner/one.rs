@@ -10,12 +10,13 @@ use std::time::Instant;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
 
+use super::cache::{Cache, Entry};
 use super::freshness::{Expected, Found, judge};
 use super::rows::{MAX_OBJECTS, Origin, Row, Status};
 use crate::args::verify::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
-use crate::jobs::key::{check_planned, read};
+use crate::jobs::key::{Ingredients, check_planned, read};
 use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
@@ -43,12 +44,24 @@ pub struct Build<'a> {
     pub force: bool,
     /// Bake nothing.
     pub check: bool,
+    /// Finished packs by key.
+    pub cache: Option<&'a Cache>,
     /// The folder of the packs.
     pub out: &'a Path,
     /// The folder where `bake` was started: packs record only paths inside it.
     pub project: &'a Path,
     /// The baker.
     pub baker: &'a Baker,
+}
+
+/// What became of an entry of the cache.
+enum Cached {
+    /// Its pack is in place.
+    Taken,
+    /// Its pack is not what a bake would write; the warning states why.
+    Rejected(String),
+    /// There is none, or it cannot be read.
+    Missing,
 }
 
 impl Build<'_> {
@@ -94,61 +107,6 @@ impl Build<'_> {
         (row, exit)
     }
 
-    /// Puts a pack in place that was baked elsewhere from a source with this XXH3-128, and
-    /// completes its row. It is accepted only if it is fresh, and with `--verify` if its hulls
-    /// match the source.
-    #[cfg(feature = "remote")]
-    pub fn place(&self, job: &Job, source_hash: u128, bytes: &[u8], mut row: Row) -> (Row, Exit) {
-        let start = Instant::now();
-        let exit = match catch_unwind(AssertUnwindSafe(|| self.accept(job, source_hash, bytes, &mut row))) {
-            Ok(Ok(())) => {
-                row.status = Status::Baked;
-                Exit::Done
-            }
-            Ok(Err(failure)) => {
-                (row.error, row.origin) = (Some(failure.message), None);
-                failure.exit
-            }
-            Err(_) => {
-                row.origin = None;
-                row.error = Some(format!("{}: internal error; please report it, with the file", row.source));
-                Exit::Rejected
-            }
-        };
-        row.notes.extend(job.name.note.clone());
-        row.warnings.extend(job.name.warning.clone());
-        row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
-        (row, exit)
-    }
-
-    #[cfg(feature = "remote")]
-    fn accept(&self, job: &Job, source_hash: u128, bytes: &[u8], row: &mut Row) -> Result<(), Failure> {
-        let (folder, output) = (folder_of(&job.output), row.output.clone());
-        if let Some(link) = link_below(self.out, folder) {
-            return Err(Failure::usage(through_link(&job.output, &link)));
-        }
-        let cannot_write = |error| cannot_write(&output, &error);
-        make_folder(folder).map_err(cannot_write)?;
-        let recorded_path = self.recorded_path(job)?;
-        let expected = Expected { source_hash, job, recorded_path: &recorded_path };
-        let file = write_beside(&job.output, bytes).map_err(cannot_write)?;
-        match judge(file.path(), &expected) {
-            Found::Fresh(file) => fill_from_file(&file, row),
-            Found::Stale(reason) => {
-                return Err(Failure::rejected(format!("{output}: the pack that the farm sent was rejected: {reason}")));
-            }
-            Found::Missing => return Err(cannot_write(std::io::ErrorKind::NotFound.into())),
-        }
-        if self.verify {
-            let source = read(job, &self.limits)?;
-            let mut own = Row::new(row.source.clone(), String::new(), Status::Failed);
-            let imported = self.import(job, &mut own, &source)?;
-            verify_pack(file.path(), &imported)
-                .map_err(|failure| Failure { message: format!("{output}: the farm's pack: {failure}"), ..failure })?;
-        }
-        put_in_place(file, &job.output).map_err(cannot_write)
-    }
-
     fn bake(&self, job: &Job, row: &mut Row, stage: Stage) -> Result<Status, Failure> {
         let source = read(job, &self.limits)?;
         check_planned(job, &source, self.project)?;
@@ -165,6 +123,22 @@ impl Build<'_> {
                 })?;
             }
             return Ok(status);
+        }
+        let key = match self.cache {
+            Some(_) if job.key.is_empty() => Ingredients::of_source(job, &source, self.project)?.key(),
+            // The planned key was checked.
+            _ => job.key.clone(),
+        };
+        let entry = self.cache.map(|cache| cache.entry(&key, job.options.file_kind()));
+        let mut rejected = None;
+        if let Some(entry) = &entry
+            && !self.force
+        {
+            rejected = match self.take_cached(entry, job, &source, row)? {
+                Cached::Taken => return Ok(Status::Baked),
+                Cached::Rejected(reason) => Some(reason),
+                Cached::Missing => None,
+            };
         }
 
         let imported = self.import(job, row, &source)?;
@@ -189,7 +163,47 @@ impl Build<'_> {
         }
         put_in_place(file, &job.output).map_err(cannot_write)?;
         row.origin = Some(Origin::Local);
+        // After the bake: warnings that precede it become a part of the pack.
+        row.warnings.extend(rejected);
+        if let Some(entry) = &entry {
+            entry.write(&bytes);
+        }
         Ok(Status::Baked)
+    }
+
+    /// Puts the pack of a cache's entry in place, if it is what a bake would write, and with
+    /// `--verify` if its hulls match the source. The entry is copied first, so that another process
+    /// cannot change what was judged.
+    fn take_cached(&self, entry: &Entry, job: &Job, source: &SourceFile, row: &mut Row) -> Result<Cached, Failure> {
+        let Some(bytes) = entry.read() else { return Ok(Cached::Missing) };
+        let output = row.output.clone();
+        let cannot_write = |error| cannot_write(&output, &error);
+        let rejected = |reason: &dyn std::fmt::Display| {
+            let entry = entry.path().display();
+            Ok(Cached::Rejected(format!("{entry}: this pack in the cache was rejected, and baked again: {reason}")))
+        };
+        make_folder(folder_of(&job.output)).map_err(cannot_write)?;
+        let recorded_path = self.recorded_path(job)?;
+        let expected = Expected { source_hash: source.hash, job, recorded_path: &recorded_path };
+        let file = write_beside(&job.output, &bytes).map_err(cannot_write)?;
+        drop(bytes);
+        let found = match judge(file.path(), &expected) {
+            Found::Fresh(found) => found,
+            Found::Stale(reason) => return rejected(&reason),
+            Found::Missing => return Err(cannot_write(std::io::ErrorKind::NotFound.into())),
+        };
+        if self.verify {
+            let mut own = Row::new(row.source.clone(), String::new(), Status::Failed);
+            let imported = self.import(job, &mut own, source)?;
+            if let Err(failure) = verify_pack(file.path(), &imported) {
+                return rejected(&failure);
+            }
+        }
+        fill_from_file(&found, row);
+        row.warnings = found.kept_warnings();
+        put_in_place(file, &job.output).map_err(cannot_write)?;
+        row.origin = Some(Origin::Cache);
+        Ok(Cached::Taken)
     }
 
     /// The bytes of the pack or of the triangle mesh, which the row then describes.

@@ -1,6 +1,6 @@
 //! Results of a build, one row per file, as JSON and as a table.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::outcome::Failure;
 use crate::table::{Align, Table, or_dash};
@@ -10,7 +10,7 @@ use hullmap_bake::number::grouped;
 use hullmap_verify::estimates::DecomposedObject;
 
 /// Result of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// It was baked.
@@ -32,15 +32,13 @@ pub enum Status {
 }
 
 /// Where a pack was baked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Origin {
-    /// On this machine.
+    /// Now, on this machine.
     Local,
-    /// Earlier; it comes from the cache of a farm.
+    /// Earlier: `--cache` had it.
     Cache,
-    /// By a worker of a farm.
-    Worker,
 }
 
 impl Status {
@@ -59,11 +57,11 @@ impl Status {
     }
 }
 
-/// Maximum number of objects in a row. Rows of a batch travel in one blob of bounded size.
+/// Maximum number of objects in a row.
 pub const MAX_OBJECTS: usize = 1000;
 
 /// Result of one file. Field names are the JSON's; `None` if the file did not reach that step.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The mesh; for an orphan, its former path.
     pub source: String,
@@ -91,10 +89,8 @@ pub struct Row {
     pub ranks: Option<Vec<u32>>,
     /// The first [`MAX_OBJECTS`] objects whose meshes were decomposed, or whose parts came with
     /// them; `None` for a pack that was not baked now.
-    #[serde(default)]
     pub objects: Option<Vec<DecomposedObject>>,
     /// What a triangle mesh consists of; `None` for a pack.
-    #[serde(default)]
     pub triangle_mesh: Option<MeshSummary>,
     /// Size of the pack.
     pub bytes: Option<u64>,
@@ -217,8 +213,14 @@ fn summary(rows: &[Row], is_check: bool) -> String {
     let rare = [Status::Failed, Status::Orphaned, Status::Pruned, Status::Unread];
     let rare = rare.into_iter().filter(|status| !always.contains(status) && count(*status) > 0);
     let counts = always.iter().copied().chain(rare);
-    let counts: Vec<String> =
-        counts.map(|status| format!("{} {}", grouped(count(status) as u64), status.word().to_lowercase())).collect();
+    let cached = rows.iter().filter(|row| row.origin == Some(Origin::Cache)).count() as u64;
+    let counts: Vec<String> = counts
+        .map(|status| {
+            let text = format!("{} {}", grouped(count(status) as u64), status.word().to_lowercase());
+            let has_cached = status == Status::Baked && cached > 0;
+            if has_cached { format!("{text} ({} from the cache)", grouped(cached)) } else { text }
+        })
+        .collect();
     if is_check {
         return counts.join(", ");
     }

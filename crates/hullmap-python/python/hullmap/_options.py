@@ -17,10 +17,6 @@ class BakeOptions(TypedDict, total=False):
 
     index: Optional[Literal["tree", "medium", "compact", "binary", "cubemap", "none"]]
     """Direction index; "tree" by default. "medium" and "compact" are smaller."""
-    index_budget: Optional[int]
-    """Choose the fastest tree within this number of bytes per hull vertex, instead of a named index."""
-    resolution: Optional[int]
-    """Cells along each edge of a cube face, 1 to 1024; only with ``index="cubemap"``."""
     max_vertices: Optional[int]
     """Maximum number of vertices, at least 4: makes an enclosing hull instead of the exact one. With
     ``decompose``, the maximum for each part; 64 by default."""
@@ -31,7 +27,7 @@ class BakeOptions(TypedDict, total=False):
         Literal["none", "physx", "physx-gpu", "jolt", "box3d", "unity", "unreal", "newton", "mujoco-warp"]
     ]
     """Simplify hulls and parts to the limits of an engine on vertices, faces and edges."""
-    decompose: Optional[Union[bool, Literal["cover"]]]
+    decompose: Optional[bool]
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""

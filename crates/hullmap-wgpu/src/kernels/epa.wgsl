@@ -1,4 +1,17 @@
-// EPA: one overlapping pair for each thread. `twin/epa.rs` explains the steps.
+// EPA: one overlapping pair for each thread.
+//
+// G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", 2001.
+//
+// 1. Start with the surface of GJK's tetrahedron, or of the support points along the six axes.
+// 2. A face is certain if its volume with the origin is. If all are, the lowest height of a corner
+//    over a face is a lower bound of the depth: see docs/intervals.md, section 13.
+// 3. The support point beyond the lowest face. Its plane is an upper bound.
+// 4. The point replaces the faces that see it. Their border is found by cancelling edges that
+//    occur in both directions, so the surface stays closed whatever the rounding.
+// 5. The witness points belong to the closest point of the surface.
+//
+// Deviation: the depth ends as stalled as soon as one face is not certain. There is no surface to
+// return to.
 
 // A corner of the polytope: w, offset and, in `word`, a triangle that is to be added. Or a face:
 // normal, height and, in `word`, its corners.
@@ -12,6 +25,14 @@ struct Cell {
 // MAX_VERTICES + MAX_FACES cells for each thread. Cells of neighbouring threads are neighbours.
 @group(0) @binding(8) var<storage, read_write> cells: array<Cell>;
 
+// The pairs that GJK left to this kernel.
+struct Overlapping {
+    count: u32,
+    indices: array<u32>,
+}
+@group(0) @binding(7) var<storage, read> overlapping: Overlapping;
+
+// Vertices of the polytope. A closed surface of them has at most 124 faces.
 const MAX_VERTICES = 64u;
 const MAX_FACES = 124u;
 // Triangles that are to be added: as many as there are words of corners.
@@ -337,7 +358,6 @@ fn finish(search: ptr<function, EpaSearch>, error: f32) -> Answer {
         out = no_answer(BUDGET);
         out.steps = before.steps;
         out.reads = before.reads;
-        out.gjk_steps = before.gjk_steps;
     }
     return out;
 }
@@ -345,9 +365,9 @@ fn finish(search: ptr<function, EpaSearch>, error: f32) -> Answer {
 @compute @workgroup_size(WORKGROUP)
 fn expand_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     local_thread = local;
-    if id.x < list[0] {
+    if id.x < overlapping.count {
         thread = id.x;
         stride = arrayLength(&cells) / (MAX_VERTICES + MAX_FACES);
-        epa(list[id.x + 1u]);
+        epa(overlapping.indices[id.x]);
     }
 }

@@ -1,7 +1,20 @@
-// GJK: one pair for each thread. `twin/gjk.rs` explains the steps.
+// GJK: one pair for each thread.
+//
+// Kenwright, section 3. E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing
+// the distance between complex objects in three-dimensional space", 1988.
+//
+// 1. The balls around and inside the hulls may decide.
+// 2. A support call in the direction of the origin. Its plane is a lower bound of the distance. A
+//    pair that has a simplex from the last batch starts with step 3.
+// 3. The point of the simplex closest to the origin is the next upper bound.
+// 4. A tetrahedron that holds the origin by more than the rounding error proves an overlap. If it
+//    holds it by less, the search continues across its closest face.
+// 5. For a depth, EPA continues from any tetrahedron that holds the origin. If GJK finds none, it
+//    starts from the axes.
 
 // The simplex with which the pair ended: a vertex of A and one of B for each corner. 0 for no
-// corner, CENTER for the centre, otherwise FIRST_WORD + a word of `blocks`.
+// corner, CENTER for the centre, otherwise FIRST_WORD + a word of `blocks`. Any numbers are valid:
+// those that are not vertices of the pair's hulls are ignored.
 struct State {
     corners: array<vec2u, 4>,
 }
@@ -9,6 +22,14 @@ struct State {
 // For all pairs, from batch to batch.
 @group(0) @binding(8) var<storage, read_write> states: array<State>;
 
+// The pairs that EPA continues. Their order depends on which thread is first, and no answer on it.
+struct Overlapping {
+    count: atomic<u32>,
+    indices: array<u32>,
+}
+@group(0) @binding(7) var<storage, read_write> overlapping: Overlapping;
+
+// Squared length below which a normal has no direction.
 const NO_NORMAL = 1e-30;
 
 fn is_vertex(hull: u32, stored: u32) -> bool {
@@ -87,31 +108,25 @@ fn gjk(index: u32) {
         answers[index] = no_answer(REJECTED);
         return;
     }
-    var search: GjkSearch;
-    if (parameters.flags & FIRST) != 0u {
-        search = start(pair);
-        if (parameters.flags & WARM) != 0u {
-            search.size = restore(pair, states[index]);
-        }
-    } else {
-        search = resume(index);
-    }
+    var search = start(pair);
     search.query = parameters.query;
+    if parameters.warm != 0u {
+        search.size = restore(pair, states[index]);
+    }
     // Whether the simplex comes from the last batch. Its closest point is then computed first.
-    let restored = (parameters.flags & FIRST) != 0u && search.size > 0u;
-    if search.size == 0u {
+    let restored = search.size > 0u;
+    if !restored {
         start_at_center(&search, pair);
     }
     approach(&search, pair, restored);
     finish(&search, index, pair);
 }
 
-// Steps 2 to 4, until the pair or the round ends: `extend` and `reduce` of the twin. The search
-// ends by breaks of this loop: compilers turn returns from its steps into conditions around all
-// that follows.
+// Steps 2 to 4, until the pair ends. The search ends by breaks of this loop: compilers turn returns
+// from its steps into conditions around all that follows.
 fn approach(search: ptr<function, GjkSearch>, pair: PairRecord, starts_restored: bool) {
     var restored = starts_restored;
-    while search.out.status == RUNNING && (restored || search.out.steps < parameters.round_steps) {
+    while search.out.status == RUNNING && (restored || search.out.steps < parameters.max_steps) {
         if !restored {
             search.out.steps += 1u;
             let reached = reach(pair, search.dir);
@@ -187,38 +202,14 @@ fn start_at_center(search: ptr<function, GjkSearch>, pair: PairRecord) {
     search.square = dot_of(center, center);
 }
 
-// The search as the last round left it.
-fn resume(index: u32) -> GjkSearch {
-    var search: GjkSearch;
-    search.out = answers[index];
-    fuel = MAX_READS - search.out.reads;
-    for (var corner = 0u; corner < 4u; corner++) {
-        simplex[corner] = progress[index].simplex[corner];
-    }
-    search.dir = progress[index].dir;
-    search.square = progress[index].square;
-    search.upper = progress[index].upper;
-    search.lower = progress[index].lower;
-    search.depth_upper = progress[index].depth_upper;
-    search.depth_lower = progress[index].depth_lower;
-    search.size = progress[index].size;
-    search.outward = progress[index].outward != 0u;
-    return search;
-}
-
-// What the next round or EPA continues from.
-fn pause(search: ptr<function, GjkSearch>, index: u32) {
+// What EPA continues from.
+fn hand_over(search: ptr<function, GjkSearch>, index: u32) {
     for (var corner = 0u; corner < 4u; corner++) {
         progress[index].simplex[corner] = simplex[corner];
     }
-    progress[index].dir = search.dir;
-    progress[index].square = search.square;
-    progress[index].upper = search.upper;
-    progress[index].lower = search.lower;
     progress[index].depth_upper = search.depth_upper;
     progress[index].depth_lower = search.depth_lower;
-    progress[index].size = search.size;
-    progress[index].outward = u32(search.outward);
+    overlapping.indices[atomicAdd(&overlapping.count, 1u)] = index;
 }
 
 // Outcome of a pair that makes no more progress.
@@ -377,11 +368,10 @@ fn turn_to_origin(search: ptr<function, GjkSearch>, y: vec3f) {
     }
 }
 
-// Stores the answer, the state for the next batch and, if the pair continues, its progress.
+// Stores the answer, the state for the next batch and, if EPA continues, its start.
 fn finish(search: ptr<function, GjkSearch>, index: u32, pair: PairRecord) {
     search.out.reads = MAX_READS - fuel;
-    search.out.gjk_steps = search.out.steps;
-    if search.out.status == RUNNING && search.out.steps >= parameters.max_steps {
+    if search.out.status == RUNNING {
         search.out.status = BUDGET;
     }
     var state: State;
@@ -389,17 +379,16 @@ fn finish(search: ptr<function, GjkSearch>, index: u32, pair: PairRecord) {
         state.corners[corner] = vec2u(simplex[corner].a, simplex[corner].b);
     }
     states[index] = state;
-    if search.out.status >= RUNNING {
-        pause(search, index);
-    } else {
-        widen(search, pair.rounding);
-    }
     var out = search.out;
     if loops_end_early() {
         out = no_answer(BUDGET);
         out.steps = search.out.steps;
         out.reads = search.out.reads;
-        out.gjk_steps = search.out.steps;
+    } else if out.status > RUNNING {
+        hand_over(search, index);
+    } else {
+        widen(search, pair.rounding);
+        out = search.out;
     }
     answers[index] = out;
 }
@@ -426,7 +415,7 @@ fn widen(search: ptr<function, GjkSearch>, error: f32) {
 @compute @workgroup_size(WORKGROUP)
 fn solve_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     local_thread = local;
-    if id.x < list[0] {
-        gjk(list[id.x + 1u]);
+    if id.x < parameters.count {
+        gjk(id.x);
     }
 }

@@ -1,8 +1,5 @@
 // Structures that the kernels read and write, and the arithmetic of all kernels. `records.rs` has
 // the same structures.
-//
-// Functions, names and the order of operations are the same as in the Rust twin; tests compare the
-// bits. A change to one needs the same change to the other.
 
 struct Hull {
     center: vec3f,
@@ -44,8 +41,8 @@ struct Answer {
     status: u32,
     steps: u32,
     reads: u32,
-    gjk_steps: u32,
-    padding: u32,
+    padding_x: u32,
+    padding_y: u32,
 }
 
 struct Parameters {
@@ -53,20 +50,15 @@ struct Parameters {
     count: u32,
     // INTERSECTS, DISTANCE or CONTACT.
     query: u32,
-    // Steps after which the round ends, and after which the pair ends.
-    round_steps: u32,
+    // Steps after which a pair ends.
     max_steps: u32,
     tolerance: f32,
-    // FIRST, WARM.
-    flags: u32,
-    // Statuses that a compaction keeps: from, and up to.
-    keep_from: u32,
-    keep_to: u32,
+    // 1 if pairs start from the simplex of the last batch.
+    warm: u32,
     // Always 3, but no compiler can know that: see loops_end_early.
     three: u32,
     padding_x: u32,
     padding_y: u32,
-    padding_z: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: Parameters;
@@ -78,26 +70,26 @@ const INTERSECTS = 0u;
 const DISTANCE = 1u;
 const CONTACT = 2u;
 
-// The pairs start, and do not continue after a round.
-const FIRST = 1u;
-// They start from the simplex of the last batch.
-const WARM = 2u;
-
 const SEPARATED = 0u;
 const OVERLAPPING = 1u;
 const OPEN = 2u;
 const STALLED = 3u;
 const BUDGET = 4u;
 const REJECTED = 5u;
-// The steps of the round ran out.
+// The search continues.
 const RUNNING = 6u;
 // EPA continues from the tetrahedron, or from the axes.
 const TETRAHEDRON = 7u;
 const AXES = 8u;
 
+// Nodes and blocks that a pair may read. Of pairs of hulls with up to 65,536 vertices, 99 % read less
+// than 300; the others are near the axis of a fan of thousands of faces, and read all of them.
 const MAX_READS = 2048u;
+// Twice the largest possible f32 would be infinite; every dot product is above this.
 const LOWEST = -3.0e38;
+// 2⁻²³: bound on the relative error of one operation.
 const EPSILON = 1.1920928955078125e-7;
+// A volume above this many times the product of the lengths of two edges and a corner is positive.
 const CERTAIN = 16.0 * EPSILON;
 const NO_INDEX = 0xffffffffu;
 
@@ -108,12 +100,17 @@ fn no_answer(status: u32) -> Answer {
 // Nodes and blocks that may still be read.
 var<private> fuel: u32;
 
+// A product and a sum. Tests replace this function by one that rounds as fused operations do.
+fn mad(a: f32, b: f32, c: f32) -> f32 {
+    return a * b + c;
+}
+
 fn dot_of(a: vec3f, b: vec3f) -> f32 {
-    return a.z * b.z + (a.y * b.y + a.x * b.x);
+    return mad(a.z, b.z, mad(a.y, b.y, a.x * b.x));
 }
 
 fn cross_of(a: vec3f, b: vec3f) -> vec3f {
-    return vec3f(a.y * b.z + -(a.z * b.y), a.z * b.x + -(a.x * b.z), a.x * b.y + -(a.y * b.x));
+    return vec3f(mad(a.y, b.z, -(a.z * b.y)), mad(a.z, b.x, -(a.x * b.z)), mad(a.x, b.y, -(a.y * b.x)));
 }
 
 fn l1(a: vec3f) -> f32 {

@@ -1,4 +1,4 @@
-// Points of the Minkowski difference, and the closest point of a simplex: `twin/simplex.rs`.
+// Points of the Minkowski difference, and the closest point of a simplex.
 
 struct Corner {
     w: vec3f,
@@ -8,17 +8,11 @@ struct Corner {
     b: u32,
 }
 
-// What the first kernel leaves to the next round, or to EPA.
+// What GJK leaves to EPA.
 struct Progress {
     simplex: array<Corner, 4>,
-    dir: vec3f,
-    square: f32,
-    upper: f32,
-    lower: f32,
     depth_upper: f32,
     depth_lower: f32,
-    size: u32,
-    outward: u32,
     padding_x: u32,
     padding_y: u32,
 }
@@ -26,8 +20,6 @@ struct Progress {
 @group(0) @binding(4) var<storage, read> pairs: array<PairRecord>;
 @group(0) @binding(5) var<storage, read_write> answers: array<Answer>;
 @group(0) @binding(6) var<storage, read_write> progress: array<Progress>;
-// The number of pairs, and their indices.
-@group(0) @binding(7) var<storage, read> list: array<u32>;
 
 const CENTER = 1u;
 const FIRST_WORD = 2u;
@@ -61,9 +53,9 @@ fn reach(pair: PairRecord, dir: vec3f) -> Reached {
         is_certain = is_certain && on_b.is_certain;
         hull = pair.b;
         along = vec3f(
-            -(pair.row_z.x * dir.z + (pair.row_y.x * dir.y + pair.row_x.x * dir.x)),
-            -(pair.row_z.y * dir.z + (pair.row_y.y * dir.y + pair.row_x.y * dir.x)),
-            -(pair.row_z.z * dir.z + (pair.row_y.z * dir.y + pair.row_x.z * dir.x)),
+            -dot_of(vec3f(pair.row_x.x, pair.row_y.x, pair.row_z.x), dir),
+            -dot_of(vec3f(pair.row_x.y, pair.row_y.y, pair.row_z.y), dir),
+            -dot_of(vec3f(pair.row_x.z, pair.row_y.z, pair.row_z.z), dir),
         );
     }
     return Reached(corner_of(pair, on_a.offset, on_a.at, on_b.offset, on_b.at), is_certain);

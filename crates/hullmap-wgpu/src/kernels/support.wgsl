@@ -1,4 +1,10 @@
-// The support query: `twin/support.rs` explains the steps.
+// The support query.
+//
+// 1. The direction's cell, and the branches above its leaf. A direction is placed up to rounding
+//    error, which the baker's margin covers.
+// 2. Planes and fans have no margin. Wherever f32 cannot distinguish their sides, both are
+//    visited, from a small stack.
+// 3. The candidate with the maximum dot product, of all leaves visited.
 
 const SCAN = 0u;
 const CUBE_MAP = 1u;
@@ -7,14 +13,19 @@ const BINARY = 2u;
 const STACK = 24u;
 const BLOCK_WORDS = 32u;
 const WORKGROUP = 64u;
+// Rounding to a grid number, see `hullmap_format::cube`.
 const GRID_BITS = 23u;
 const GRID_MASK = 8388607u;
 const GRID_SCALE = 4194303.0;
 const ROUND_BY = 12582912.0;
+// Width of the slab around a plane in which its side is uncertain, relative to |d|₁.
 const PLANE_DOUBT = 16.0 * EPSILON;
+// Error of a coordinate in the frame of a fan, relative to |d|₁.
 const FAN_DOUBT = 8.0 * EPSILON;
+// Rounding error of an angle.
 const ANGLE_DOUBT = 32.0 * EPSILON;
 
+// An f64 of two words, truncated to f32.
 fn decode(low: u32, high: u32) -> f32 {
     let exponent = i32((high >> 20u) & 0x7ffu) - 896;
     if exponent <= 0 {

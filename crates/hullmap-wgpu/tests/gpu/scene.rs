@@ -19,6 +19,13 @@ pub fn device() -> Option<Device> {
     }
 }
 
+/// The device as it is, and with kernels that round as fused operations do; none if there is none.
+pub fn devices() -> Vec<Device> {
+    let plain = device();
+    let fused = plain.is_some().then(|| Device::open_fused().expect("it compiles the kernels"));
+    plain.into_iter().chain(fused).collect()
+}
+
 /// Number of pairs of a test, which `HULLMAP_GPU_PAIRS` overrides.
 pub fn pair_count(default: usize) -> usize {
     std::env::var("HULLMAP_GPU_PAIRS").ok().and_then(|count| count.parse().ok()).unwrap_or(default)

@@ -1,8 +1,7 @@
 //! What crates may depend on and contain: walls between crates, circles of files, unsafe code,
-//! length of functions, other packages and their licences, and what is published.
+//! length of functions, and what is published.
 
 mod circles;
-mod dependencies;
 mod functions;
 mod packages;
 mod walls;

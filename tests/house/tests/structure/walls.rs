@@ -148,15 +148,6 @@ fn the_decomposition_for_c_depends_on_the_baker_alone() {
 }
 
 #[test]
-fn the_client_of_farms_does_not_depend_on_meshes() {
-    assert_unseen("hullmap-remote", &["hullmap", "hullmap-bake", "hullmap-format", "hullmap-import", "clap", "rayon"]);
-    for package in ["tonic", "tokio", "rustls", "ring"] {
-        assert!(!tree("hullmap-cli", "normal,build", &[]).contains(package), "only the feature connects to farms");
-        assert!(tree("hullmap-cli", "normal", &["--features", "remote"]).contains(package), "{package}");
-    }
-}
-
-#[test]
 fn robot_descriptions_depend_neither_on_meshes_nor_on_the_command() {
     assert_unseen("hullmap-robot", &["hullmap", "hullmap-bake", "hullmap-format", "hullmap-import", "clap", "rayon"]);
     assert!(tree("hullmap-cli", "normal", &[]).contains("hullmap-robot"));
@@ -206,16 +197,16 @@ fn commands_do_not_import_from_each_other() {
     assert!(count >= 15, "{count}");
 }
 
-/// `cargo test` in a fresh clone compiles neither engines nor farms.
+/// `cargo test` in a fresh clone compiles no engines.
 #[test]
-fn default_members_depend_neither_on_engines_nor_on_farms() {
+fn default_members_do_not_depend_on_engines() {
     let output = cargo(["tree", "--locked", "--prefix", "none", "--format", "{p}", "--edges", "normal,build,dev"]);
     let text = String::from_utf8(output.stdout).unwrap();
     let seen: BTreeSet<&str> = text.lines().filter_map(|line| line.split_whitespace().next()).collect();
     for package in ["hullmap-format", "hullmap-bake", "hullmap-import", "hullmap", "hullmap-cli", "hullmap-tests"] {
         assert!(seen.contains(package), "{package}");
     }
-    for package in ["parry3d", "parry3d-f64", "rapier3d", "tonic", "tokio", "ring", "pyo3"] {
+    for package in ["parry3d", "parry3d-f64", "rapier3d", "pyo3"] {
         assert!(!seen.contains(package), "{package}");
     }
 }
@@ -310,7 +301,7 @@ fn crates_that_read_files_justify_their_indexing() {
     let deny = "#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]";
     let sources = sources();
     let text = |path: &Path| fs::read_to_string(workspace().join(path)).unwrap();
-    for name in ["hullmap", "hullmap-c", "hullmap-format", "hullmap-import", "hullmap-remote"] {
+    for name in ["hullmap", "hullmap-c", "hullmap-format", "hullmap-import"] {
         let folder = Path::new("crates").join(name).join("src");
         let root = folder.join("lib.rs");
         assert!(text(&root).lines().any(|line| line == deny), "{}: no {deny}", root.display());

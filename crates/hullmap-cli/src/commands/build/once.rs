@@ -12,6 +12,7 @@ use crate::jobs::search::without_meshes;
 use crate::jobs::{Job, Jobs, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, sweep_below, write_beside};
+use crate::runner::cache::Cache;
 use crate::runner::one::{Baker, Build};
 use crate::runner::rows::{Row, Status};
 use crate::runner::{self, print_messages, write_rows};
@@ -66,16 +67,18 @@ pub fn build(
         let folders: BTreeSet<&Path> = outputs.chain(args.depfile.as_deref()).map(folder_of).collect();
         folders.into_iter().filter(|folder| link_below(&args.out, folder).is_none()).for_each(sweep);
     }
+    let cache = args.cache.as_deref().map(Cache::new);
     let build = Build {
         limits: args.meshes.limits.limits(),
         verify: args.verify,
         force: args.force,
         check: args.check,
+        cache: cache.as_ref(),
         out: &args.out,
         project,
         baker,
     };
-    let results = run_jobs(args, &chosen, &build)?;
+    let results = runner::run(&chosen, &build, &args.run)?;
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
     for folder in empty {
@@ -109,15 +112,6 @@ pub fn build(
     print_messages(&rows, args.run.quiet, args.prune);
     let exit = end(exit, write_rows(&rows, &args.run, args.check, out))?;
     depfile.map(|()| exit)
-}
-
-/// Runs jobs here, or on a farm.
-fn run_jobs(args: &BuildArgs, jobs: &[&Job], build: &Build) -> Result<Vec<(Row, Exit)>, Failure> {
-    #[cfg(feature = "remote")]
-    if args.remote.address.is_some() {
-        return crate::remote::run(jobs, build, &args.remote, &args.run);
-    }
-    runner::run(jobs, build, &args.run)
 }
 
 /// Whether an input is a folder: only then are orphans searched.

@@ -89,7 +89,7 @@ fn check_flags(args: &BuildArgs) -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
         (args.shard.is_some(), "--shard"),
         (args.meshes.config.is_some(), "--config"),
         (!args.meshes.exclude.is_empty(), "--exclude"),
-        (args.remote.address.is_some(), "--remote"),
+        (args.cache.is_some(), "--cache"),
         (!args.meshes.ext.is_empty(), "--ext"),
     ];
     if let Some((_, flag)) = unsupported.iter().find(|(is_set, _)| *is_set) {

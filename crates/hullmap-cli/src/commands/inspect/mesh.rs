@@ -74,8 +74,7 @@ pub fn write_text(report: &MeshDescription, out: &mut Output) -> Result<(), Fail
     let number = |value: usize| grouped(value as u64);
     let [low, high] = bounds.map(|corner| corner.map(shortest).join(" "));
     let edges = &summary.edges;
-    let recorded = &report.file.options;
-    let options = BuildOptions::from_recorded(recorded).map_or_else(|| recorded.clone(), |options| options.in_words());
+    let options = BuildOptions::recorded_in_words(&report.file.options);
     let mut rows = report.file.rows("triangle mesh", options, ("triangle", summary.triangles)).to_vec();
     rows.extend(report.warnings.iter().map(|warning| ("warning".to_owned(), warning.clone())));
     let edges = [

@@ -196,9 +196,8 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     out.line(format_args!("  format version     {}{lean}", report.format_version))?;
     out.line(format_args!("  bytes              {}", grouped(report.bytes)))?;
     out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
-    let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
-    out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
-    let cover = BuildOptions::from_recorded(&report.options).and_then(|options| options.decompose());
+    out.line(format_args!("  options            {}", BuildOptions::recorded_in_words(&report.options)))?;
+    let cover = BuildOptions::recorded_cover(&report.options);
     let reachable =
         cover.and_then(|cover| cover.reachable).map(|radius| format!("a ball of radius {radius} can get from outside"));
     for warning in &report.warnings {

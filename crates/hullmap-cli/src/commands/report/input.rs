@@ -110,9 +110,7 @@ pub fn analyse_file(
     });
     let input = Input { path: &place.path, pack, open_time, source, verification, remarks, polygons, up: args.up };
     let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
-    if let Some(options) = BuildOptions::from_recorded(pack.options()) {
-        analysis.options = options.in_words();
-    }
+    analysis.options = BuildOptions::recorded_in_words(pack.options());
     Ok(Analysed::Pack(Box::new(analysis)))
 }
 

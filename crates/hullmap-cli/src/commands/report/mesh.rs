@@ -43,7 +43,7 @@ pub fn analyse_mesh(
     if let Some(source) = &source {
         remarks.notes.extend(source.notes.iter().map(|note| adapted(note)));
     }
-    let options = BuildOptions::from_recorded(mesh.options()).map(|options| options.in_words());
+    let options = Some(BuildOptions::recorded_in_words(mesh.options()));
     Ok(MeshReport::new(MeshInput {
         path: &place.path,
         mesh,

@@ -20,7 +20,7 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
         remarks.warnings.clone_from(&source.warnings);
     }
     let hulls: Vec<Hull> = pack.hulls().collect();
-    let cover = BuildOptions::from_recorded(pack.options()).and_then(|options| options.decompose());
+    let cover = BuildOptions::recorded_cover(pack.options());
     let reachable = cover.and_then(|cover| cover.reachable);
     let mut found = Vec::new();
     // The parts of one object follow one another; the first has part number 0.

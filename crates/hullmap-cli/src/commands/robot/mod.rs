@@ -215,6 +215,7 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
         verify: false,
         force: args.force,
         check: args.check,
+        cache: None,
         out,
         project,
         baker: &bake_pack,
