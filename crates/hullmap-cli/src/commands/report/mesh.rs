@@ -43,12 +43,11 @@ pub fn analyse_mesh(
     if let Some(source) = &source {
         remarks.notes.extend(source.notes.iter().map(|note| adapted(note)));
     }
-    let options = Some(BuildOptions::recorded_in_words(mesh.options()));
     Ok(MeshReport::new(MeshInput {
         path: &place.path,
         mesh,
         source: source.map(|source| source_name(&source, mesh.source_path())),
-        options: options.unwrap_or_else(|| mesh.options().to_owned()),
+        options: BuildOptions::recorded_in_words(mesh.options()),
         remarks,
         checks: found.map(|found| Checks {
             rays: found.rays.unwrap_or_default(),
