@@ -458,8 +458,8 @@ impl Manifold {
     }
 
     /// Replaces the points by at most one, along the unit normal `normal` from A to B: the place of
-    /// the other body's face nearest to `point`, which is on the surface of `body`. There is none if
-    /// `body` is not there, or farther than the prediction. All are in A's frame.
+    /// the other body's face nearest to `point`, which is on the surface of `body`. There is none
+    /// if `body` is not there, or farther than the prediction. All are in A's frame.
     pub(crate) fn update_at<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         (a, b, b_in_a): (&A, &B, Pose),

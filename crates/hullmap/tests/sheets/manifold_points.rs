@@ -1,5 +1,5 @@
-//! Points of manifolds are on both surfaces: inputs on which they were not. `mesh-truth --manifolds`
-//! judges random ones.
+//! Points of manifolds are on both surfaces: inputs on which they were not. The program
+//! `mesh-truth --manifolds` judges random ones.
 
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cuboid, Sphere, Triangle};
