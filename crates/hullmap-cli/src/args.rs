@@ -400,8 +400,8 @@ pub struct RobotArgs {
     #[arg(long, help_heading = Section::Shape.heading())]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
-    /// `exclude` elements. A URDF file gets an SRDF file, which also has neighbours, and pairs that
-    /// touched in no random pose, which is no proof
+    /// `exclude` elements. A URDF file gets an SRDF file, which also has parents and children, and
+    /// pairs that touched in no random pose, which is no proof
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links

@@ -404,7 +404,7 @@ fn protrusion_is_never_below_a_sample() {
 fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
     let mut rng = SplitMix64::new(31);
     let (mut whole, mut partly, mut unknown) = (0, 0, 0);
-    for round in 0..320 {
+    for round in 0..400 {
         let soup = random_soup(&mut rng, 7);
         let solid = Solid::new(&soup);
         for triangle in &solid.triangles()[soup.triangles.len()..] {

@@ -129,6 +129,17 @@ impl ExactRay {
         turns != [0; 3] && !(turns.contains(&1) && turns.contains(&-1))
     }
 
+    /// The outward unit normal of a triangle on the front, whose coordinates are rounded only at the
+    /// end: the normal of a sliver would be rounding error. `None` if its corners are in a line.
+    pub(super) fn outward(&self, [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+        let areas = [0, 1, 2].map(|axis| Sum::cross([a, b], [a, c], axis));
+        let quotients = areas.iter().filter(|area| area.sign() != 0).map(|greatest| {
+            let sign = f64::from(-self.facing([a, b, c]) * greatest.sign());
+            DVec3::from_array([0, 1, 2].map(|axis| sign * areas[axis].over(greatest)[1]))
+        });
+        quotients.min_by(|p, q| p.length_squared().total_cmp(&q.length_squared()))?.try_normalize()
+    }
+
     /// How far a point is beyond the plane of a triangle that the ray crosses, as a volume:
     /// negative before the plane. The sign is exact.
     pub(super) fn beyond(&self, [a, b, c]: [DVec3; 3], facing: i32, point: DVec3) -> f64 {

@@ -6,7 +6,7 @@ use super::cache::Cache;
 use super::cast::{Impact, cast_by_support, cast_sharp};
 use super::motion::{CastSettings, Ray};
 use super::ray_hit::RayHit;
-use super::ray_polytope::ray_polytope;
+use super::ray_polytope::{NARROW, ray_polytope};
 use super::status::Status;
 use crate::pose::Pose;
 use crate::support::{SupportMap, SupportPoint};
@@ -83,8 +83,14 @@ pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
     let point = if hit { ray.point_at(t) } else { ray.origin() };
     let found = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
-    // Rounding error decides between hit and miss, or whether the hit is before the end.
-    let is_open = status == Status::Touching || hit && t_upper > settings.limit();
+    // Rounding error decides between hit and miss, whether the hit is before the end, or where along
+    // an edge it is.
+    let is_wide = t_upper - t_lower > NARROW * t_upper;
+    let is_open = match status {
+        Status::Touching => true,
+        Status::Stalled | Status::IterationLimit if is_wide => true,
+        _ => hit && t_upper > settings.limit(),
+    };
     if is_open && shape.polytope_vertex(0).is_some() {
         return ray_polytope(&|index| shape.polytope_vertex(index), ray, settings, found);
     }

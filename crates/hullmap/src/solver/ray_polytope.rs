@@ -33,7 +33,7 @@ const STEADY_PIVOTS: u32 = 20;
 
 /// Width of an interval relative to t, up to which a bound that was not reached counts as within
 /// the tolerance.
-const NARROW: f64 = 1e-9;
+pub(super) const NARROW: f64 = 1e-9;
 
 /// Vertices of a polytope, from the index 0 on.
 pub(super) type Vertices<'v> = &'v dyn Fn(u32) -> Option<DVec3>;
@@ -46,8 +46,9 @@ pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSet
     let RayHit { iterations, support_calls, .. } = grazing;
     let miss = RayHit { iterations, support_calls, normal: grazing.normal, ..RayHit::miss(ray) };
     let search = Search { line: ExactRay::new(ray, settings), vertices };
-    let Some(start) = search.start() else { return miss };
-    let (mut found, mut entry, mut exit) = (Meeting::new(), start, start);
+    let mut found = Meeting::new();
+    let Some(start) = search.start(&mut found) else { return miss };
+    let (mut entry, mut exit) = (start, start);
     let is_first = search.refine(&mut entry, Side::Front, &mut found);
     let is_last = found.is_ahead || search.refine(&mut exit, Side::Back, &mut found);
     if is_last && !found.is_ahead {
@@ -85,11 +86,12 @@ impl Search<'_> {
     }
 
     /// Step 1: a triangle of vertices that the line meets, not edge-on. `None` if it misses the
-    /// polytope.
+    /// polytope. Adds the vertices on the line: if it runs along an edge, the line enters at one of
+    /// them.
     ///
     /// If all vertices are in one plane with the line, a corner of the triangle is a point beside
     /// this plane. The hull of this point and the polytope meets the plane in the polytope alone.
-    fn start(&self) -> Option<[DVec3; 3]> {
+    fn start(&self, found: &mut Meeting) -> Option<[DVec3; 3]> {
         let line = &self.line;
         // Sides of the wedge, the clockwise one first; a vertex on the line, or two on opposite
         // sides of it.
@@ -97,6 +99,7 @@ impl Search<'_> {
         for vertex in self.each() {
             let Some([right, left]) = wedge else {
                 if line.is_on(vertex) {
+                    line.meet([vertex; 3], found);
                     through = Some([vertex; 2]);
                 } else {
                     wedge = Some([vertex; 2]);
@@ -105,7 +108,10 @@ impl Search<'_> {
             };
             // Positive if the vertex is counter-clockwise of the side.
             match (line.turn(right, vertex), line.turn(left, vertex)) {
-                (0, 0) if line.is_on(vertex) => through = Some([vertex; 2]),
+                (0, 0) if line.is_on(vertex) => {
+                    line.meet([vertex; 3], found);
+                    through = Some([vertex; 2]);
+                }
                 (0, 0) if line.is_between(right, vertex) => through = Some([right, vertex]),
                 (1, 1) => wedge = Some([right, vertex]),
                 (-1, -1) => wedge = Some([vertex, left]),
@@ -125,10 +131,9 @@ impl Search<'_> {
     }
 
     /// The normal of a triangle on the front, or another one if the polytope extends less beyond its
-    /// plane through a point: the normal of a sliver is rounding error.
+    /// plane through a point.
     fn outward(&self, triangle: [DVec3; 3], point: DVec3, other: DVec3) -> DVec3 {
-        let [a, b, c] = triangle;
-        let own = (b - a).cross(c - a).normalize_or(other) * -f64::from(self.line.facing(triangle));
+        let own = self.line.outward(triangle).unwrap_or(other);
         let beyond = |normal: DVec3| self.each().map(|v| (v - point).dot(normal)).fold(0.0, f64::max);
         if beyond(own) <= beyond(other) { own } else { other }
     }
