@@ -202,9 +202,11 @@ impl Tally {
             if !is_one_sided {
                 answers.extend(joints.casts(&ray, &settings));
             }
-            // All of a kind: the nearest surface of the scene.
+            // All of a kind: the nearest surface of the scene. Two may be within rounding error.
             for (of_kind, is_ray) in answers.into_iter().zip([true, false, false]) {
-                let first = of_kind.into_iter().min_by(|p, q| p.t.total_cmp(&q.t)).expect("a surface");
+                let t_lower = of_kind.iter().map(|found| found.t_lower).fold(f64::INFINITY, f64::min);
+                let nearest = of_kind.into_iter().min_by(|p, q| p.t.total_cmp(&q.t)).expect("a surface");
+                let first = RayHit { t_lower, ..nearest };
                 if let Some(wrong) = fault(&line, truth.as_ref(), &first, is_ray) {
                     let what = format!("{wrong}: {first:?}, {ray:?}, max_t {max_t}, truth {truth:?}");
                     self.wrong.push(format!("joints, --seed {seed} --first {index}, ray {round}: {what}"));

@@ -15,7 +15,8 @@
 //!    way.
 //!
 //! # Reference
-//! Dantzig, "Linear Programming and Extensions", 1963. docs/intervals.md, section 11, has the proof.
+//! Dantzig, "Linear Programming and Extensions", 1963; Bland, "New Finite Pivoting Rules for the
+//! Simplex Method", 1977. docs/intervals.md, section 11, has the proof.
 
 use glam::DVec3;
 
@@ -27,8 +28,9 @@ use super::status::Status;
 /// Maximum number of triangles on the way to the surface. Most rays need 1 to 5.
 const MAX_PIVOTS: u32 = 100;
 
-/// After so many triangles, the next vertex and the corner that it replaces are varied: where
-/// several triangles meet the line in one point, the farthest vertex may lead around in a circle.
+/// After so many triangles, the next vertex and the corner that it replaces are the first ones in a
+/// fixed order (Bland's rule): where several triangles meet the line in one point, the farthest
+/// vertex may lead around in a circle.
 const STEADY_PIVOTS: u32 = 20;
 
 /// Width of an interval relative to t, up to which a bound that was not reached counts as within
@@ -73,6 +75,11 @@ pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSet
 enum Side {
     Front,
     Back,
+}
+
+/// Any order of points.
+fn order(p: DVec3, q: DVec3) -> std::cmp::Ordering {
+    p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z))
 }
 
 struct Search<'v> {
@@ -148,18 +155,20 @@ impl Search<'_> {
             let sense = if side == Side::Front { -1.0 } else { 1.0 };
             let heights = self.each().map(|vertex| (sense * self.line.beyond(*triangle, facing, vertex), vertex));
             let farther = heights.filter(|(height, _)| *height > 0.0);
-            let vertex = if round < STEADY_PIVOTS {
+            let is_steady = round < STEADY_PIVOTS;
+            let vertex = if is_steady {
                 farther.max_by(|p, q| p.0.total_cmp(&q.0))
             } else {
-                // The last of the first few.
-                farther.take(1 + round as usize % 3).last()
+                farther.min_by(|p, q| order(p.1, q.1))
             };
             let Some((_, vertex)) = vertex.filter(|_| !is_enough) else { return true };
             let [a, b, c] = *triangle;
-            let mut next = [[vertex, b, c], [a, vertex, c], [a, b, vertex]];
+            let mut next = [(a, [vertex, b, c]), (b, [a, vertex, c]), (c, [a, b, vertex])];
             next.rotate_left(round as usize % 3);
-            // One of the three always does.
-            let Some(next) = next.into_iter().find(|next| self.line.pierces(*next)) else { return false };
+            // At least one of the three does.
+            let mut next = next.into_iter().filter(|(_, next)| self.line.pierces(*next));
+            let next = if is_steady { next.next() } else { next.min_by(|p, q| order(p.0, q.0)) };
+            let Some((_, next)) = next else { return false };
             *triangle = next;
         }
         false
