@@ -52,7 +52,7 @@ class Model:
     """The text of a random model."""
 
     def __init__(self, seed):
-        self.pick, self.rng = random.Random(seed), np.random.default_rng(seed)
+        self.seed, self.pick, self.rng = seed, random.Random(seed), np.random.default_rng(seed)
         # Geoms that are larger than all offsets overlap.
         self.is_crowded = seed % 2 == 0
         self.bodies, self.geoms, self.joints = ["world"], [], 0
@@ -217,6 +217,13 @@ def judge(text, path, tally, rng):
         if any(abs(distance) < GRAZING for distance in distances.values()):
             tally["grazing"] += 1
             continue
+        # MuJoCo's contacts of a pair may contradict its distance of the pair, which is right then.
+        for pair, distance in distances.items():
+            own = mujoco.mj_geomDistance(model, data, *pair, 10, None)
+            if (own <= 0) != (distance <= 0) and abs(own) > GRAZING:
+                tally["MuJoCo contradicts itself"] += 1
+                print(f"seed {text.seed}: geoms {pair}: MuJoCo's contact has the distance {distance}, mj_geomDistance {own}")
+                distances[pair] = own
         expected = {pair for pair, distance in distances.items() if distance <= 0}
         poses = hullmap.poses(data.xpos, data.xquat, order="wxyz")
         hits = [bool(robot.in_collision(poses=poses))]
