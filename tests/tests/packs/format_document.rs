@@ -1,6 +1,6 @@
-//! `docs/FORMAT.md` agrees with the bytes of packs. A reader written from the document alone agrees
-//! with `hullmap::Pack` on packs of all shapes, and the file that the document lists is the one
-//! that is baked today.
+//! `docs/contributors/FORMAT.md` agrees with the bytes of packs. A reader written from the document
+//! alone agrees with `hullmap::Pack` on packs of all shapes, and the file that the document lists
+//! is the one that is baked today.
 
 mod reader;
 
@@ -16,7 +16,7 @@ use reader::{File, section, u32_at, u64_at};
 use shapes::{families::Family, rng::SplitMix64};
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-const DOCUMENT: &str = include_str!("../../../docs/FORMAT.md");
+const DOCUMENT: &str = include_str!("../../../docs/contributors/FORMAT.md");
 const TETRAHEDRON: &str = include_str!("../../../assets/tetrahedron.obj");
 
 const SEED: u64 = 0xf0_0d_0c;
@@ -663,12 +663,12 @@ fn the_file_shown_is_the_one_baked_today() {
     let baked = shown_pack();
     let mut shown = Vec::new();
     for (offset, bytes, note) in listing() {
-        assert_eq!(offset, shown.len(), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        assert_eq!(offset, shown.len(), "docs/contributors/FORMAT.md: the line at {offset:08x}, {note}");
         let now = baked.get(offset..offset + bytes.len());
-        assert_eq!(now, Some(&bytes[..]), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        assert_eq!(now, Some(&bytes[..]), "docs/contributors/FORMAT.md: the line at {offset:08x}, {note}");
         shown.extend(bytes);
     }
-    assert_eq!(shown.len(), baked.len(), "docs/FORMAT.md shows all of the file");
+    assert_eq!(shown.len(), baked.len(), "docs/contributors/FORMAT.md shows all of the file");
 }
 
 #[test]

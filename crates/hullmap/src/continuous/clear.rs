@@ -137,7 +137,7 @@ impl Default for Clearance {
 /// Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
 /// articulated robots in complex environments", 2005, for motions that are proven instead of
 /// sampled.
-/// docs/intervals.md, section 15, proves the bounds.
+/// docs/contributors/intervals.md, section 15, proves the bounds.
 ///
 /// # Examples
 /// ```

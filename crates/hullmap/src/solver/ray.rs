@@ -52,7 +52,8 @@ impl SupportMap for Dot {
 /// its vertices more. No allocation.
 ///
 /// # Reference
-/// Snethen, "XenoCollide" (portal refinement along a ray). docs/intervals.md proves the interval.
+/// Snethen, "XenoCollide" (portal refinement along a ray). docs/contributors/intervals.md proves
+/// the interval.
 ///
 /// # Examples
 /// ```

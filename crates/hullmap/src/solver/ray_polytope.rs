@@ -16,7 +16,7 @@
 //!
 //! # Reference
 //! Dantzig, "Linear Programming and Extensions", 1963; Bland, "New Finite Pivoting Rules for the
-//! Simplex Method", 1977. docs/intervals.md, section 11, has the proof.
+//! Simplex Method", 1977. docs/contributors/intervals.md, section 11, has the proof.
 
 use glam::DVec3;
 

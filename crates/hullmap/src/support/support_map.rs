@@ -10,9 +10,9 @@ use glam::{DMat3, DVec3};
 /// Rounding error of a bound, in units of `f64::EPSILON` times the length of the interior point,
 /// the outer radius and the length of the translation.
 ///
-/// As in Lemma 4 of docs/intervals.md: the rotated direction costs 38 of the radius, the rotated
-/// point 19, comparing dot products 3, and the two sums half a unit each. The excess covers terms
-/// of second order.
+/// As in Lemma 4 of docs/contributors/intervals.md: the rotated direction costs 38 of the radius,
+/// the rotated point 19, comparing dot products 3, and the two sums half a unit each. The excess
+/// covers terms of second order.
 const BOUND_UNITS: [f64; 3] = [25.0, 64.0, 2.0];
 
 /// Support point of a shape: a point of the shape with the maximum dot product with the query

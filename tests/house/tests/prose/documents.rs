@@ -18,8 +18,8 @@ const TESTED: [(&str, &str, &str); 9] = [
     ("docs/usd.md", "python", "tests/usd/check.py"),
     ("docs/triangle-meshes.md", "rust", "tests/house/tests/prose/readme.rs"),
     ("docs/height-fields.md", "rust", "tests/house/tests/prose/readme.rs"),
-    ("docs/FORMAT.md", "c", "tests/tests/packs/format_document.rs"),
-    ("docs/FORMAT.md", "text", "tests/tests/packs/format_document.rs"),
+    ("docs/contributors/FORMAT.md", "c", "tests/tests/packs/format_document.rs"),
+    ("docs/contributors/FORMAT.md", "text", "tests/tests/packs/format_document.rs"),
 ];
 
 /// The fenced blocks of a document that name a language, with the headings above them.
