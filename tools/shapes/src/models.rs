@@ -40,13 +40,7 @@ impl Model {
             format!("Exercises: {exercises}."),
             "Made by make-assets (package shapes) from numbers alone; change it there.".to_owned(),
         ];
-        Self {
-            file_name,
-            title,
-            exercises,
-            rank: 3,
-            document: Document { header, objects, ..Document::default() },
-        }
+        Self { file_name, title, exercises, rank: 3, document: Document { header, objects, ..Document::default() } }
     }
 
     fn with_rank(mut self, rank: u32) -> Self {
