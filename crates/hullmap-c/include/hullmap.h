@@ -832,8 +832,8 @@ typedef struct {
     // At the lower bound of the time of impact, the distance exceeds the target by at most this
     // fraction of the sum of the outer radii. The default is 1e-6.
     double tolerance;
-    // Maximum number of distance and contact queries for each turn of 360 degrees, up to 100 turns.
-    // Turns of both shapes are added and rounded up. The default is 200.
+    // Maximum number of distance and contact queries for each turn of 360 degrees, up to 100
+    // turns. Turns of both shapes are added and rounded up. The default is 200.
     uint32_t max_iterations;
 } HullmapMotionSettings;
 

@@ -381,8 +381,8 @@ pub struct RobotArgs {
     /// Folder that contains packages or models, or is one itself; repeatable
     #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Links that get collisions from their visuals: links of URDF and SDF without one (missing), all
-    /// links, which lose their own (always), or none (never)
+    /// Links that get collisions from their visuals: links of URDF and SDF without one (missing),
+    /// all links, which lose their own (always), or none (never)
     #[arg(
         long,
         value_enum,

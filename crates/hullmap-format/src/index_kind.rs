@@ -9,7 +9,7 @@
 //! 2. `hullmap-bake`, `index/mod.rs`: how it is built.
 //! 3. `hullmap`, `support/index.rs`: how a direction finds its leaf.
 //! 4. `hullmap-cli`, `options/`: its name on the command line, and its text in a pack's record.
-//! 5. `docs/FORMAT.md`, and the test `format_document`, which implements that document
+//! 5. `docs/contributors/FORMAT.md`, and the test `format_document`, which implements that document
 //!    independently.
 //!
 //! Matches have no wildcard, so the compiler reports each location of steps 1 to 4.

@@ -24,7 +24,7 @@
 //! | [`height_field`] | a third kind: static ground whose heights are on a grid |
 //! | [`scale`] | coordinates between two bounds as numbers of 16 bits |
 //!
-//! `docs/FORMAT.md` describes the format byte by byte.
+//! `docs/contributors/FORMAT.md` describes the format byte by byte.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]

@@ -1,5 +1,5 @@
 //! Versions of the format. Any change to the bytes or to their meaning gets a new one.
-//! `docs/FORMAT.md` lists the history.
+//! `docs/contributors/FORMAT.md` lists the history.
 //!
 //! There are four at a time. So a pack keeps its bytes, and older programs can read it, unless it
 //! has data that they cannot read.

@@ -9,7 +9,7 @@
 //! 4. If the edge is free, but the proven clearance is low, repeat with a higher target.
 //!
 //! # Reference
-//! Schwarzer, Saha, Latombe 2005. docs/intervals.md, section 17, has the proof.
+//! Schwarzer, Saha, Latombe 2005. docs/contributors/intervals.md, section 17, has the proof.
 
 use hullmap::{Clearance, Settings, Status, Verdict};
 

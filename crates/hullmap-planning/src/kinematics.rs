@@ -87,7 +87,7 @@ impl Placement {
 }
 
 /// Rounding errors of a composition of frames, in units of `f64::EPSILON` times the length of the
-/// chain. docs/intervals.md, section 17, derives 86.
+/// chain. docs/contributors/intervals.md, section 17, derives 86.
 const STEP_ROUNDINGS: f64 = 128.0;
 
 /// Rounding errors for each radian of a hinge, and for each metre of a slider, in the same unit.

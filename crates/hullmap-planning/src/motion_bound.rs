@@ -3,7 +3,7 @@
 //! # Reference
 //! Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
 //! articulated robots in complex environments", 2005, for the principle. The bound is our own;
-//! docs/intervals.md, section 17, proves it.
+//! docs/contributors/intervals.md, section 17, proves it.
 //!
 //! # The bound
 //! Joint by joint, from the body to the root. Let the points of a body move by at most m as seen

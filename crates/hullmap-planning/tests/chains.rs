@@ -83,8 +83,8 @@ fn budgets_end_in_open_edges() {
     assert!(found.answer.verdict != Verdict::Hit && found.answer.status == Status::IterationLimit, "{found:?}");
 }
 
-/// A distance with a tolerance is undecided near the margin: a slow approach to it had an interval of
-/// many resolutions.
+/// A distance with a tolerance is undecided near the margin: a slow approach to it had an interval
+/// of many resolutions.
 #[test]
 fn the_interval_of_a_hit_is_as_narrow_as_the_resolution() {
     let mut random = SplitMix64::new(44);

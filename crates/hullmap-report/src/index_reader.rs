@@ -2,7 +2,8 @@
 //! slow and simple.
 //!
 //! The runtime does not expose its index, so this reads the same words from the file's bytes, after
-//! the file has passed all checks. Directions are located as described in `docs/FORMAT.md`.
+//! the file has passed all checks. Directions are located as described in
+//! `docs/contributors/FORMAT.md`.
 
 use std::fs::File;
 use std::path::Path;

@@ -9,7 +9,7 @@ use hullmap_format::{
 /// One section of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Section {
-    /// Its name in `docs/FORMAT.md`.
+    /// Its name in `docs/contributors/FORMAT.md`.
     pub name: &'static str,
     /// Its content.
     pub purpose: &'static str,

@@ -1,6 +1,6 @@
 //! Bound on every rounding error of the kernels, which the record of each pair holds
 //! (`records.rs`).
-//! docs/intervals.md, section 13, derives it.
+//! docs/contributors/intervals.md, section 13, derives it.
 
 /// Bound on the relative error of one operation in f32, whichever way it is rounded: 2⁻²³.
 pub(crate) const EPSILON: f64 = 1.0 / (1 << 23) as f64;

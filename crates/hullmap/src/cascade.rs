@@ -21,8 +21,8 @@
 //!
 //! # Deviations
 //! - The stages save cache misses on the index and the vertices rather than arithmetic: a support
-//!   query on a large hull costs little more than on a coarse one. Decision 15 in `docs/decisions`
-//!   has the measurements.
+//!   query on a large hull costs little more than on a coarse one. Decision 15 in
+//!   `docs/contributors/decisions` has the measurements.
 
 #![forbid(unsafe_code)]
 

@@ -91,7 +91,7 @@ impl Golden {
             let golden = golden.map_or("missing".to_owned(), |golden| format!("{golden:016x}"));
             let remedy = match (is_pack, self.format_version == found.format_version) {
                 (true, true) => {
-                    "the bytes of this format version changed: raise FORMAT_VERSION and give the reason in docs/FORMAT.md"
+                    "the bytes of this format version changed: raise FORMAT_VERSION and give the reason in docs/contributors/FORMAT.md"
                 }
                 _ => "if the change is intended, renew the file",
             };

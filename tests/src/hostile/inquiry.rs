@@ -21,7 +21,8 @@ const MORE_INTERVAL: usize = 16;
 /// One pair out of this many is also queried through the cascade and for its manifold.
 const MANIFOLD_INTERVAL: usize = 4;
 
-/// Maximum number of support calls of a query of two hulls, as docs/FORMAT.md states it.
+/// Maximum number of support calls of a query of two hulls, as docs/contributors/FORMAT.md states
+/// it.
 const MAX_SUPPORT_CALLS: u32 = 10_000;
 
 /// Seed of the directions.

@@ -145,8 +145,8 @@ impl Line {
         if t == f64::INFINITY { Ordering::Less } else { fraction.cmp(&self.time(t)) }
     }
 
-    /// The part of the ray in half-spaces: each is a normal and a point of its plane, and the normal
-    /// points inwards. Returns where it enters them.
+    /// The part of the ray in half-spaces: each is a normal and a point of its plane, and the
+    /// normal points inwards. Returns where it enters them.
     fn clip(&self, planes: impl IntoIterator<Item = (Whole, Whole)>) -> Option<Fraction> {
         let mut enter = Fraction(BigInt::ZERO, BigInt::from(1));
         let mut leave = self.limit.clone();

@@ -105,7 +105,8 @@ impl Course {
     }
 
     /// The lengths from which the query computes positions, in a frame at `origin`: c, v and the
-    /// arm of docs/intervals.md, section 15. From there, c may be farther away than in the world.
+    /// arm of docs/contributors/intervals.md, section 15. From there, c may be farther away than in
+    /// the world.
     fn length_of_query(&self, origin: DVec3) -> f64 {
         self.center_at_start().distance(origin) + self.linear.length() + self.arm()
     }

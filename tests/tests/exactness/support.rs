@@ -70,8 +70,9 @@ fn exact_at_any_scale_and_far_from_the_origin() {
 }
 
 /// Degenerate points that no family contains: ties, duplicates, every rank, nearly flat, nearly
-/// straight, and caps that are tilted by a few units in the last place. docs/intervals.md (section
-/// 9), docs/FORMAT.md and docs/limits.md state the worst regrets.
+/// straight, and caps that are tilted by a few units in the last place.
+/// docs/contributors/intervals.md (section 9), docs/contributors/FORMAT.md and docs/limits.md state
+/// the worst regrets.
 #[test]
 fn exact_on_degenerate_points() {
     let nearly_flat = |thickness: f32| -> Vec<[f32; 3]> {

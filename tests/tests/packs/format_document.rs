@@ -1,6 +1,6 @@
-//! `docs/FORMAT.md` agrees with the bytes of packs. A reader written from the document alone agrees
-//! with `hullmap::Pack` on packs of all shapes, and the file that the document lists is the one
-//! that is baked today.
+//! `docs/contributors/FORMAT.md` agrees with the bytes of packs. A reader written from the document
+//! alone agrees with `hullmap::Pack` on packs of all shapes, and the file that the document lists
+//! is the one that is baked today.
 
 mod reader;
 
@@ -16,7 +16,9 @@ use reader::{File, section, u32_at, u64_at};
 use shapes::{families::Family, rng::SplitMix64};
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-const DOCUMENT: &str = include_str!("../../../docs/FORMAT.md");
+const DOCUMENT: &str = include_str!("../../../docs/contributors/FORMAT.md");
+/// The bytes of a pack, listed with their meaning.
+const LISTING: &str = include_str!("../../../docs/contributors/tetrahedron.txt");
 const TETRAHEDRON: &str = include_str!("../../../assets/tetrahedron.obj");
 
 const SEED: u64 = 0xf0_0d_0c;
@@ -645,17 +647,15 @@ fn shown_pack() -> Vec<u8> {
     write_pack(&[bake(&tetrahedron(), IndexKind::Tree)], &source).unwrap()
 }
 
-/// Lines of the document's listing: offset, bytes, and note.
+/// Lines of the listing: offset, bytes, and note.
 fn listing() -> Vec<(usize, Vec<u8>, &'static str)> {
-    let (_, rest) = DOCUMENT.split_once("```text\n").unwrap();
-    let (listing, _) = rest.split_once("```").unwrap();
     let line = |line: &'static str| {
         let (bytes, note) = line.split_once('|')?;
         let (offset, bytes) = bytes.split_once(' ').unwrap();
         let bytes = bytes.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
         Some((usize::from_str_radix(offset, 16).unwrap(), bytes, note.trim()))
     };
-    listing.lines().filter_map(line).collect()
+    LISTING.lines().filter_map(line).collect()
 }
 
 #[test]
@@ -663,12 +663,12 @@ fn the_file_shown_is_the_one_baked_today() {
     let baked = shown_pack();
     let mut shown = Vec::new();
     for (offset, bytes, note) in listing() {
-        assert_eq!(offset, shown.len(), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        assert_eq!(offset, shown.len(), "tetrahedron.txt: the line at {offset:08x}, {note}");
         let now = baked.get(offset..offset + bytes.len());
-        assert_eq!(now, Some(&bytes[..]), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        assert_eq!(now, Some(&bytes[..]), "tetrahedron.txt: the line at {offset:08x}, {note}");
         shown.extend(bytes);
     }
-    assert_eq!(shown.len(), baked.len(), "docs/FORMAT.md shows all of the file");
+    assert_eq!(shown.len(), baked.len(), "tetrahedron.txt shows all of the file");
 }
 
 #[test]

@@ -155,34 +155,22 @@ fn readme(models: &[Model]) -> String {
     let mut text = String::from(
         "# Assets\n\
          \n\
-         Small OBJ files for tests, examples and first tries. The project generates them, so they have its licences, and\n\
-         their bytes are the same on every machine. Lengths have no unit, z is up, and faces wind counter-clockwise seen\n\
-         from outside.\n\
+         Small OBJ files for tests, examples and first tries. `cargo run -p shapes --bin make-assets -- assets` generates\n\
+         them, so they have the project's licences. Each file states its parameters. Lengths have no unit, z is up, and\n\
+         faces wind counter-clockwise seen from outside. The rank is 0 for a point, 1 a line, 2 a plane, 3 a solid.\n\
          \n\
-         To regenerate them after a change in `tools/shapes`:\n\
-         \n    \
-         cargo run -p shapes --bin make-assets -- assets\n\
-         \n\
-         To check that they are up to date (`cargo test -p shapes` does the same):\n\
-         \n    \
-         cargo run -p shapes --bin make-assets -- --check assets\n\
-         \n\
-         The rank is the affine rank of all vertices: 0 a point, 1 a line, 2 a plane, 3 a solid. Vertices are `v` lines,\n\
-         faces are `f` lines.\n\
-         \n\
-         | File | Model | Exercises | Rank | Vertices | Faces | Parameters |\n\
-         |---|---|---|---:|---:|---:|---|\n",
+         | File | Model | Exercises | Rank | Vertices | Faces |\n\
+         |---|---|---|---:|---:|---:|\n",
     );
     for model in models {
         writeln!(
             text,
-            "| [{file}]({file}) | {} | {} | {} | {} | {} | {} |",
+            "| [{file}]({file}) | {} | {} | {} | {} | {} |",
             model.title,
             model.exercises,
             model.rank,
             model.document.vertex_count(),
             model.document.face_count(),
-            model.parameters,
             file = model.file_name,
         )
         .expect("writing to a string does not fail");

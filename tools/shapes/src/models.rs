@@ -19,8 +19,6 @@ pub struct Model {
     pub title: &'static str,
     /// Features of the baker and of an OBJ reader that it exercises.
     pub exercises: &'static str,
-    /// Parameters of the model.
-    pub parameters: String,
     /// Affine rank of its vertices: 0 point, 1 line, 2 plane, 3 solid.
     pub rank: u32,
     /// Content of the file.
@@ -42,14 +40,7 @@ impl Model {
             format!("Exercises: {exercises}."),
             "Made by make-assets (package shapes) from numbers alone; change it there.".to_owned(),
         ];
-        Self {
-            file_name,
-            title,
-            exercises,
-            parameters,
-            rank: 3,
-            document: Document { header, objects, ..Document::default() },
-        }
+        Self { file_name, title, exercises, rank: 3, document: Document { header, objects, ..Document::default() } }
     }
 
     fn with_rank(mut self, rank: u32) -> Self {

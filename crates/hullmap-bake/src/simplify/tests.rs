@@ -120,8 +120,8 @@ fn a_ball_is_left_by_less_than_twice_the_best_known() {
     }
 }
 
-/// Prints the table of `docs/decisions/0003-simplified-hulls.md`. If `HULLMAP_MESHES` names a
-/// folder, its OBJ files are added.
+/// Prints the table of `docs/contributors/decisions/0003-simplified-hulls.md`. If `HULLMAP_MESHES`
+/// names a folder, its OBJ files are added.
 #[test]
 #[ignore = "prints a table"]
 #[expect(clippy::disallowed_methods, reason = "a measurement by hand; no library code reads the environment")]

@@ -52,8 +52,8 @@ pub struct MotionSettings {
     /// At the lower bound of the time of impact, the distance exceeds the target by at most this
     /// fraction of the sum of the outer radii. The default is 1e-6.
     pub tolerance: f64,
-    /// Maximum number of distance and contact queries for each turn of 360 degrees, up to 100 turns.
-    /// Turns of both shapes are added and rounded up. The default is 200.
+    /// Maximum number of distance and contact queries for each turn of 360 degrees, up to 100
+    /// turns. Turns of both shapes are added and rounded up. The default is 200.
     pub max_iterations: u32,
 }
 

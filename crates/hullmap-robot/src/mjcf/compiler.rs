@@ -2,8 +2,8 @@
 //!
 //! MuJoCo applies the folders of assets twice, by rules that differ:
 //! 1. While it reads a name in an included file, it looks in the *probed* folder: the last
-//!    `meshdir` of all files, or the last `assetdir` if that one is empty. If there is no such file,
-//!    the name starts from the folder of the included file.
+//!    `meshdir` of all files, or the last `assetdir` if that one is empty. If there is no such
+//!    file, the name starts from the folder of the included file.
 //! 2. Other names start from the *opened* folder. There, a later `assetdir` overrides an earlier
 //!    `meshdir`.
 //!

@@ -13,10 +13,10 @@ mod classes;
 pub(crate) mod compiler;
 mod contacts;
 mod edits;
-mod inline;
 mod joints;
 pub(crate) mod model;
 mod pose;
+mod source;
 mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,7 +31,7 @@ use crate::description::{
 use crate::document::Document;
 use crate::error::RobotError;
 use crate::frame::Frame;
-use crate::places::{InlineMesh, Places, Unresolved, folder_of};
+use crate::places::{Places, Unresolved, folder_of};
 use crate::primitive::{NamedPrimitive, Primitive};
 use crate::urdf;
 use classes::Classes;
@@ -39,6 +39,7 @@ use compiler::{Compiler, Start};
 pub(crate) use edits::edits;
 use model::{Geom, Model};
 use pose::between;
+use source::Source;
 use tree::{Element, Tree};
 
 /// Groups below this one are drawn unless the user hides them.
@@ -57,16 +58,6 @@ const NAMES_OF_GEOMS: [&str; 4] = ["geom", "geom1", "geom2", "objname"];
 struct Asset<'a> {
     element: Element<'a>,
     source: Source<'a>,
-}
-
-/// What a mesh asset states.
-enum Source<'a> {
-    File(&'a str),
-    Inline(Arc<InlineMesh>),
-    /// Invalid numbers, with the cause and the remedy.
-    Invalid(String),
-    /// Neither a file nor vertices.
-    Other,
 }
 
 /// Finds the bodies of a model. Its references include the files that attached models need.
@@ -149,7 +140,7 @@ fn assets<'a>(tree: &Tree<'a>, documents: &[Document]) -> Result<BTreeMap<String
                 format!("mesh `{name}` exists already, at {}:{line}; rename one of them", document.path().display());
             return Err(documents[element.document].error(element.node.range().start, message));
         }
-        let source = file.map_or_else(|| inline::source(element.node, &name), Source::File);
+        let source = file.map_or_else(|| Source::without_file(element.node, &name), Source::File);
         assets.insert(name, Asset { element, source });
     }
     Ok(assets)

@@ -4,7 +4,7 @@
 //
 // 1. Start with the surface of GJK's tetrahedron, or of the support points along the six axes.
 // 2. A face is certain if its volume with the origin is. If all are, the lowest height of a corner
-//    over a face is a lower bound of the depth: see docs/intervals.md, section 13.
+//    over a face is a lower bound of the depth: see docs/contributors/intervals.md, section 13.
 // 3. The support point beyond the lowest face. Its plane is an upper bound.
 // 4. The point replaces the faces that see it. Their border is found by cancelling edges that
 //    occur in both directions, so the surface stays closed whatever the rounding.

@@ -33,10 +33,11 @@ const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 ///
 /// The answer comes from the pair of parts that meet first, and its interval contains the time of
 /// impact of the compounds. A pair that grazes, where rounding error decides, before the first
-/// certain hit is the answer, with the status [`Stalled`](Status::Stalled), and the interval extends
-/// to the certain hit. If only grazing pairs were found, it contains the intervals of all of them.
-/// If there is no hit, points and normal mean nothing. A point ([`Sphere`](crate::shapes::Sphere) of
-/// radius 0) meets triangles and hulls exactly as a [`ray`] does.
+/// certain hit is the answer, with the status [`Stalled`](Status::Stalled), and the interval
+/// extends to the certain hit. If only grazing pairs were found, it contains the intervals of all
+/// of them. If there is no hit, points and normal mean nothing. A point
+/// ([`Sphere`](crate::shapes::Sphere) of radius 0) meets triangles and hulls exactly as a [`ray`]
+/// does.
 ///
 /// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
@@ -95,8 +96,8 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 /// Triangles and convex hulls are closed, and so is the ray at both ends, from t = 0 to `max_t`.
 /// Whether they meet is decided exactly. So a ray through an edge, a vertex or a seam hits every
 /// triangle and every part there, with certainty, and cannot slip between them to the surface
-/// behind. Other shapes, such as spheres, may be grazed, where rounding error decides. A grazed part
-/// that is nearer than the first certain hit is the answer, with the status
+/// behind. Other shapes, such as spheres, may be grazed, where rounding error decides. A grazed
+/// part that is nearer than the first certain hit is the answer, with the status
 /// [`Stalled`](Status::Stalled), and the interval extends to the certain hit. If only grazed parts
 /// were found, the interval contains the intervals of all of them.
 ///

@@ -2,7 +2,7 @@
 //!
 //! # Reference
 //! Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996, for the principle.
-//! The bounds below are our own; docs/intervals.md, section 15, proves them.
+//! The bounds below are our own; docs/contributors/intervals.md, section 15, proves them.
 //!
 //! # The bounds
 //! The *separation* along a unit direction n is the gap between the planes perpendicular to n
@@ -31,8 +31,8 @@ const MAX_TURN: f64 = std::f64::consts::FRAC_PI_2;
 const LONGEST_TURN: f64 = 0.999 * MAX_TURN;
 
 /// Rounding error of a separation and of the bulge, in units of `f64::EPSILON` times the lengths
-/// from which they are computed: docs/intervals.md, section 15, derives 137. Each radian of the
-/// motion adds [`TURN_ROUNDINGS`].
+/// from which they are computed: docs/contributors/intervals.md, section 15, derives 137. Each
+/// radian of the motion adds [`TURN_ROUNDINGS`].
 const ROUNDINGS: f64 = 160.0;
 
 /// Rounding error for each radian of the motion, in the same unit. The section derives 0.71.

@@ -53,7 +53,7 @@ impl Default for MotionSettings {
 /// `settings`. No allocation.
 ///
 /// # Reference
-/// Mirtich 1996 (conservative advancement). docs/intervals.md proves the interval.
+/// Mirtich 1996 (conservative advancement). docs/contributors/intervals.md proves the interval.
 ///
 /// # Examples
 /// ```

@@ -85,8 +85,8 @@ pub struct Clearance {
     /// - [`Within`](Status::Within): a hit, or a free motion whose clearance is at least the
     ///   [`share`](ClearSettings::share) of the nearest distance.
     /// - [`Overlapping`](Status::Overlapping): a hit at the start.
-    /// - [`IterationLimit`](Status::IterationLimit): the limit of queries was reached. The motion is
-    ///   open, or free with a smaller clearance.
+    /// - [`IterationLimit`](Status::IterationLimit): the limit of queries was reached. The motion
+    ///   is open, or free with a smaller clearance.
     /// - [`Touching`](Status::Touching), [`Stalled`](Status::Stalled): the same, but rounding error
     ///   stopped the search.
     pub status: Status,
@@ -137,7 +137,7 @@ impl Default for Clearance {
 /// Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
 /// articulated robots in complex environments", 2005, for motions that are proven instead of
 /// sampled.
-/// docs/intervals.md, section 15, proves the bounds.
+/// docs/contributors/intervals.md, section 15, proves the bounds.
 ///
 /// # Examples
 /// ```

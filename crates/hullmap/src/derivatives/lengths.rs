@@ -92,8 +92,8 @@ impl Distance {
         between(found.normal, [found.point_a, found.point_b], b_in_a, status)
     }
 
-    /// The answer with normal and points as accurate as rounding error allows, and true; or the best
-    /// that is known.
+    /// The answer with normal and points as accurate as rounding error allows, and true; or the
+    /// best that is known.
     fn refined<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(&self, a: &A, b: &B, b_in_a: Pose) -> (Self, bool) {
         let radii = a.convex_radius() + b.convex_radius();
         let refine = |answer: &Self| {

@@ -12,12 +12,12 @@
 //! # Reference
 //! The envelope theorem (Danskin 1966): the derivative of an optimum is the derivative of the
 //! function at the optimal points, if they are unique. So the normal and the witness points of an
-//! answer are all that is needed. docs/intervals.md, section 16.
+//! answer are all that is needed. docs/contributors/intervals.md, section 16.
 
 #![forbid(unsafe_code)]
 
 mod lengths;
-#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
+#[expect(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 mod newton;
 mod pose_derivative;
 mod times;

@@ -15,7 +15,7 @@
 //! 3. Accept the solution if no support point is farther along its normal, and if the places are on
 //!    the features. For distances, that proves it. Otherwise try wider tilts.
 //!
-//! docs/intervals.md, section 16.
+//! docs/contributors/intervals.md, section 16.
 
 use arrayvec::ArrayVec;
 use glam::{DMat3, DMat4, DVec3, DVec4};
@@ -39,8 +39,8 @@ const WIDER: f64 = 64.0;
 const TILTS: usize = 4;
 
 /// Error of heights and places, in units of `f64::EPSILON` times the lengths of the pair: rotated
-/// points (Lemma 2 of docs/intervals.md derives 25 for each shape) and the solution of the
-/// equations.
+/// points (Lemma 2 of docs/contributors/intervals.md derives 25 for each shape) and the solution of
+/// the equations.
 const ROUNDINGS: f64 = 256.0;
 
 /// Places may be beyond the ends of a line by this share of it: there, the next feature is as good.
@@ -123,9 +123,8 @@ pub(super) fn refined<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     error: f64,
     condition: Condition,
 ) -> Option<Refined> {
-    let first = tilt(error);
-    for step in 0..TILTS {
-        let tilt = (first * WIDER.powi(step as i32)).min(GREATEST_TILT);
+    let mut tilt = tilt(error).min(GREATEST_TILT);
+    for _ in 0..TILTS {
         let sides = (Placed::new(a, Pose::IDENTITY, tilt), Placed::new(b, b_in_a, tilt));
         let corners = (sides.0.corners(near.normal)?, sides.1.corners(-near.normal)?);
         let system = System { a: &sides.0, b: &sides.1, corners, condition };
@@ -135,6 +134,7 @@ pub(super) fn refined<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         if tilt == GREATEST_TILT {
             break;
         }
+        tilt = (tilt * WIDER).min(GREATEST_TILT);
     }
     None
 }

@@ -13,7 +13,7 @@
 //! 4. Points of the shapes are one convex radius away from the points of the cores, along the
 //!    normal.
 //!
-//! docs/intervals.md, section 16.
+//! docs/contributors/intervals.md, section 16.
 
 use glam::DVec3;
 

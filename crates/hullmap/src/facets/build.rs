@@ -5,7 +5,7 @@
 //!    depends on its error, except through the slack.
 //! 2. Order the faces around each vertex.
 //! 3. Prove that the cones of the vertices, each spanned by the normals of the vertex's faces, are
-//!    convex and cover all directions (docs/intervals.md, section 12).
+//!    convex and cover all directions (docs/contributors/intervals.md, section 12).
 //! 4. Bound the height by which the hull extends beyond a vertex in a direction of its cone: the
 //!    slack.
 //!

@@ -14,7 +14,8 @@ use crate::support::{LevelEdges, Lookup, SupportMap, SupportPoint};
 /// Maximum amount by which the dot product of the support point falls short of the maximum, divided
 /// by the outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal
 /// cone reaches less than 4e-15 beyond the cut. The worst hulls that were constructed lost 80 times
-/// as much, 3e-13, and this is three times the latter. See docs/intervals.md, section 9.
+/// as much, 3e-13, and this is three times the latter. See docs/contributors/intervals.md, section
+/// 9.
 const SUPPORT_ERROR: f64 = 1e-12;
 
 /// Maximum number of edges of a vertex whose level edges are determined. The tip of a cone may have

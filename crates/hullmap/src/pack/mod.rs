@@ -22,8 +22,8 @@
 //! Any process may write to a mapped file, so only the caller can promise that none does. `memmap2`
 //! and `fst` make mapping `unsafe` for the same reason. The price of safety is a copy: opening a
 //! large pack with [`Pack::open`] takes about twice as long as with [`Pack::map`]
-//! (docs/RELIABILITY.md has figures). Map a pack if that time matters, if processes should share
-//! its pages, or if there is not enough memory for a copy.
+//! (docs/contributors/RELIABILITY.md has figures). Map a pack if that time matters, if processes
+//! should share its pages, or if there is not enough memory for a copy.
 //!
 //! If the promise is broken, the damage is bounded in practice: positions and lengths of all
 //! sections were copied and checked in step 3, and all numbers that are still in the file are
@@ -36,7 +36,8 @@
 //! A pack states bounds on the work of its queries, and opening it compares them with the contents:
 //! [`Hull::worst_cost`](crate::Hull::worst_cost) bounds a support query, and a contact takes at
 //! most 10,000 of these. So a query of two hulls takes time at most proportional to the size of the
-//! pack. docs/FORMAT.md, section 8, has a table. `hostile-packs --only large` measures it.
+//! pack. docs/contributors/FORMAT.md, section 8, has a table. `hostile-packs --only large` measures
+//! it.
 //!
 //! No signal handler is installed: the program decides what happens on a fault.
 //!

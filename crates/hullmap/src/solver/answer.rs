@@ -68,7 +68,8 @@ impl Contact {
     }
 
     /// The same contact, with what follows from `others`, a lower bound of the depth along other
-    /// normals. docs/intervals.md, section 16, says along which, and proves that these are enough.
+    /// normals. docs/contributors/intervals.md, section 16, says along which, and proves that these
+    /// are enough.
     pub(super) fn with_others(self, others: f64, outer_radii: f64) -> Self {
         // NaN takes the failing branch.
         Self { is_only_normal: others >= self.depth_upper + 2.0 * self.deeper(outer_radii), ..self }

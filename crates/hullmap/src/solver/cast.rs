@@ -98,7 +98,7 @@ impl Default for Impact {
 /// distance queries of their cores. The number of steps is bounded by `settings`. No allocation.
 ///
 /// # Reference
-/// van den Bergen 2004; Snethen, "XenoCollide". docs/intervals.md proves the interval.
+/// van den Bergen 2004; Snethen, "XenoCollide". docs/contributors/intervals.md proves the interval.
 ///
 /// # Examples
 /// ```

@@ -14,7 +14,7 @@
 //! 6. EPA from the centre and the portal to the minimum depth.
 //! 7. Witness points from barycentric coordinates (line 10).
 //!
-//! docs/decisions/0010-solver.md has a drawing of them, and what each step is worth.
+//! docs/contributors/decisions/0010-solver.md has a drawing of them, and what each step is worth.
 //!
 //! # Deviations
 //! - Step 6. The paper takes the depth along the normal of the portal that the centre ray pierces,

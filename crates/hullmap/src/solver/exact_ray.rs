@@ -129,8 +129,9 @@ impl ExactRay {
         turns != [0; 3] && !(turns.contains(&1) && turns.contains(&-1))
     }
 
-    /// The outward unit normal of a triangle on the front, whose coordinates are rounded only at the
-    /// end: the normal of a sliver would be rounding error. `None` if its corners are in a line.
+    /// The outward unit normal of a triangle on the front, whose coordinates are rounded only at
+    /// the end: the normal of a sliver would be rounding error. `None` if its corners are in a
+    /// line.
     pub(super) fn outward(&self, [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
         let areas = [0, 1, 2].map(|axis| Sum::cross([a, b], [a, c], axis));
         let quotients = areas.iter().filter(|area| area.sign() != 0).map(|greatest| {

@@ -26,7 +26,7 @@ use std::hint::black_box;
 /// Coefficients of the bound on the error of a support value or of a plane's offset, in units of
 /// `f64::EPSILON` times a length of the query.
 ///
-/// docs/intervals.md derives them. The excess covers terms of second order.
+/// docs/contributors/intervals.md derives them. The excess covers terms of second order.
 mod rounding_units {
     pub(super) const CENTER_A: f64 = 5.0;
     pub(super) const CENTER_B: f64 = 25.0;

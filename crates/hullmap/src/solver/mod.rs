@@ -27,7 +27,7 @@
 //! Lengths are compared only with other lengths of the query, so nothing changes with the scale of
 //! the scene.
 //!
-//! docs/decisions/0010-solver.md has what was tried and rejected.
+//! docs/contributors/decisions/0010-solver.md has what was tried and rejected.
 
 #![forbid(unsafe_code)]
 

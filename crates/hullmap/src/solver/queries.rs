@@ -166,8 +166,8 @@ fn interval_status(status: Status, [lower, upper]: [f64; 2], tolerance: f64, tou
 /// if the cores overlap. No allocation.
 ///
 /// # Reference
-/// Kenwright, Algorithm 1 and Listing 2; van den Bergen 2001 for the depth. docs/intervals.md
-/// proves the interval.
+/// Kenwright, Algorithm 1 and Listing 2; van den Bergen 2001 for the depth.
+/// docs/contributors/intervals.md proves the interval.
 ///
 /// # Examples
 /// ```
@@ -329,8 +329,8 @@ fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// distance queries of their cores. No allocation.
 ///
 /// # Reference
-/// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/intervals.md proves the
-/// interval.
+/// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/contributors/intervals.md
+/// proves the interval.
 ///
 /// # Examples
 /// ```

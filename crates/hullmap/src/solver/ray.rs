@@ -43,8 +43,8 @@ impl SupportMap for Dot {
 /// ray that starts inside hits at t = 0, with the status [`Overlapping`](Status::Overlapping). A
 /// ray whose direction is zero hits only the shape that its origin is in.
 ///
-/// A shape is closed, and so is the ray at both ends, from t = 0 to `max_t`. If rounding error might
-/// decide, the vertices of a hull, a box or a triangle decide exactly.
+/// A shape is closed, and so is the ray at both ends, from t = 0 to `max_t`. If rounding error
+/// might decide, the vertices of a hull, a box or a triangle decide exactly.
 ///
 /// # Complexity
 /// No support call if the ray misses the bounding ball of the shape, 10 to 20 for most hits. The
@@ -52,7 +52,8 @@ impl SupportMap for Dot {
 /// its vertices more. No allocation.
 ///
 /// # Reference
-/// Snethen, "XenoCollide" (portal refinement along a ray). docs/intervals.md proves the interval.
+/// Snethen, "XenoCollide" (portal refinement along a ray). docs/contributors/intervals.md proves
+/// the interval.
 ///
 /// # Examples
 /// ```
@@ -83,8 +84,8 @@ pub fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings
     let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
     let point = if hit { ray.point_at(t) } else { ray.origin() };
     let found = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
-    // Rounding error decides between hit and miss, whether the hit is before the end, or where along
-    // an edge it is.
+    // Rounding error decides between hit and miss, whether the hit is before the end, or where
+    // along an edge it is.
     let is_wide = t_upper - t_lower > NARROW * t_upper;
     let is_open = match status {
         Status::Touching => true,

@@ -16,7 +16,7 @@
 //!
 //! # Reference
 //! Dantzig, "Linear Programming and Extensions", 1963; Bland, "New Finite Pivoting Rules for the
-//! Simplex Method", 1977. docs/intervals.md, section 11, has the proof.
+//! Simplex Method", 1977. docs/contributors/intervals.md, section 11, has the proof.
 
 use glam::DVec3;
 
@@ -137,8 +137,8 @@ impl Search<'_> {
         pairs.find(|triangle| line.pierces(*triangle))
     }
 
-    /// The normal of a triangle on the front, or another one if the polytope extends less beyond its
-    /// plane through a point.
+    /// The normal of a triangle on the front, or another one if the polytope extends less beyond
+    /// its plane through a point.
     fn outward(&self, triangle: [DVec3; 3], point: DVec3, other: DVec3) -> DVec3 {
         let own = self.line.outward(triangle).unwrap_or(other);
         let beyond = |normal: DVec3| self.each().map(|v| (v - point).dot(normal)).fold(0.0, f64::max);

@@ -6,7 +6,7 @@
 //!
 //! # Reference
 //! van den Bergen, "Ray casting against general convex objects with application to continuous
-//! collision detection", 2004. docs/intervals.md proves the interval.
+//! collision detection", 2004. docs/contributors/intervals.md proves the interval.
 //!
 //! # Steps
 //! 1. Compute the distance of the cores at t (GJK, from the simplex of the last step). Its plane

@@ -18,8 +18,8 @@ pub enum Status {
     /// The interval is within [`Settings::tolerance`](crate::Settings::tolerance).
     Within,
     /// The shapes touch: rounding error leaves open whether they overlap. A gap or a penetration is
-    /// at most 64 rounding errors: docs/intervals.md, section 6, states them. For baked hulls near
-    /// the origin, that is 1e-10 of the sum of their outer radii.
+    /// at most 64 rounding errors: docs/contributors/intervals.md, section 6, states them. For
+    /// baked hulls near the origin, that is 1e-10 of the sum of their outer radii.
     Touching,
     /// The shapes overlap. Only [`distance`](crate::distance) returns it, with a distance of 0.
     Overlapping,

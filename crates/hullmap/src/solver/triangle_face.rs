@@ -1,7 +1,7 @@
 //! Contact of a triangle and a convex shape through the triangle's face, by one support query.
 //!
 //! # Reference
-//! docs/intervals.md, section 18, proves the depth.
+//! docs/contributors/intervals.md, section 18, proves the depth.
 //!
 //! # Steps
 //! 1. Of the two faces, take the one towards the shape's interior point c. Let p be the shape's

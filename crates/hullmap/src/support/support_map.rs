@@ -10,9 +10,9 @@ use glam::{DMat3, DVec3};
 /// Rounding error of a bound, in units of `f64::EPSILON` times the length of the interior point,
 /// the outer radius and the length of the translation.
 ///
-/// As in Lemma 4 of docs/intervals.md: the rotated direction costs 38 of the radius, the rotated
-/// point 19, comparing dot products 3, and the two sums half a unit each. The excess covers terms
-/// of second order.
+/// As in Lemma 4 of docs/contributors/intervals.md: the rotated direction costs 38 of the radius,
+/// the rotated point 19, comparing dot products 3, and the two sums half a unit each. The excess
+/// covers terms of second order.
 const BOUND_UNITS: [f64; 3] = [25.0, 64.0, 2.0];
 
 /// Support point of a shape: a point of the shape with the maximum dot product with the query
@@ -63,12 +63,12 @@ pub struct FeaturePoint {
 
 impl FeaturePoint {
     /// A vertex is the farthest point along every direction.
-    pub fn vertex(point: DVec3) -> Self {
+    pub(crate) fn vertex(point: DVec3) -> Self {
         Self { point, derivative: DMat3::ZERO }
     }
 
     /// The point of the Minkowski sum of the feature and a ball. `dir` is not 0.
-    pub fn rounded(self, dir: DVec3, radius: f64) -> Self {
+    pub(crate) fn rounded(self, dir: DVec3, radius: f64) -> Self {
         let (length, n) = (dir.length(), dir.normalize());
         let across = DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z);
         Self { point: self.point + n * radius, derivative: self.derivative + across * (radius / length) }
@@ -264,9 +264,9 @@ pub trait SupportMap {
         self.point(feature)
     }
 
-    /// The point of the core with this feature that is farthest along `dir`, which is not 0, and its
-    /// derivative. By default a vertex, the [`core_point`](Self::core_point). `None`: nothing is
-    /// known about the feature.
+    /// The point of the core with this feature that is farthest along `dir`, which is not 0, and
+    /// its derivative. By default a vertex, the [`core_point`](Self::core_point). `None`: nothing
+    /// is known about the feature.
     #[doc(hidden)]
     fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
         let _ = dir;

@@ -195,8 +195,8 @@ fn shares_out_of_range_are_harmless() {
     assert!(found.verdict != Verdict::Free && found.t_lower <= 0.5, "{found:?}");
 }
 
-/// A clearance that was requested and not reached had no status. A small distance was one reason: the
-/// search gave up within the tolerance.
+/// A clearance that was requested and not reached had no status. A small distance was one reason:
+/// the search gave up within the tolerance.
 #[test]
 fn a_clearance_is_the_requested_share_or_has_a_status() {
     let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::ONE).unwrap();

@@ -97,8 +97,8 @@ impl Judged {
     }
 }
 
-/// Gradients of curved shapes were as inaccurate as the square root of the tolerance, and were called
-/// unique.
+/// Gradients of curved shapes were as inaccurate as the square root of the tolerance, and were
+/// called unique.
 #[test]
 fn gradients_of_curved_shapes_are_exact_for_every_tolerance() {
     let pack = packs::tree_pack(&families::rock(20, 3));

@@ -1,5 +1,5 @@
-//! Rays at the joints of triangles and of parts, with the floor behind: the nearest surface answers,
-//! certainly. `hullmap_tests::sheets::joints` has random ones.
+//! Rays at the joints of triangles and of parts, with the floor behind: the nearest surface
+//! answers, certainly. `hullmap_tests::sheets::joints` has random ones.
 
 use glam::DVec3;
 use hullmap::compound::{self, OneSided};

@@ -10,7 +10,7 @@ use crate::readme::documents;
 const FOLLOWERS: [&str; 2] = [".ci/nightly", "crates/hullmap-wasm/tests/run"];
 
 /// Documents whose examples in a language are run by a test, which names the document.
-const TESTED: [(&str, &str, &str); 9] = [
+const TESTED: [(&str, &str, &str); 7] = [
     ("crates/hullmap-c/README.md", "c", "crates/hullmap-c/tests/programs.rs"),
     ("crates/hullmap-c/README.md", "cpp", "crates/hullmap-c/tests/programs.rs"),
     ("crates/hullmap-python/README.md", "python", "crates/hullmap-python/tests/test_package.py"),
@@ -18,8 +18,6 @@ const TESTED: [(&str, &str, &str); 9] = [
     ("docs/usd.md", "python", "tests/usd/check.py"),
     ("docs/triangle-meshes.md", "rust", "tests/house/tests/prose/readme.rs"),
     ("docs/height-fields.md", "rust", "tests/house/tests/prose/readme.rs"),
-    ("docs/FORMAT.md", "c", "tests/tests/packs/format_document.rs"),
-    ("docs/FORMAT.md", "text", "tests/tests/packs/format_document.rs"),
 ];
 
 /// The fenced blocks of a document that name a language, with the headings above them.

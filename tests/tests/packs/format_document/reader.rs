@@ -1,5 +1,5 @@
-//! A reader of `.hullmap` files, written from `docs/FORMAT.md` without code of the project. It is
-//! simple, not fast.
+//! A reader of `.hullmap` files, written from `docs/contributors/FORMAT.md` without code of the
+//! project. It is simple, not fast.
 //!
 //! Numbers in comments are sections of the document. The reader panics on damaged files, which
 //! fails the test.

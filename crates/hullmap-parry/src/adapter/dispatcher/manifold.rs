@@ -21,7 +21,7 @@ use super::BakedHull;
 use super::pair::{HullPair, Placement, on_pair, pair, plane};
 
 /// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry.
-/// docs/decisions/0020-engines.md has the measurements.
+/// docs/contributors/decisions/0020-engines.md has the measurements.
 const HARDLY_TURNED: Real = 0.999_847_7;
 
 /// Square of the distance (1 mm) up to which a point has hardly moved, as in parry.

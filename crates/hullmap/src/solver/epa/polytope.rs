@@ -23,7 +23,7 @@
 //! - [`Polytope::encloses`] proves that the surface winds around the origin. Inserting a vertex
 //!   keeps that property if, along the normal of each removed face, the face and the new vertex are
 //!   beyond the origin. Then the minimum offset is the radius of a ball inside the
-//!   Minkowski difference, even if the surface is not convex (docs/intervals.md).
+//!   Minkowski difference, even if the surface is not convex (docs/contributors/intervals.md).
 
 use crate::solver::barycentric::on_triangle;
 use crate::solver::bound::SAME_NORMAL;

@@ -1,7 +1,8 @@
 //! Clipping of a line by support planes: the part of the line that may be in the shape.
 //!
 //! # Reference
-//! Cyrus, Beck 1978 (clipping a line by a convex polytope). docs/intervals.md proves the bounds.
+//! Cyrus, Beck 1978 (clipping a line by a convex polytope). docs/contributors/intervals.md proves
+//! the bounds.
 
 use glam::DVec3;
 
@@ -9,7 +10,7 @@ use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
 
 /// Error of a line's points and of a crossing, in units of `f64::EPSILON` times a length of the
-/// query. docs/intervals.md derives 6; the excess covers terms of second order.
+/// query. docs/contributors/intervals.md derives 6; the excess covers terms of second order.
 const LINE_ROUNDINGS: f64 = 8.0;
 
 /// The part of a line that may be in a convex set.

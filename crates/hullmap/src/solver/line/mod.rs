@@ -6,8 +6,8 @@
 //! # Reference
 //! Snethen, "XenoCollide", Game Programming Gems 7 (portal refinement along a ray); van den Bergen,
 //! "Ray casting against general convex objects with application to continuous collision detection",
-//! 2004, for the shape cast as a ray cast of the Minkowski difference. docs/intervals.md proves the
-//! interval.
+//! 2004, for the shape cast as a ray cast of the Minkowski difference.
+//! docs/contributors/intervals.md proves the interval.
 //!
 //! # Steps
 //! 1. [`Clip`]: the ball around C, the limit of the ray. No support call.

@@ -22,7 +22,7 @@ use crate::support::SupportMap;
 use crate::support::simd::{Dispatch, Pass, Simd};
 
 /// Bound of the error of a value of the pass, in units of 2⁻²⁴ times the reach: see
-/// docs/intervals.md, section 12, which derives 20.
+/// docs/contributors/intervals.md, section 12, which derives 20.
 const ERROR_UNITS: f64 = 32.0;
 
 /// Half a unit in the last place of 1 in f32.

@@ -4,7 +4,7 @@
 //! # Reference
 //! D. Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013, for the Gauss map.
 //! The minimum over an arc from the other shape's support points alone, without its edges, is our
-//! own. docs/intervals.md, section 12, proves the bounds.
+//! own. docs/contributors/intervals.md, section 12, proves the bounds.
 //!
 //! # Steps
 //! 1. The line of centres, if the balls inside the shapes do not overlap and the cache had no axis
@@ -61,7 +61,7 @@ const MAX_BISECTIONS: u32 = 16;
 const EQUAL: f64 = 0.125;
 
 /// Rounding error of a direction, and of its length, in units of `f64::EPSILON` times the reach:
-/// docs/intervals.md, section 12.
+/// docs/contributors/intervals.md, section 12.
 const DIRECTION_UNITS: f64 = 24.0;
 
 /// Depths up to this many rounding errors are left to the general path, which distinguishes
@@ -70,7 +70,8 @@ const TINY_ROUNDINGS: f64 = 32.0;
 
 /// Whether the test is likely to be faster than the general path. The fewer vertices, the more it
 /// gains: not for a pair that hardly overlaps, nor for one whose last polytope EPA can start from,
-/// and above 16 vertices for neither. docs/decisions/0012-separating-axes.md has the measurements.
+/// and above 16 vertices for neither. docs/contributors/decisions/0012-separating-axes.md has the
+/// measurements.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],

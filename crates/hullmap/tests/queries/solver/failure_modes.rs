@@ -683,8 +683,8 @@ fn parallel_close_faces() {
     }
 }
 
-/// Two needles with a gap of 5e-11, and a simplex that seems to contain the origin: they were called
-/// touching, although a gap of more than 16 rounding errors is certain.
+/// Two needles with a gap of 5e-11, and a simplex that seems to contain the origin: they were
+/// called touching, although a gap of more than 16 rounding errors is certain.
 #[test]
 fn needles_that_touch_are_near_each_other() {
     /// A point cloud whose support points may fall short, as the index of a hull allows.
