@@ -11,7 +11,6 @@ use roxmltree::Node;
 use super::Source;
 use crate::places::InlineMesh;
 
-/// The mesh of an asset without a file.
 pub fn source<'a>(asset: Node, name: &str) -> Source<'a> {
     let Some(vertices) = asset.attribute("vertex") else { return Source::Other };
     let read = || {
@@ -31,7 +30,6 @@ pub fn source<'a>(asset: Node, name: &str) -> Source<'a> {
     }
 }
 
-/// Numbers in threes; `None` for anything else.
 fn triples<T: FromStr + Copy>(text: &str) -> Option<Vec<[T; 3]>> {
     let numbers: Vec<T> = text.split_whitespace().map(|word| word.parse().ok()).collect::<Option<_>>()?;
     let (triples, rest) = numbers.as_chunks::<3>();
